@@ -123,7 +123,7 @@ def follower(mimic: str, limit: str = '<limit lower="-1" upper="1" velocity="1" 
 
 CASES: dict[str, Case] = {
     # the file
-    "file-not-found": Case({"arm.toml": 'source = "gone.urdf"'}),
+    "file-unreadable: none": Case({"arm.toml": 'source = "gone.urdf"'}),
     "file-unreadable": xacro('<xacro:include filename="folder/."/>', files={"folder/x.txt": ""}),
     "companion-unusable: arm.toml": toml("speed = 3"),
     "xml-malformed": urdf("<robot><link></robot>"),
@@ -139,8 +139,8 @@ CASES: dict[str, Case] = {
     "word-unread: a version": urdf(two_joints().replace('<robot ', '<robot version="3.0" ')),
     "name-unusable: none": urdf(two_joints().replace('<link name="upper"/>', '<link name="upper"/><link/>')),
     "name-unusable: twice": urdf(robot(joint("a", "base_link", "upper"), joint("a", "upper", "tool0"))),
-    "link-undefined: none": urdf(two_joints().replace('<child link="upper"/>', "")),
-    "link-undefined": urdf(robot(joint("a", "base_link", "uper"), LOOSE)),
+    "not-a-tree: no child": urdf(two_joints().replace('<child link="upper"/>', "")),
+    "not-a-tree: undefined": urdf(robot(joint("a", "base_link", "uper"), LOOSE)),
     "not-a-tree: two parents": urdf(robot(joint("a", "base_link", "tool0"), LOOSE, joint("c", "base_link", "upper"))),
     "not-a-tree: two roots": urdf(robot(joint("a", "base_link", "upper"))),
     "not-a-tree: a circle": urdf(
@@ -155,7 +155,7 @@ CASES: dict[str, Case] = {
     "joint-type-unknown": urdf(two_joints(kind="rotary")),
     "number-malformed: origin": urdf(two_joints(xyz="0 0")),
     "number-malformed: axis": urdf(two_joints(inside='<axis xyz="0 z 1"/>')),
-    "axis-zero": urdf(two_joints(inside='<axis xyz="0 0 0"/>')),
+    "number-malformed: axis 0": urdf(two_joints(inside='<axis xyz="0 0 0"/>')),
     "word-unread": urdf(two_joints(inside='<mimic joint="b" multiplyer="-2"/>')),
     "unit-doubtful: rpy": urdf(two_joints(rpy="90 0 0")),
     "word-unread: no name": urdf(two_joints().replace(' name="tiny"', "")),
@@ -165,7 +165,7 @@ CASES: dict[str, Case] = {
     "limit-incomplete": urdf(two_joints(inside='<limit lower="-1" velocity="1" effort="1"/>')),
     "limits-adjusted: soft": urdf(two_joints(inside=SOFT.format(-0.5, 0.5))),
     "outside-limits: soft": urdf(two_joints(inside=SOFT.format(2, 3))),
-    "limit-zero-range": limited("0.5", "0.5"),
+    "limit-incomplete: equal": limited("0.5", "0.5"),
     "rate-not-given: velocity": limited("-1", "1", velocity="0"),
     "rate-not-given: effort": urdf(two_joints(inside='<limit lower="-1" upper="1" velocity="1" effort="-1"/>')),
     "number-malformed: mimic": urdf(follower('<mimic joint="a" multiplier="half"/>')),
@@ -195,7 +195,7 @@ CASES: dict[str, Case] = {
     "companion-unusable: tool": toml('[tool]\nname = "upper"\n'),
     "companion-unusable: pose": toml("[poses.ready]\na = 0.0\n"),
     "companion-unusable: limits": beside("limits.yaml", "{", limits="limits.yaml"),
-    "pose-left-out": toml("[locked_joints]\na = 0.5\n[poses.ready]\na = 0.0\nb = 0.0\n"),
+    "companion-doubtful: pose": toml("[locked_joints]\na = 0.5\n[poses.ready]\na = 0.0\nb = 0.0\n"),
     "off-the-chain: motor": toml("[actuators.m]\nratio = { b = 2.0 }\n", tip="upper"),
     # what stands beside
     "srdf-found": beside("arm.srdf", srdf('<group name="g"><chain base_link="base_link" tip_link="tool0"/></group>')),
@@ -266,7 +266,7 @@ CASES: dict[str, Case] = {
     # limits
     "unit-doubtful: degrees": limited("-170", "170"),
     "unit-doubtful: millimetres": limited("0", "400", kind="prismatic"),
-    "limit-zero-range: nearly": limited("-0.001", "0.001"),
+    "limit-incomplete: nearly": limited("-0.001", "0.001"),
     "unit-doubtful: velocity": limited("-1", "1", velocity="180"),
     "unit-doubtful: reach": urdf(chain("0 0 1", "0 1 0", xyz="300 0 0")),
     # postures
@@ -299,7 +299,7 @@ CASES: dict[str, Case] = {
     ),
     # axes
     "axes-almost-exact": urdf(chain("0 0 1", "0 0 1", rpy="1.5708 0 0")),
-    "closed-form-missed": urdf(chain("0 0 1", "0 1 0", "0 1 0", "0 1 0", "0 0 1", "0 1 0", rpy="1e-5 0 0")),
+    "axes-almost-exact: closed form": urdf(chain("0 0 1", "0 1 0", "0 1 0", "0 1 0", "0 0 1", "0 1 0", rpy="1e-5 0 0")),
     # the tool
     "tool-frame-missing": urdf(two_joints().replace("tool0", "flange")),
     "several-tips": urdf(

@@ -16,8 +16,8 @@ from .checking.crosscheck import EngineComparison as EngineComparison
 from .checking.crosscheck import crosscheck as crosscheck
 from .checking.difference import Difference as Difference
 from .checking.difference import compare as compare
+from .checking.difference import freeze as freeze
 from .checking.doctor import diagnose as diagnose
-from .checking.golden_file import freeze as freeze
 from .collision import Collision as Collision
 from .collision import Contact as Contact
 from .collision import Distance as Distance

@@ -14,6 +14,7 @@ from .collision import Scene, require_scene
 from .planning import Trajectory, load_trajectory
 from .planning.in_scene import first_collision
 from .support.checks import require
+from .support.errors import ComparisonError
 
 
 def assert_arm(
@@ -36,22 +37,19 @@ def assert_arm(
         The arm.
 
     Raises:
-        AssertionError: Something differs; the message gives every difference in words.
+        AssertionError: Engines disagree, or the arm has changed; the message gives every difference.
         MissingExtraError: yourdfpy is not installed: a proof that leaves an engine out is none.
     """
     __tracebackhide__ = True
     arm = load_arm(source, **load)
     check = crosscheck(arm, samples)
     require_yourdfpy()
-    problems = [
-        f"{row.quantity}: {row.engines[0]} and {row.engines[1]} differ by {row.worst:.2g} (allowed {row.tolerance:g})"
-        for row in check.comparisons
-        if not row.ok
-    ]
-    if against is not None:
-        problems += compare(arm, against).changes
-    if problems:
-        raise AssertionError(f"{arm.name}: " + "; ".join(problems))
+    try:
+        check.require()
+        if against is not None:
+            compare(arm, against).require()
+    except ComparisonError as error:
+        raise AssertionError(str(error)) from error
     return arm
 
 

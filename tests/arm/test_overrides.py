@@ -64,7 +64,7 @@ def test_a_locked_joint_stays_in_the_motors_offset_and_in_poses_that_agree(toml:
     free, arm = load_arm(toml), load_arm(toml, locked_joints={"a": 0.1})
     assert arm.joint_names == ("b",)
     assert {name: theta.tolist() for name, theta in arm.named_states.items()} == {"ready": [-0.2]}
-    assert codes(arm) == ["pose-left-out"]
+    assert codes(arm) == ["companion-doubtful"]
     assert "pose 'stowed': it puts a elsewhere than where it is locked; it is left out" in str(arm.findings[0])
     assert arm.actuators is not None
     assert free.actuators is not None
@@ -88,7 +88,7 @@ def test_a_pose_that_says_too_little_of_another_chain_is_left_out(tmp_path: Path
     write(tmp_path, robot(*parts, links=("base_link", "upper", "left", "right")))
     path = write(tmp_path, 'source = "arm.urdf"\ntip = "left"\n[poses.ready]\na = 0.1\nb = 0.2', "arm.toml")
     arm = load_arm(path, tip="right")
-    assert codes(arm) == ["pose-left-out"]
+    assert codes(arm) == ["companion-doubtful"]
     assert "it says nothing of 'c'" in arm.findings[0].what
     assert load_arm(path).ready.tolist() == [0.1, 0.2]
 

@@ -10,9 +10,8 @@ import pytest
 
 from finding_cases import CASES
 from test_finding_codes import lay
-from twistarm.checking.doctor.wording import codes_page
 from twistarm.cli.application import run
-from twistarm.description.findings import CODES
+from twistarm.description.findings import CODES, codes_page
 
 Capture = pytest.CaptureFixture[str]
 

@@ -11,8 +11,7 @@ import pytest
 
 from finding_cases import CASES, FAULTS, Case
 from twistarm import diagnose, load_arm
-from twistarm.checking.doctor.wording import codes_page
-from twistarm.description.findings import CODES, MOST_OF_A_KIND, Finding, Findings, Place, finding
+from twistarm.description.findings import CODES, MOST_OF_A_KIND, Finding, Findings, Place, codes_page, finding
 from twistarm.support.errors import ComparisonError, DescriptionError
 from urdf_text import two_joints, write
 

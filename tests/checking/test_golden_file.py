@@ -1,16 +1,15 @@
-"""Golden files: an unchanged arm is the same, a changed one is told in words."""
+"""Golden files: an unchanged arm is the same, the changes of another are listed."""
 
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from baked_arms import sealed
-from twistarm import Arm, Scene, compare, freeze, load_arm
+from twistarm import Arm, compare, freeze, load_arm
 from twistarm.cli.application import run
 from twistarm.support.errors import ComparisonError, DescriptionError, InputError
 from twistarm.testing import assert_arm
@@ -47,22 +46,17 @@ CHANGES = {
     "the tool turned": ({"mount": {"rpy": "1.5707963267948966 0 0"}}, ["tool0 90° x"]),
     "a limit narrowed": (
         {"wrist_roll": {"inside": '<axis xyz="1 0 0"/><limit lower="-0.5" upper="1" velocity="2" effort="3"/>'}},
-        ["wrist_roll narrowed [-1, [-0.5,"],
+        ["wrist_roll limits [-1, [-0.5,"],
     ),
     "a limit widened and a rate lowered": (
         {"elbow": {"inside": '<axis xyz="0 1 0"/><limit lower="-2" upper="2" velocity="1" effort="0"/>'}},
-        ["elbow widened [-1, [-2,", "velocity elbow lowered 2 1", "effort elbow raised 3"],
+        ["elbow limits [-1, [-2,", "velocity elbow 2 1", "effort elbow 3 not given"],
     ),
     "a joint became continuous": (
         {"wrist_roll": {"kind": "continuous"}},
-        [
-            "wrist_roll revolute, continuous",
-            "wrist_roll widened",
-            "velocity wrist_roll raised",
-            "effort wrist_roll raised",
-        ],
+        ["wrist_roll revolute continuous", "wrist_roll limits", "velocity wrist_roll", "effort wrist_roll"],
     ),
-    "a joint became fixed": ({"wrist_roll": {"kind": "fixed", "inside": ""}}, ["wrist_roll"]),
+    "a joint became fixed": ({"wrist_roll": {"kind": "fixed", "inside": ""}}, ["wrist_roll gone"]),
 }
 """Words of each change: the culprit and the numbers."""
 
@@ -100,24 +94,22 @@ def weighing(folder: Path, name: str, **changes: str) -> Arm:
 
 
 BODIES = {
-    "a mass": ({"mass": "99"}, ("mass of link fore raised: 0.099 to 99 kg",)),
-    "a centre": ({"com": "0.103 0.004 0"}, ("centre of mass of link fore moved 5 mm",)),
-    "an inertia": ({"ixx": "0.0013"}, ("inertia of link fore changed by 10 % of its largest moment",)),
-    "turned axes of it": ({"rpy": "0 0 1.5707963267948966"}, ("inertia of link fore changed by 33.3 % of its",)),
-    "no mass": ({"mass": ""}, ("the mass of link fore is gone",)),
-    "the same, turned": ({"rpy": "0 0 1.5707963267948966", "ixx": "0.002", "iyy": "0.001"}, ()),
+    "a mass": ({"mass": "99"}, ["mass fore 0.099 99"]),
+    "a centre": ({"com": "0.103 0.004 0"}, ["centre fore [0.1, [0.103, 0.004,"]),
+    "an inertia": ({"ixx": "0.0013"}, ["inertia fore [0.001, [0.0013,"]),
+    "turned axes of it": ({"rpy": "0 0 1.5707963267948966"}, ["inertia fore [0.001, [0.002,"]),
+    "no mass": ({"mass": ""}, ["fore gone"]),
+    "the same, turned": ({"rpy": "0 0 1.5707963267948966", "ixx": "0.002", "iyy": "0.001"}, []),
 }
 
 
 @pytest.mark.parametrize("case", BODIES)
-def test_a_changed_body_is_told_in_words(case: str, tmp_path: Path) -> None:
+def test_a_changed_body_is_described(case: str, tmp_path: Path) -> None:
     changes, expected = BODIES[case]
     freeze(weighing(tmp_path, "old.urdf"), tmp_path / "g.json")
     difference = compare(weighing(tmp_path, "new.urdf", **changes), tmp_path / "g.json")
-    assert len(difference.changes) == len(expected)
-    assert all(told.startswith(begin) for told, begin in zip(difference.changes, expected, strict=True))
-    back = compare(load_arm(tmp_path / "old.urdf"), tmp_path / "new.urdf")
-    assert back.same == difference.same
+    assert said(difference.changes, expected), difference.changes
+    assert compare(load_arm(tmp_path / "old.urdf"), tmp_path / "new.urdf").same == difference.same
 
 
 def test_a_golden_file_says_what_it_does_not_cover(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -156,7 +148,7 @@ def test_what_is_no_golden_file(text: str, golden: Path, tmp_path: Path) -> None
 
 def test_the_helper_for_a_teams_own_tests(golden: Path, tmp_path: Path) -> None:
     assert assert_arm(build(tmp_path), against=golden).name == "ours"
-    with pytest.raises(AssertionError, match="ours: joint elbow moved 12 mm along x"):
+    with pytest.raises(AssertionError, match="joint elbow moved 12 mm along x"):
         assert_arm(build(tmp_path, elbow={"xyz": "0.412 0 0"}), against=golden)
 
 
@@ -250,8 +242,7 @@ def test_changed_motors_are_named(case: str, tmp_path: Path) -> None:
     assert difference.notes == ()
 
 
-def test_two_designs_side_by_side(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Another description and another arm are compared as a golden file is: "was" is the other, "is" the arm."""
+def test_two_designs_side_by_side(tmp_path: Path) -> None:
     for folder in ("old", "new"):
         (tmp_path / folder).mkdir()
     old, new = build(tmp_path / "old"), build(tmp_path / "new", elbow={"xyz": "0.45 0 0"})
@@ -260,33 +251,3 @@ def test_two_designs_side_by_side(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert [change for change in difference.changes if "elbow" in change] == ["joint elbow moved 50 mm along x"]
     assert compare(load_arm(old), old).same
     assert run(["check", str(new), "--against", str(old)]) == 1
-    assert "different: joint elbow moved 50 mm along x" in capsys.readouterr().out
-
-
-def with_a_camera(folder: Path, radius: float) -> Arm:
-    """A turret with a tip that circles 0.2 m below the centre of the base's camera, at a radius of 0.5 m."""
-    turn = '<axis xyz="0 0 1"/><limit lower="-3.14159265" upper="3.14159265"/>'
-    parts = [
-        joint("turn", "base_link", "upper", xyz="0 0 0", inside=turn),
-        joint("roll", "upper", "tool0", xyz="0.5 0 0", inside='<axis xyz="1 0 0"/>'),
-    ]
-    text = robot(*parts, links=("base_link", "upper", "tool0"))
-    for link, place, r in (("base_link", "0.5 0 0.2", radius), ("upper", "0 0 -1", 0.01), ("tool0", "0 0 0", 0.05)):
-        ball = f'<collision><origin xyz="{place}"/><geometry><sphere radius="{r}"/></geometry></collision>'
-        text = text.replace(f'<link name="{link}"/>', f'<link name="{link}">{ball}</link>')
-    return load_arm(write(folder, text))
-
-
-def test_a_shape_that_makes_a_pair_collide_is_a_change(tmp_path: Path) -> None:
-    """The tip collides within ±2 asin(√((0.17 + 0.05)² − 0.2²)) of the camera's direction."""
-    arm, path = with_a_camera(tmp_path, 0.1), tmp_path / "g.json"
-    freeze(arm, path, scene=Scene(arm))
-    assert compare(arm, path).same
-    freeze(arm, tmp_path / "without.json")
-    larger = with_a_camera(tmp_path, 0.17)
-    (words,) = compare(larger, path).changes
-    found = re.match(r"links base_link and tool0 collide in ([\d.]+) %.* 0 %", words)
-    share = 100 * 2 * np.arcsin(np.sqrt(0.22**2 - 0.2**2)) / np.pi
-    assert found
-    assert float(found[1]) == pytest.approx(share, abs=1.5)
-    assert compare(larger, tmp_path / "without.json").same

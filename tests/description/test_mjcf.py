@@ -18,8 +18,8 @@ from random_mjcf import Random
 from twistarm import Arm, crosscheck, load_arm
 from twistarm.description.findings import Finding
 from twistarm.description.inertial import bodies
-from twistarm.description.mjcf.compilation import ending_at_once
 from twistarm.support.errors import DescriptionError, MissingExtraError, TwistarmError
+from twistarm.support.interrupts import ending_at_once
 
 DATA = Path(__file__).parents[1] / "data" / "mjcf"
 FILES = sorted(DATA.glob("*.xml"))

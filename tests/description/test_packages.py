@@ -190,7 +190,7 @@ def test_an_unknown_package_matters_only_where_a_file_of_it_is_opened(tmp_path: 
 def test_what_the_arm_itself_needs_is_refused_as_before(tmp_path: Path) -> None:
     for inside, code in (
         ('<xacro:if value="${d435_used}"><link name="a"/></xacro:if>', "xacro-failed"),
-        (joint("lens", "camera_link", "lens", kind="fixed") + '<link name="lens"/>', "link-undefined"),
+        (joint("lens", "camera_link", "lens", kind="fixed") + '<link name="lens"/>', "not-a-tree"),
         ("<gazebo a=\"${xacro.load_yaml('/etc/hostname')}\"/>", "file-outside-packages"),
         ("<gazebo a=\"${xacro.load_yaml('$(find other)/a.yaml')}\"/>", "package-needed-not-found"),
     ):

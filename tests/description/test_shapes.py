@@ -53,25 +53,15 @@ def test_a_name_that_is_given_later_colours_nothing_before(tmp_path: Path) -> No
     assert [description.links[name].visuals[0].colour for name in ("base_link", "upper")] == [None, (1, 0, 0, 1)]
 
 
-COLOURS = {
-    "0.1 0.2 0.3": ((0.1, 0.2, 0.3, 1.0), "drawn opaque"),
-    "255 51 0 1": ((1.0, 0.2, 0.0, 1.0), "as if it counted to 255"),
-    "0.5 0.5 0.5 300": ((0.5, 0.5, 0.5, 1.0), "the nearest"),
-    "red": (None, "not used"),
-}
+COLOURS = {"0.1 0.2 0.3": (0.1, 0.2, 0.3, 1.0), "2 0.2 0 1": (1.0, 0.2, 0.0, 1.0), "red": None}
 
 
 @pytest.mark.parametrize("rgba", COLOURS)
-def test_a_colour_that_is_none_is_told(rgba: str, tmp_path: Path) -> None:
+def test_a_colour_that_is_none_is_a_finding(rgba: str, tmp_path: Path) -> None:
     text = drawing("x").replace("x</visual>", f'<material name=""><color rgba="{rgba}"/></material></visual>')
     description = read_description(write(tmp_path, text))
-    (what,) = (one.what for one in description.findings if one.code == "bad-geometry")
-    colour, told = COLOURS[rgba]
-    assert told in what
-    drawn = description.links["base_link"].visuals[0].colour
-    assert (drawn is None) == (colour is None)
-    if colour is not None:
-        np.testing.assert_allclose(drawn, colour)
+    assert [one.code for one in description.findings].count("bad-geometry") == 1
+    assert description.links["base_link"].visuals[0].colour == COLOURS[rgba]
 
 
 SIZES = {

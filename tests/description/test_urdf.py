@@ -123,7 +123,7 @@ def test_every_unusable_joint_is_reported_at_once(tmp_path: Path) -> None:
     )
     with pytest.raises(DescriptionError, match="zero axis.*and 1 more: twistarm doctor lists them") as refused:
         read_description(write(tmp_path, text))
-    assert [finding.code for finding in refused.value.findings] == ["axis-zero", "limits-swapped"]
+    assert [finding.code for finding in refused.value.findings] == ["number-malformed", "limits-swapped"]
     assert [finding.place.name for finding in refused.value.findings] == ["a", "b"]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -10,9 +11,11 @@ import pinocchio
 import pytest
 
 from twistarm import Arm, ArmBuilder, InputError, arm_from_dh, arm_from_screws, bake, joints, load_arm, to_urdf
+from twistarm.cli.application import run
 from twistarm.description.tree import Geometry
 from twistarm.support.files import WRITTEN_XML, write_whole
 from urdf_text import two_joints, write
+from xacro_text import MANIFEST, lay
 
 TOL = 1e-12
 MJCF = Path(__file__).parents[1] / "data" / "mjcf"
@@ -30,6 +33,16 @@ def test_a_urdf_of_ours_is_replaced_by_the_next(tmp_path: Path) -> None:
     again = to_urdf(came_back(arm, tmp_path), tmp_path)
     assert write_whole(tmp_path / "copy.urdf", again).read_text() == again
     assert again.count(WRITTEN_XML) == 1
+
+
+def test_bake_tells_which_meshes_the_copy_does_not_find(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    mesh = '<link name="upper"><visual><geometry><mesh filename="package://arm/a.stl"/></geometry></visual></link>'
+    lay(tmp_path / "ws/arm", {"package.xml": MANIFEST("arm"), "a.stl": "solid"})
+    path = str(write(tmp_path / "ws/arm", two_joints().replace('<link name="upper"/>', mesh)))
+    (tmp_path / "far").mkdir()
+    for folder, lost in (("ws/arm", []), ("far", ["package://arm/a.stl"])):
+        assert run(["bake", path, "-o", str(tmp_path / folder / "copy.urdf"), "--json"]) == 0
+        assert json.loads(capsys.readouterr().out)["meshes_not_found"] == lost
 
 
 def require_same(arm: Arm, other: Arm) -> None:

@@ -15,7 +15,7 @@ from pathlib import Path
 from hostile.attempt import Outcome, attempt
 from twistarm.arm.baking import text_of
 from twistarm.arm.loading.load import load_arm
-from twistarm.checking.golden_file import golden_text
+from twistarm.checking.difference import golden_text
 from urdf_text import two_joints
 
 ROWS = "a,b\n" + "0.1,0.2\n" * 3

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from twistarm.arm.baking import text_of
 from twistarm.arm.loading.load import load_arm
-from twistarm.checking.golden_file import golden_text
+from twistarm.checking.difference import golden_text
 from urdf_text import joint, robot
 
 FAKE = "FAKE"

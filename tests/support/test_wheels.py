@@ -62,4 +62,4 @@ def test_one_that_cannot_serve_is_named(text: str, fault: str, monkeypatch: pyte
     assert refused() == f"{engine} {fault}; pip uninstall shadow_engine, then {INSTALL}"
     monkeypatch.setenv("PYTHONPATH", "/opt/ros")
     monkeypatch.setenv("LD_LIBRARY_PATH", "/opt/ros/lib")
-    assert f"{fault}; start with env -u PYTHONPATH -u LD_LIBRARY_PATH python …, or pip" in refused()
+    assert f"{fault}; start with env -u PYTHONPATH -u LD_LIBRARY_PATH twistarm …, or pip" in refused()

@@ -119,7 +119,7 @@ def test_the_findings_are_those_of_diagnose_gravest_first(arm: Arm) -> None:
 
 
 def test_what_the_loading_noted_is_sorted_and_the_doctor_is_announced(arm: Arm) -> None:
-    mixed = (note("srdf-found", Place("a")), note("axis-zero", Place("b")), note("axis-not-unit", Place("c")))
+    mixed = (note("srdf-found", Place("a")), note("number-malformed", Place("b")), note("axis-not-unit", Place("c")))
     message = loaded(replace(arm, findings=mixed))
     assert [told["severity"] for told in message["findings"]] == ["error", "warning", "info"]
     assert message["counts"] == {"error": 1, "warning": 1, "info": 1}
@@ -137,10 +137,10 @@ def test_an_arm_without_a_description_has_its_notes_alone(monkeypatch: pytest.Mo
 
 
 def test_of_very_many_findings_the_gravest_are_sent_and_all_are_counted(arm: Arm) -> None:
-    many = [note("srdf-found", Place(str(i))) for i in range(MAX_FINDINGS)] + [note("axis-zero", Place("last"))] * 2
+    many = [note("srdf-found", Place(str(i))) for i in range(MAX_FINDINGS)] + [note("no-tip", Place("last"))] * 2
     message = loaded(replace(arm, findings=tuple(many)))
     assert len(message["findings"]) == MAX_FINDINGS
-    assert message["findings"][0]["code"] == message["findings"][1]["code"] == "axis-zero"
+    assert message["findings"][0]["code"] == message["findings"][1]["code"] == "no-tip"
     assert message["counts"] == {"info": MAX_FINDINGS, "error": 2}
     assert message["note"] == f"{PENDING} 2 more: twistarm doctor lists them."
 
@@ -154,7 +154,7 @@ def test_without_a_page_nobody_diagnoses(viewer: Viewer, visits: list[Arm]) -> N
 
 def test_the_page_lives_while_the_doctor_is_slow(arm: Arm, viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
     done = threading.Event()
-    late = Diagnosis((note("axis-zero", Place("late")),))
+    late = Diagnosis((note("number-malformed", Place("late")),))
     monkeypatch.setattr(module, "examine_arm", lambda arm: done.wait(10) and late)
     viewer.show(arm.random_theta(np.random.default_rng(0)))
     with Page(viewer) as page:

@@ -126,7 +126,6 @@ NASTY = {
     "a builtin": expression("open('@SECRET').read()", "xacro-failed"),
     "a class made by type": expression("python.type(python.type(1))('X', (list,), dict())"),
     "a change of a namespace": expression("[0 for math['pi'] in [3]]"),
-    "a tower of powers": expression("9**9**9", "xacro-failed"),
     "a document of a block": xacro("xacro-failed", '<xacro:property name="b"><a/></xacro:property>${b.ownerDocument}'),
     "code in a command": xacro("xacro-expression-refused", '<a b="$(eval x.__class__)"/>'),
     "an absolute include": include("@SECRET"),
@@ -268,7 +267,7 @@ SLOW = {
         + "".join(f'<xacro:macro name="m{i + 1}"><xacro:m{i}/><xacro:m{i}/></xacro:macro>' for i in range(40))
         + "<xacro:m40/>",
     ),
-    "a key for each of many": expression("max([1000] * 5000000, key=math.factorial)"),
+    "a tower of powers": expression("9**9**9"),
     "a mesh of many instances": mesh("a.dae", "", text("a.dae", instances(14))),
 }
 

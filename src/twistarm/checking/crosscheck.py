@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,14 +22,11 @@ POSE_TOL = 1e-12
 AS_WRITTEN = "pinocchio as written"
 """The engine that reads the unchanged text."""
 
-WRITTEN_TOL, WRITTEN_SAMPLES = 1e-10, 100
-"""Its parser rounds an axis near x, y or z, and walks all links in Python: of so many configurations."""
+WRITTEN_TOL = 1e-10
+"""Its parser rounds an axis near x, y or z."""
 
 YOURDFPY_TOL = 1e-7
 """yourdfpy's scene graph takes a joint's pose within 1e-8 of the identity, or of the one before, for the same."""
-
-YOURDFPY_SAMPLES, YOURDFPY_LINKS = 100, 20
-"""It walks from each link to the base in Python: so many configurations of so many links, fewer of more."""
 
 DIFFERENCE_TOL = 1e-8
 """What a fourth-order difference quotient with step 1e-3 leaves: h⁴ and ε/h, both below 1e-11, and room for size."""
@@ -40,9 +37,12 @@ WIDE_ANGLE = 1e3
 STEP, SMALLEST_STEP = 1e-3, 1e-7
 """Of the joint that moves most, in rad or m."""
 
-USUAL_LINKS, USUAL_PRODUCT = 150, 1024
-"""Links of a description, and joints of a chain times coordinates: of larger ones fewer configurations are compared, so
-that it takes as long and as much memory."""
+SLOW_SAMPLES = 100
+"""Configurations for the readers that walk all links in Python."""
+
+USUAL_LINKS, YOURDFPY_LINKS, USUAL_PRODUCT = 150, 20, 1024
+"""Links of a description for all readers and for yourdfpy, and joints of a chain times coordinates. Of larger ones
+fewer configurations are compared, so that it takes as long and as much memory."""
 
 MOST_SAMPLES = 10_000_000
 """Of an hour or so; more are a mistake."""
@@ -142,17 +142,10 @@ def crosscheck(
     """
     theta = require_arm(arm).random_theta(rng, as_whole(samples, "samples", 1, MOST_SAMPLES))
     require_callback(progress, "progress", "(fraction)")
-    parts: list[Callable[[], Iterable[EngineComparison]]] = [
-        lambda: _pinocchio(arm, theta),
-        lambda: _core(arm, theta),
-        lambda: _differences(arm, theta),
-        lambda: _links(arm, theta),
-        lambda: _as_written(arm, theta),
-        lambda: _yourdfpy(arm, theta),
-    ]
+    parts = (_kinematics, _differences, _links, _as_written, _yourdfpy)
     rows: list[EngineComparison] = []
     for done, part in enumerate(parts, start=1):
-        rows += part()
+        rows += part(arm, theta)
         if progress is not None:
             progress(done / len(parts))
     if arm.description is not None and arm.description.gravity is not None:  # an MJCF
@@ -188,43 +181,28 @@ def _fewer(theta: Array, size: int, usual: int) -> Array:
     return theta[: max(1, len(theta) * usual // max(size, usual))]
 
 
-def _pinocchio(arm: Arm, theta: Array) -> list[EngineComparison]:
-    g, spatial, body = arm.by_exponentials(theta)
-    tolerance = POSE_TOL * _size(arm)
-    identity = _compared("J^s = Ad J^b", ("poe", "poe"), spatial - adjoint(g) @ body, theta, tolerance)
-    if arm.description is None:
-        return [_skipped("pose, J^s, J^b", "pinocchio", "the arm has no description"), identity]
-    if why_no_pinocchio():
-        return [_skipped("pose, J^s, J^b", "pinocchio", why_no_pinocchio()), identity]
-    reference = arm.by_pinocchio(theta)
-    return [*_kinematics(("poe", "pinocchio"), (g, spatial, body), reference, theta, tolerance), identity]
+def _kinematics(arm: Arm, theta: Array) -> Iterator[EngineComparison]:
+    """Pose and Jacobians against Pinocchio and the compiled core, which answers for the arm if it was built."""
+    ours, tolerance = arm.by_exponentials(theta), POSE_TOL * _size(arm)
+    without = "the arm has no description" if arm.description is None else why_no_pinocchio()
+    for engine, reason in (("pinocchio", without), ("core", "" if arm.compiled else arm.why_not_compiled)):
+        if reason:
+            yield _skipped("pose, J^s, J^b", engine, reason)
+            continue
+        if engine == "pinocchio":
+            theirs = arm.by_pinocchio(theta)
+        else:
+            theirs = arm.fk(theta), arm.spatial_jacobian(theta), arm.body_jacobian(theta)
+        for quantity, one, other in zip(("pose", "spatial Jacobian", "body Jacobian"), ours, theirs, strict=True):
+            yield _compared(quantity, ("poe", engine), one - other, theta, tolerance)
+    g, spatial, body = ours
+    yield _compared("J^s = Ad J^b", ("poe", "poe"), spatial - adjoint(g) @ body, theta, tolerance)
 
 
-def _core(arm: Arm, theta: Array) -> list[EngineComparison]:
-    """Compare with the compiled core, which answers for the arm if it was built."""
-    if arm.compiled is None:
-        return [_skipped("pose, J^s, J^b", "core", arm.why_not_compiled)]
-    answers = arm.fk(theta), arm.spatial_jacobian(theta), arm.body_jacobian(theta)
-    return _kinematics(("poe", "core"), arm.by_exponentials(theta), answers, theta, POSE_TOL * _size(arm))
-
-
-def _kinematics(
-    engines: tuple[str, str],
-    ours: tuple[Array, Array, Array],
-    theirs: tuple[Array, Array, Array],
-    theta: Array,
-    tolerance: float,
-) -> list[EngineComparison]:
-    return [
-        _compared(quantity, engines, one - other, theta, tolerance)
-        for quantity, one, other in zip(("pose", "spatial Jacobian", "body Jacobian"), ours, theirs, strict=True)
-    ]
-
-
-def _differences(arm: Arm, theta: Array) -> list[EngineComparison]:
+def _differences(arm: Arm, theta: Array) -> Iterator[EngineComparison]:
     """(g⁻¹ ∂g/∂θ_i)^∨ by (8(g₊ − g₋) − (g₊₊ − g₋₋))/12h against the columns of J^b by product of exponentials."""
     theta = _fewer(theta, arm.coupling.A.size, USUAL_PRODUCT)
-    body = arm.by_exponentials(theta)[2]
+    _, _, body = arm.by_exponentials(theta)
     back = inverse(arm.fk(theta))
     numeric = np.empty_like(body)
     turns = np.abs(arm.coupling.A) * np.linalg.norm(arm.screws[3:], axis=0)[:, None]
@@ -232,72 +210,71 @@ def _differences(arm: Arm, theta: Array) -> list[EngineComparison]:
     steps = STEP / np.maximum(1.0, turns.sum(axis=0))
     if steps.min() < SMALLEST_STEP:
         reason = f"a follower turns {turns.max():g} times as far as its master: a difference is all rounding"
-        return [_skipped("body Jacobian", "differences", reason)]
+        yield _skipped("body Jacobian", "differences", reason)
+        return
     for i, step in enumerate(np.diag(steps)):
         once, twice = (arm.fk(theta + k * step) - arm.fk(theta - k * step) for k in (1, 2))
         rate = back @ (8 * once - twice) / (12 * steps[i])
         numeric[..., i] = np.stack(
             [rate[:, 0, 3], rate[:, 1, 3], rate[:, 2, 3], rate[:, 2, 1], rate[:, 0, 2], rate[:, 1, 0]], axis=-1
         )
-    return [_compared("body Jacobian", ("poe", "differences"), body - numeric, theta, DIFFERENCE_TOL * _size(arm))]
+    yield _compared("body Jacobian", ("poe", "differences"), body - numeric, theta, DIFFERENCE_TOL * _size(arm))
 
 
-def _links(arm: Arm, theta: Array) -> list[EngineComparison]:
-    if arm.description is None or why_no_pinocchio():
-        return []
-    theta = _fewer(theta, len(arm.description.links), USUAL_LINKS)
-    ours, reference = arm.walked_poses(theta), arm.poses(theta)
-    difference = np.stack([ours[link] - reference[link] for link in arm.description.links], axis=1)
-    return [_compared("all links", ("walk", "pinocchio"), difference, theta, POSE_TOL * _size(arm))]
+def _walked(arm: Arm, theta: Array) -> Array:
+    """The pose of every link (samples, links, 4, 4) by our own walk."""
+    poses = arm.walked_poses(theta)
+    return np.stack([poses[link] for link in (arm.description.links if arm.description else ())], axis=1)
 
 
-def _as_written(arm: Arm, theta: Array) -> list[EngineComparison]:
+def _links(arm: Arm, theta: Array) -> Iterator[EngineComparison]:
+    if arm.description is not None and not why_no_pinocchio():
+        theta, tolerance = _fewer(theta, len(arm.description.links), USUAL_LINKS), POSE_TOL * _size(arm)
+        reference = arm.poses(theta)
+        theirs = np.stack([reference[link] for link in arm.description.links], axis=1)
+        yield _compared("all links", ("walk", "pinocchio"), _walked(arm, theta) - theirs, theta, tolerance)
+
+
+def _as_written(arm: Arm, theta: Array) -> Iterator[EngineComparison]:
     """Compare with Pinocchio's reading of the unchanged text."""
     if arm.description is None or why_no_pinocchio():
-        return []
-    theta = _fewer(theta[:WRITTEN_SAMPLES], len(arm.description.links), USUAL_LINKS)
+        return
+    theta = _fewer(theta[:SLOW_SAMPLES], len(arm.description.links), USUAL_LINKS)
     try:
         theirs, written = as_written(arm.description, arm.joint_values(theta), arm.base)
     except InputError as error:
-        return [_skipped("all links", AS_WRITTEN, str(error))]
-    ours = arm.walked_poses(theta)
-    difference = np.stack([ours[link] for link in arm.description.links], axis=1) - theirs
+        yield _skipped("all links", AS_WRITTEN, str(error))
+        return
     tolerance = WRITTEN_TOL * _size(arm)
-    rows = [_compared("all links", ("walk", AS_WRITTEN), difference, theta, tolerance)]
+    yield _compared("all links", ("walk", AS_WRITTEN), _walked(arm, theta) - theirs, theta, tolerance)
     bounds = [
         np.subtract(*np.clip([joint.hard, written[name]], -WIDE, WIDE)).tolist()
         for name, joint in arm.description.joints.items()
         if name in written and joint.type != "continuous" and joint.hard != (-np.inf, np.inf)
     ]
     if bounds:
-        rows.append(_compared("limits", ("tree", AS_WRITTEN), np.array([bounds]), theta[:1], tolerance))
-    return rows
+        yield _compared("limits", ("tree", AS_WRITTEN), np.array([bounds]), theta[:1], tolerance)
 
 
-def _yourdfpy(arm: Arm, theta: Array) -> list[EngineComparison]:
-    if arm.description is None:
-        return [_skipped("all links", "yourdfpy", "the arm has no description")]
-    reason = beyond_yourdfpy(arm)
-    if reason:
-        return [_skipped("all links", "yourdfpy", reason)]
-    subset = _fewer(theta[:YOURDFPY_SAMPLES], len(arm.description.links), YOURDFPY_LINKS)
+def _yourdfpy(arm: Arm, theta: Array) -> Iterator[EngineComparison]:
+    reason = "the arm has no description" if arm.description is None else beyond_yourdfpy(arm)
+    if arm.description is None or reason:
+        yield _skipped("all links", "yourdfpy", reason)
+        return
+    theta = _fewer(theta[:SLOW_SAMPLES], len(arm.description.links), YOURDFPY_LINKS)
     try:
-        theirs = yourdfpy_poses(arm.description, arm.joint_values(subset), arm.base)
+        theirs = yourdfpy_poses(arm.description, arm.joint_values(theta), arm.base)
     except MissingExtraError as error:
-        return [_skipped("all links", "yourdfpy", str(error))]
+        yield _skipped("all links", "yourdfpy", str(error))
+        return
     except Exception as error:  # another project's reader: whatever it raises on a file is its answer
-        return [_skipped("all links", "yourdfpy", f"yourdfpy cannot read it: {type(error).__name__}: {error}")]
-    ours = arm.walked_poses(subset)
-    ours[arm.tip_link] = arm.by_exponentials(subset)[0] @ inverse(arm.tool)
-    difference = np.stack([ours[link] for link in arm.description.links], axis=1) - theirs
-    engines = ("poe", "yourdfpy")
-    tip = list(arm.description.links).index(arm.tip_link)
-    tolerance = YOURDFPY_TOL * _size(arm)
-    return [
-        _compared("pose", engines, difference[:, tip], subset, tolerance),
-        _compared("all links", ("walk", "yourdfpy"), difference, subset, tolerance),
-        _skipped("Jacobians", "yourdfpy", "yourdfpy computes none"),
-    ]
+        yield _skipped("all links", "yourdfpy", f"yourdfpy cannot read it: {type(error).__name__}: {error}")
+        return
+    tip, tolerance = list(arm.description.links).index(arm.tip_link), YOURDFPY_TOL * _size(arm)
+    at_tip = arm.by_exponentials(theta)[0] @ inverse(arm.tool) - theirs[:, tip]
+    yield _compared("pose", ("poe", "yourdfpy"), at_tip, theta, tolerance)
+    yield _compared("all links", ("walk", "yourdfpy"), _walked(arm, theta) - theirs, theta, tolerance)
+    yield _skipped("Jacobians", "yourdfpy", "yourdfpy computes none")
 
 
 def _skipped(quantity: str, engine: str, reason: str) -> EngineComparison:

@@ -1,34 +1,44 @@
-"""The difference of two arms in words: an arm and its golden file, a baked arm or another description."""
+"""Golden files and the difference of two arms in words: names, limits, motors, masses, axes and the tool."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
 from ..arm.arm import Arm, require_arm
-from ..arm.baking import BAKED, SUFFIX, unsealed
+from ..arm.baking import BAKED, SUFFIX, Kind, content_of, sealed, unsealed
 from ..arm.loading.load import arm_of, load_arm
-from ..collision import Scene
-from ..collision.survey import collision_shares
-from ..description.inertial import Body
+from ..description.inertial import INERTIA, Body, bodies
+from ..limits.joint_limits import RATES, JointLimits
+from ..support.checks import Array
 from ..support.errors import ComparisonError, InputError
-from ..support.files import as_path
-from .changes import SAME_TOL, limit_changes, mass_changes, motor_changes, name_changes
-from .geometry_changes import geometry_changes
-from .golden_file import COLLISION_SAMPLES, GOLDEN, bodies_of, read_bodies
+from ..support.files import as_path, write_whole
+from .geometry_changes import SAME_TOL, geometry_changes
+
+GOLDEN = Kind("twistarm golden", "golden file", "twistarm freeze ARM -o FILE")
+
+NOT_COVERED = (
+    "shapes and meshes",
+    "named poses and the SRDF",
+    "limits of joints beside the chain",
+    "damping and friction",
+)
+"""What is not compared with a golden file."""
+
+SAME_RATIO_TOL = 1e-9
+"""Relative: ratios and ticks are written by hand, and a ratio of 1e-4 m per rad is a usual one."""
+
+SAME_MASS_TOL = 1e-5
+"""Relative, of masses and inertias: exports write six digits."""
 
 SAMPLES = 100
 """Random configurations at which poses and Jacobians are compared."""
 
-SAME_SHARE = 0.001
-"""Shares that differ by less are the same: rounding moves few configurations into or out of a collision."""
-
 NO_MASSES = "masses were not compared: what it is compared with holds none; a golden file that is written now does"
-"""Of an arm without a description."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +66,35 @@ class Difference:
         return self
 
 
+def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
+    """Write the arm as numbers (JSON, SI): what `bake` keeps, and each link's mass, centre and inertia.
+
+    `compare` tells what has changed since. Shapes and meshes, named poses, the SRDF, limits of joints beside the chain,
+    damping and friction are not covered, and the file lists them. A digest covers every number, so an edited file is
+    refused. The file is written whole or not at all.
+
+    Args:
+        arm: The arm.
+        path: The file to write; an existing golden file is replaced.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
+    write_whole(path, golden_text(arm))
+
+
+def golden_text(arm: Arm) -> str:
+    """What `freeze` writes."""
+    written = {
+        link: {"mass": body.mass, "centre": body.centre.tolist(), "inertia": body.inertia.tolist()}
+        for link, body in (_bodies_of(require_arm(arm)) or {}).items()
+    }
+    kept = {"bodies": written if arm.description else None, "not_covered": list(NOT_COVERED)}
+    return sealed(GOLDEN, content_of(arm) | kept)
+
+
 def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
-    """The differences between an arm and another one in words: "was" is the other one, "is" the arm.
+    """The differences between an arm and another one in words: first the other one's value, then the arm's.
 
     Args:
         arm: The arm as it is now.
@@ -66,72 +103,136 @@ def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
 
     Returns:
         The `Difference`: names, types, limits, motors, axes, tool, and the mass, centre and inertia of each link.
-        Shapes, meshes, named poses and the SRDF are not compared, but the collisions of links are if the golden file
-        has them. Differences below 1 µm, 1e-6 rad or 1e-5 of a mass
+        Shapes, meshes, named poses and the SRDF are not compared. Differences below 1 µm, 1e-6 rad or 1e-5 of a mass
         count as none, because an export rounds that much.
 
     Raises:
         DescriptionError: `against` cannot be read, or is no golden file, no baked arm and no description.
     """
-    require_arm(arm)
-    then, masses, collisions = _other(against)
-    changes = [
-        f"{role} was {was!r}, is {now!r}"
-        for role, was, now in (("base", then.base, arm.base), ("tip", then.tip, arm.tip))
-        if was != now
-    ]
-    changes += _joint_changes(then, arm)
-    changes += motor_changes(then.actuators, arm.actuators)
-    notes: tuple[str, ...] = ()
-    now = bodies_of(arm)
-    if masses is None and now:
-        notes = (NO_MASSES,)
-    elif masses is not None and now is not None:
-        changes += mass_changes(masses, now)
-    if collisions is not None and now is not None and then.joint_names == arm.joint_names:
-        changes += _collision_changes(collisions, then, arm)
+    then, masses = _other(require_arm(arm), against)
+    now = _bodies_of(arm)
+    notes = (NO_MASSES,) if masses is None and now else ()
+    with_masses = masses is not None and now is not None
+    changes = _changes(_facts(then, masses if with_masses else None), _facts(arm, now if with_masses else None))
+    for kind, was, names in (
+        ("joints", then.joint_names, arm.joint_names),
+        ("motors", *(() if each.actuators is None else each.actuators.names for each in (then, arm))),
+    ):
+        if was != names and sorted(was) == sorted(names):
+            changes.append(f"order of the {kind}: {', '.join(was)} to {', '.join(names)}")
     if then.joint_names != arm.joint_names or then.screws.shape != arm.screws.shape:
         return Difference(arm.name, tuple(changes or ["the joints that follow others are different ones"]), notes=notes)
-    moved = geometry_changes(arm, then.screws, then.home)
+    changes += geometry_changes(arm, then.screws, then.home)
     if max(np.abs(was - now).max() for was, now in zip(then.coupling, arm.coupling, strict=True)) > SAME_TOL:
-        moved.append("the coupling of mimic or locked joints is different")
+        changes.append("the coupling of mimic or locked joints is different")
     theta = then.random_theta(0, SAMPLES)
     g, spatial, body = (
         float(np.abs(was - now).max())
         for was, now in zip(then.by_exponentials(theta), arm.by_exponentials(theta), strict=True)
     )
-    return Difference(arm.name, (*changes, *moved), g, max(spatial, body), notes)
+    return Difference(arm.name, tuple(changes), g, max(spatial, body), notes)
 
 
-def _other(against: Arm | str | os.PathLike[str]) -> tuple[Arm, Mapping[str, Body] | None, Mapping[str, Any] | None]:
-    """The arm to compare with, and what is known of the masses and the collisions of its links."""
+def _other(arm: Arm, against: Arm | str | os.PathLike[str]) -> tuple[Arm, Mapping[str, Body] | None]:
+    """The arm to compare with, and the masses of its links where they are known."""
     if not isinstance(against, (Arm, str, os.PathLike)):
         raise InputError(f"against must be an Arm, a file or a name that load_arm takes; got {type(against).__name__}")
-    if not isinstance(against, Arm):
-        path = as_path(str(os.fspath(against)))
-        if path.suffix == SUFFIX:
-            content = unsealed(path, GOLDEN, BAKED)
-            return arm_of(content), read_bodies(content), content.get("collisions")
-        against = load_arm(against)
-    return against, bodies_of(against), None
+    if isinstance(against, Arm):
+        return against, _bodies_of(against)
+    path = as_path(str(os.fspath(against)))
+    if path.suffix != SUFFIX:
+        other = load_arm(against)
+        return other, _bodies_of(other)
+    content = unsealed(path, GOLDEN, BAKED)
+    written = content.get("bodies")
+    masses = written and {
+        link: Body(body["mass"], np.array(body["centre"]), np.array(body["inertia"])) for link, body in written.items()
+    }
+    return arm_of(content), masses
 
 
-def _joint_changes(then: Arm, arm: Arm) -> list[str]:
-    changes = name_changes("joint", then.joint_names, arm.joint_names)
-    for i, (name, kind) in enumerate(zip(then.joint_names, then.joint_types, strict=True)):
-        if name in arm.joint_names:
-            j = arm.joint_names.index(name)
-            if kind != arm.joint_types[j]:
-                changes.append(f"joint {name} was {kind}, is {arm.joint_types[j]}")
-            changes += limit_changes(name, arm.units[j], then.limits, i, arm.limits, j)
+def _bodies_of(arm: Arm) -> Mapping[str, Body] | None:
+    """The mass of each link; None for an arm without a description."""
+    return None if arm.description is None else bodies(arm.description)
+
+
+# -- names and numbers -------------------------------------------------------------------------------------------------
+
+
+class Fact(NamedTuple):
+    """A text or numbers of an arm, and the difference that is none. Infinity and NaN mean "not given"."""
+
+    value: str | Array
+    tolerance: float = SAME_TOL
+    unit: str = ""
+
+
+Facts = Mapping[str, Mapping[str, Fact]]
+"""The facts of each joint, motor and link."""
+
+
+def _facts(arm: Arm, masses: Mapping[str, Body] | None) -> Facts:
+    facts = {"the arm": {"base": Fact(arm.base), "tip": Fact(arm.tip)}}
+    for i, name in enumerate(arm.joint_names):
+        facts[f"joint {name}"] = {"type": Fact(arm.joint_types[i]), **_limit_facts(arm.limits, i, arm.units[i])}
+    motors = arm.actuators
+    for i, name in enumerate(motors.names if motors else ()):
+        assert motors is not None
+        ratios = {f"ratio to joint {joint}": _number(motors.G[i, k]) for k, joint in enumerate(motors.joint_names)}
+        facts[f"motor {name}"] = ratios | {
+            "ticks per turn": _number(motors.ticks_per_turn[i]),
+            "offset": _number(motors.offset[i]),
+            "unit": Fact(motors.units[i]),
+            **_limit_facts(motors.limits, i, motors.motor_units[i]),
+        }
+    for link, body in (masses or {}).items():
+        moments = body.inertia[np.triu_indices(3)]
+        facts[f"the body of link {link}"] = {
+            "mass": Fact(np.array([body.mass]), SAME_MASS_TOL * body.mass, "kg"),
+            "centre": Fact(body.centre, unit="m"),
+            f"inertia ({', '.join(INERTIA)})": Fact(moments, SAME_MASS_TOL * float(np.abs(moments).max()), "kg m²"),
+        }
+    return facts
+
+
+def _limit_facts(limits: JointLimits, i: int, unit: str) -> dict[str, Fact]:
+    rates = {f"{rate} limit": Fact(np.array([getattr(limits, rate)[i]])) for rate in RATES}
+    return {"limits": Fact(np.array([limits.lower[i], limits.upper[i]]), unit=unit), **rates}
+
+
+def _number(value: float) -> Fact:
+    """A number that is written by hand."""
+    return Fact(np.array([value]), SAME_RATIO_TOL * float(np.nan_to_num(abs(value))))
+
+
+def _changes(before: Facts, after: Facts) -> list[str]:
+    """What is gone or new, then what differs."""
+    changes = [f"{owner} is gone" for owner in before if owner not in after]
+    changes += [f"{owner} is new" for owner in after if owner not in before]
+    for owner in (owner for owner in before if owner in after):
+        for part in (part for part in before[owner] if part in after[owner]):
+            then, now = before[owner][part], after[owner][part]
+            if not _is_same(then, now):
+                unit = f" {now.unit}" if now.unit else ""
+                changes.append(f"{part} of {owner}: {' to '.join(_distinct(then.value, now.value))}{unit}")
     return changes
 
 
-def _collision_changes(entry: Mapping[str, Any], then: Arm, arm: Arm) -> Iterator[str]:
-    """The pairs of links that collide more or less often than at the time of `entry`, at the same configurations."""
-    before = {(a, b): share for a, b, share in entry["shares"]}
-    now = collision_shares(Scene(arm, exact=entry["exact"]), then.random_theta(0, COLLISION_SAMPLES))
-    for pair in sorted({*before, *now}):
-        was, share = (100.0 * shares.get(pair, 0.0) for shares in (before, now))
-        if abs(share - was) > 100.0 * SAME_SHARE:
-            yield f"links {pair[0]} and {pair[1]} collide in {share:.3g} % of random configurations; it was {was:.3g} %"
+def _is_same(then: Fact, now: Fact) -> bool:
+    if isinstance(then.value, str) or isinstance(now.value, str):
+        return then.value == now.value
+    tolerance = max(then.tolerance, now.tolerance)
+    return np.allclose(then.value, now.value, rtol=0.0, atol=tolerance, equal_nan=True)
+
+
+def _distinct(before: str | Array, now: str | Array) -> tuple[str, str]:
+    """Two values in as few digits, six at least, as tell them apart."""
+    pairs = ((_shown(before, digits), _shown(now, digits)) for digits in (6, 9, 12, 17))
+    return next((pair for pair in pairs if pair[0] != pair[1]), ("", ""))
+
+
+def _shown(value: str | Array, digits: int) -> str:
+    if isinstance(value, str):
+        return value
+    numbers = [f"{x:.{digits}g}" if np.isfinite(x) else "not given" for x in value]
+    return f"[{', '.join(numbers)}]" if len(numbers) > 1 else numbers[0]

@@ -8,7 +8,9 @@ from ..arm.arm import Arm
 from ..support.checks import Array
 from ..theory.rotations import log as rotation_log
 from ..theory.screws import Screw, adjoint, hat, inverse, to_screw
-from .changes import SAME_TOL
+
+SAME_TOL = 1e-6
+"""Smaller differences, below 1 µm and 1e-6 rad, come from rounding in an export, not from a changed description."""
 
 OPPOSITE = 1e-9
 """Unit vectors whose product is nearer than this to -1 are opposite: no least turn takes one to the other."""
@@ -27,8 +29,11 @@ def geometry_changes(arm: Arm, screws: Array, home: Array) -> list[str]:
         changes += [f"joint {name} {word}" for word in words]
         carried = motion @ carried
     if np.abs(arm.home - carried @ home).max() > SAME_TOL:
+        # The tool's own motion in the home pose, that of what it rides on included.
+        words = _shift_words(arm.home[:3, 3] - home[:3, 3]) + _turn_words(arm.home[:3, :3] @ home[:3, :3].T)
         in_all = " in all" if changes else ""
-        changes += [f"tool {arm.tip} {word}" for word in _tool_words(home, arm.home, in_all)]
+        words = [word + in_all for word in words] or ["is where it was all the same"]
+        changes += [f"tool {arm.tip} {word}" for word in words]
     return changes
 
 
@@ -48,11 +53,16 @@ def _axis_change(before: Array, now: Array, tool: Array, new_tool: Array) -> tup
     turned = np.abs(new.axis - old.axis).max() > SAME_TOL
     if turned and np.abs(adjoint(motion) @ before - now).max() <= SAME_TOL:
         return _motion_words(motion, anchor), motion
-    reversed_axis = float(old.axis @ new.axis) < -1 + OPPOSITE
-    words = ["is reversed: it turns or slides the other way"] if reversed_axis else []
-    # Reversed, the line stays where it is: nothing beyond it has turned.
-    turn = np.eye(3) if reversed_axis else _turn(old.axis, new.axis)
-    motion = _motion(turn, anchor, _nearest(new, anchor) if turning else anchor)
+    cosine = float(old.axis @ new.axis)
+    words, turn = [], np.eye(3)
+    if cosine < -1 + OPPOSITE:  # the line stays where it is: nothing beyond it has turned
+        words.append("is reversed: it turns or slides the other way")
+    else:  # the least rotation from one axis to the other
+        K = hat(np.cross(old.axis, new.axis))
+        turn = np.eye(3) + K + K @ K / (1 + cosine)
+    motion = np.eye(4)
+    motion[:3, :3] = turn
+    motion[:3, 3] = (_nearest(new, anchor) if turning else anchor) - turn @ anchor
     words += _motion_words(motion, anchor)
     if turning and abs(new.pitch - old.pitch) > SAME_TOL:
         words.append(f"changed its pitch from {old.pitch:.6g} to {new.pitch:.6g} m/rad")
@@ -64,31 +74,11 @@ def _nearest(line: Screw, point: Array) -> Array:
     return line.point + line.axis * (line.axis @ (point - line.point))
 
 
-def _motion(turn: Array, start: Array, end: Array) -> Array:
-    """The motion (4, 4) that turns and takes the point `start` to `end`."""
-    motion = np.eye(4)
-    motion[:3, :3] = turn
-    motion[:3, 3] = end - turn @ start
-    return motion
-
-
-def _turn(a: Array, b: Array) -> Array:
-    """The least rotation with R a = b, for unit vectors that are not opposite."""
-    K = hat(np.cross(a, b))
-    return np.eye(3) + K + K @ K / (1 + float(a @ b))
-
-
 def _motion_words(motion: Array, anchor: Array) -> list[str]:
     """The turn of a line, and its motion at `anchor`, the point nearest to the tool."""
     turned = _turn_words(motion[:3, :3])
     moved = _shift_words(motion[:3, :3] @ anchor + motion[:3, 3] - anchor)
     return turned + [f"{word} where it is nearest the tool" if turned else word for word in moved]
-
-
-def _tool_words(before: Array, now: Array, in_all: str) -> list[str]:
-    """The tool's own motion in the home pose, what it rides on included."""
-    words = _shift_words(now[:3, 3] - before[:3, 3]) + _turn_words(now[:3, :3] @ before[:3, :3].T)
-    return [word + in_all for word in words] or ["is where it was all the same"]
 
 
 def _turn_words(turn: Array) -> list[str]:

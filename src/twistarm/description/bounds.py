@@ -23,7 +23,6 @@ WIDE = 1e9
 """The number for "no limit" in a URDF, whose readers refuse infinity. Read as infinity, like any more."""
 
 LIMIT_NAMES = ("lower", "upper", "velocity", "effort")
-LATER_NAMES = ("acceleration", "deceleration", "jerk")
 SOFT_NAMES = ("soft_lower_limit", "soft_upper_limit")
 
 MOST_SHOWN = 12
@@ -45,7 +44,7 @@ def read_axis(element: ET.Element, kind: str, reading: Reading) -> tuple[Array, 
     norm = float(np.linalg.norm(vector))
     if norm < 1e-9:
         remedy = "give the axis it moves along or about"
-        raise reading.error(element, "axis-zero", "a moving joint with a zero axis", remedy)
+        raise reading.error(element, "number-malformed", "a moving joint with a zero axis", remedy)
     if abs(norm - 1.0) > AXIS_TOL:
         what = f"its axis {axis.get('xyz')} has length {norm:.4g}; only the direction counts"
         reading.note("axis-not-unit", element, what, "write a unit vector", repaired=True)
@@ -56,7 +55,7 @@ def read_axis(element: ET.Element, kind: str, reading: Reading) -> tuple[Array, 
 
 def limit_numbers(element: ET.Element, reading: Reading) -> dict[str, float]:
     """The numbers that the joint's `<limit>` gives."""
-    return _numbers(element, "limit", (*LIMIT_NAMES, *LATER_NAMES), reading)
+    return _numbers(element, "limit", (*LIMIT_NAMES, "acceleration", "deceleration", "jerk"), reading)
 
 
 def read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], reading: Reading) -> Bounds:
@@ -83,7 +82,7 @@ def read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], read
         raise reading.error(element, "limits-swapped", what, "write both" if missing else "exchange them")
     if lower == upper:
         remedy = f"give its range as limits.{element.get('name')} in arm.toml"
-        reading.note("limit-zero-range", element, f"lower and upper are both {lower:g}: the joint cannot move", remedy)
+        reading.note("limit-incomplete", element, f"lower and upper are both {lower:g}: the joint cannot move", remedy)
     return (lower if lower > -WIDE else -np.inf), (upper if upper < WIDE else np.inf)
 
 

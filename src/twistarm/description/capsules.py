@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Iterator
 from copy import deepcopy
 
 import numpy as np
@@ -26,29 +27,22 @@ def without_capsules(text: str) -> str:
         for part in capsules:
             source.remove(part)
         if capsules:
-            parts = [each for part in capsules for each in _parts(part)]
-            source.insert(link, "".join(ET.tostring(each, encoding="unicode") for each in parts))
+            source.insert(link, "".join(ET.tostring(each, "unicode") for part in capsules for each in _parts(part)))
     return source.edited()
 
 
-def _parts(capsule: ET.Element) -> list[ET.Element]:
+def _parts(capsule: ET.Element) -> Iterator[ET.Element]:
     """The cylinder and the spheres at its ends; one sphere if the capsule has no length."""
-    given = capsule.find("geometry/capsule")
-    assert given is not None
-    sizes = dict(given.attrib)
-    length = floats(sizes.pop("length", ""), 1)[0]
-    made = [_part(capsule, "cylinder", dict(given.attrib), 0.0)] if length else []
-    return made + [_part(capsule, "sphere", sizes, z) for z in sorted({length / 2, -length / 2})]
-
-
-def _part(capsule: ET.Element, shape: str, sizes: dict[str, str], z: float) -> ET.Element:
-    """A copy of the visual or collision with another shape, z [m] along the capsule's axis, and without the name."""
-    part, along = deepcopy(capsule), np.eye(4)
-    along[2, 3], part.tail = z, None
-    g = read_origin(part) @ along
-    for old in part.findall("origin") + part.findall("geometry"):
-        part.remove(old)
-    part.attrib.pop("name", None)  # names of shapes are unique
-    add_origin(part, g)
-    ET.SubElement(ET.SubElement(part, "geometry"), shape, sizes)
-    return part
+    sizes = dict(capsule.findall("geometry/capsule")[0].attrib)
+    length = floats(sizes["length"], 1)[0]
+    ball = {"radius": sizes["radius"]}
+    for shape, size, z in (("cylinder", sizes, 0.0), ("sphere", ball, length / 2), ("sphere", ball, -length / 2)):
+        if length or (shape == "sphere" and not np.signbit(z)):
+            part, along = deepcopy(capsule), np.eye(4)
+            part.tail, along[2, 3] = None, z
+            g = read_origin(part) @ along
+            part[:] = [each for each in part if each.tag not in ("origin", "geometry")]
+            part.attrib.pop("name", None)  # names of shapes are unique
+            add_origin(part, g)
+            ET.SubElement(ET.SubElement(part, "geometry"), shape, size)
+            yield part

@@ -108,7 +108,7 @@ def existing_file(path: str | os.PathLike[str], wanted: str) -> Path:
     """The path of a regular file. DescriptionError, with the `wanted` kind, if it is not one."""
     file = as_path(path)
     if why := why_no_file(file):
-        raise refusal("file-not-found", Place(str(file)), why, f"give {wanted}")
+        raise refusal("file-unreadable", Place(str(file)), why, f"give {wanted}")
     return file
 
 

@@ -22,8 +22,7 @@ class Code(NamedTuple):
 
 CODES: dict[str, Code] = {
     # the file
-    "file-not-found": Code("error", "there is no such file"),
-    "file-unreadable": Code("error", "a file cannot be opened, or is larger than any description"),
+    "file-unreadable": Code("error", "a file does not exist, cannot be opened, or is too large for a description"),
     "xml-malformed": Code("error", "the text is not well-formed XML, or declares a document type"),
     "no-robot": Code("error", "the file describes no robot: another root element, or no links"),
     # MJCF
@@ -34,18 +33,15 @@ CODES: dict[str, Code] = {
     "mjcf-gravity": Code("info", "an MJCF has another gravity than straight down, which no URDF can say"),
     # the tree
     "name-unusable": Code("error", "a name of a link or joint is missing, used twice, or too long"),
-    "link-undefined": Code("error", "a joint lacks the name of a link, or names one that is not there"),
-    "not-a-tree": Code("error", "the links form several trees or a circle, or two joints move one link"),
+    "not-a-tree": Code("error", "a joint lacks a link, or the links form several trees or a circle"),
     "too-large": Code("error", "more links, joints or shapes, or a longer chain, than any robot has"),
     "word-unread": Code("warning", "a missing, misspelt or unknown word that other readers refuse or pass over"),
     # joints
     "joint-type-unknown": Code("error", "URDF has no such joint type"),
-    "number-malformed": Code("error", "an origin, axis, limit or mimic is not given in numbers"),
-    "axis-zero": Code("error", "a moving joint's axis has no direction"),
+    "number-malformed": Code("error", "an origin, axis, limit or mimic is not given in numbers, or an axis is 0"),
     "axis-not-unit": Code("warning", "a joint's axis is no unit vector; its direction is used"),
     "limits-swapped": Code("error", "a joint's lower limit lies above its upper one"),
-    "limit-incomplete": Code("warning", "a joint lacks a bound, which is read as 0, or both, which is unbounded"),
-    "limit-zero-range": Code("warning", "a joint's bounds are equal or nearly so; it can hardly move"),
+    "limit-incomplete": Code("warning", "a joint lacks a bound, which is read as 0, or both, or it can hardly move"),
     "limits-adjusted": Code("info", "a joint's limits are soft ones, a follower's, or none because it is planar"),
     "rate-not-given": Code("warning", "a limit of velocity or effort is absent, zero or negative"),
     "mimic-unusable": Code("error", "a joint mimics one that is missing, mimics it back, or is not one number"),
@@ -57,13 +53,12 @@ CODES: dict[str, Code] = {
     "several-tips": Code("info", "no tip was given; the most likely link was chosen"),
     "no-chain": Code("error", "no joint moves between base and tip, or a floating one does"),
     "off-the-chain": Code("info", "joints, or their limits and motors, that are not between base and tip"),
-    "pose-left-out": Code("warning", "a named pose puts a locked joint elsewhere, or is not on the requested chain"),
     "ready-named": Code("info", "the pose to start from is one that the description names"),
     # what stands beside the description
     "companion-unusable": Code("error", "an entry of an arm.toml, DH table, SRDF or file of limits cannot be used"),
     "srdf-found": Code("info", "an SRDF says more about the robot than its description"),
     "companion-doubtful": Code(
-        "warning", "an SRDF or a file of limits is unreadable or for another robot, at least in part"
+        "warning", "an SRDF, a file of limits or a named pose does not fit the arm, at least in part"
     ),
     "companion-not-used": Code("info", "an SRDF or a file of limits is not used: several fit, or it gives too little"),
     # packages and xacro
@@ -97,8 +92,7 @@ CODES: dict[str, Code] = {
     "cannot-turn": Code("info", "axes about which no joint ever turns the tool"),
     "cannot-turn-in-place": Code("info", "rotations that are missing while the tool's position is held"),
     "joint-without-effect": Code("warning", "a coordinate of the arm never moves the tool"),
-    "axes-almost-exact": Code("info", "axes are almost parallel, square or intersecting"),
-    "closed-form-missed": Code("info", "axes just miss a closed form of inverse kinematics"),
+    "axes-almost-exact": Code("info", "axes are almost parallel, square or intersecting, or just miss a closed form"),
     "tool-frame-missing": Code("warning", "the tool is the last joint's own frame; nothing says where the arm grips"),
     # engines
     "not-compared": Code("warning", "without Pinocchio nothing confirms the arm's kinematics"),
@@ -194,3 +188,22 @@ def refused(findings: Iterable[Finding]) -> DescriptionError:
     text = joined("; ", filter(None, (Text("{place}: {what}", place=first.place, what=first.what), first.remedy)))
     more = f" (and {len(others)} more: twistarm doctor lists them)" if others else ""
     return DescriptionError(Text("{text}{more}", text=text, more=more), every)
+
+
+_MEANS: dict[Severity, str] = {
+    "error": "The arm cannot be loaded; nothing is guessed.",
+    "warning": "The arm loads, but something is missing, repaired or hardly meant so.",
+    "info": "Good to know; nothing needs to change.",
+}
+
+
+def codes_page() -> str:
+    """The codes by severity in Markdown, each with what it means."""
+    parts = ["# Findings", "", "Made by `twistarm doctor --codes`. The codes are stable: programs may rely on them."]
+    for severity, meaning in _MEANS.items():
+        rows = {f"`{code}`": known.meaning for code, known in CODES.items() if known.severity == severity}
+        wide, long = max(map(len, rows)), max(map(len, rows.values()))
+        parts += ["", f"## {severity}", "", meaning, ""]
+        parts += [f"| {'code':{wide}} | {'what it means':{long}} |", f"|{'-' * (wide + 2)}|{'-' * (long + 2)}|"]
+        parts += [f"| {code:{wide}} | {means:{long}} |" for code, means in rows.items()]
+    return "\n".join(parts) + "\n"

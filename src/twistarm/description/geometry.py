@@ -19,9 +19,6 @@ from .tree import Geometry
 
 Colour = tuple[float, float, float, float]
 
-BYTE = 255.0
-"""The largest component in files that count to 255 instead of 1."""
-
 
 class Materials:
     """The colours of one robot.
@@ -34,7 +31,7 @@ class Materials:
         self._reading = reading
         self._known: dict[str, Colour] = {}
         self._twice: dict[str, None] = {}
-        self._odd: dict[tuple[str, str], None] = {}
+        self._odd: dict[str, None] = {}
         for material in robot.findall("material"):
             self.colour(material)
 
@@ -43,16 +40,9 @@ class Materials:
         if material is None:
             return None
         name, own = material.get("name", ""), self._own(material)
-        if not name:
-            return own
-        known = self._known.get(name)
-        if known is None:
-            if own is not None:
-                self._known[name] = own
-            return own
-        if own not in (None, known):
+        if name and own is not None and self._known.setdefault(name, own) != own:
             self._twice[name] = None
-        return known
+        return self._known.get(name) if name else own
 
     def note_odd(self) -> None:
         """Add a finding for all names with two colours, and one for each malformed colour."""
@@ -61,31 +51,25 @@ class Materials:
             what = f"{plural(len(self._twice), 'material')} with several colours: {names}"
             remedy = "give each colour a name of its own"
             self._reading.note("bad-geometry", None, f"{what}; the first colour of a name counts", remedy)
-        for rgba, drawn in self._odd:
-            what = f"the colour rgba={rgba[:60]!r} is not four numbers from 0 to 1; {drawn}"
+        for rgba in self._odd:
+            what = f"the colour rgba={rgba[:60]!r} is not four numbers from 0 to 1; the nearest colour is drawn, if any"
             self._reading.note("bad-geometry", None, what, 'write rgba="RED GREEN BLUE ALPHA"', repaired=True)
 
     def _own(self, material: ET.Element) -> Colour | None:
+        """The colour that the element gives. Three numbers are opaque, and others become the nearest from 0 to 1."""
         element = material.find("color")
         if element is None:
             return None
         rgba = element.get("rgba", "")
-        words = len(rgba.split())
         try:
-            values = np.array(floats(rgba, 3 if words == 3 else 4))
+            values = floats(rgba, 3 if len(rgba.split()) == 3 else 4)
         except ValueError:
-            self._odd[rgba, "it is not used"] = None
+            values = []
+        if len(values) != 4 or not all(0.0 <= value <= 1.0 for value in values):
+            self._odd[rgba] = None
+        if not values:
             return None
-        drawn = "drawn opaque" if words == 3 else ""
-        if 1.0 < values.max() <= BYTE and values.min() >= 0.0:
-            values[:3] /= BYTE
-            values[3:] /= BYTE if values[3:].max(initial=0.0) > 1.0 else 1.0
-            drawn = "drawn as if it counted to 255"
-        elif not ((values >= 0.0) & (values <= 1.0)).all():
-            drawn = "drawn with the nearest that are"
-        if drawn:
-            self._odd[rgba, drawn] = None
-        red, green, blue, alpha = (float(x) for x in np.clip([*values, 1.0][:4], 0.0, 1.0))
+        red, green, blue, alpha = (min(max(value, 0.0), 1.0) for value in [*values, 1.0][:4])
         return red, green, blue, alpha
 
 
@@ -144,7 +128,8 @@ class Geometries:
         if shape.tag == "mesh":
             uri = shape.get("filename", "")
             path = resolve_uri(uri, self._reading.packages)
-            self._missing += [uri] * (path is None)
+            if path is None:
+                self._missing.append(uri)
             return Geometry("mesh", origin, size, path, colour)
         if not self._seen(link, shape.tag, size):
             return None

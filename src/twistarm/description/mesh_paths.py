@@ -12,7 +12,7 @@ from urllib.parse import unquote
 from ..support.errors import closest
 from ..support.files import is_file
 from ..support.messages import Text, package_folder
-from .packages import PackageIndex, is_too_wide
+from .packages import PackageIndex
 
 _IN_PACKAGE = re.compile(r"(?:(?:package|model)://([^/\\]*)|\$\(find\s+([^)\s]+)\))[/\\]*")
 
@@ -47,12 +47,13 @@ def resolve_uri(uri: str, packages: PackageIndex) -> Path | None:
     """The mesh file of a URI: `package://`, `model://`, `file://`, `$(find p)/…`, absolute, or beside the file.
 
     Without a package's name, `package://` begins at the file's folder, at those above, or at the caller's folders.
-    None if there is no such file, or if it really lies outside the packages (`_may_draw`).
+    None if there is no such file, or if it really lies outside the packages and the caller's folders.
     """
-    folders = list(_folders(parsed(uri), packages))
+    beside, folders = packages.file.parent, list(_folders(parsed(uri), packages))
     found = (folder / path for folder in folders for path in _spellings(parsed(uri).path))
     reals = (Path(os.path.realpath(path)) for path in found if is_file(path))
-    return next((real for real in reals if _may_draw(real, folders, packages)), None)
+    given = (*folders, *packages.user_dirs)
+    return next((real for real in reals if real.is_relative_to(beside) or packages.allows(real, given)), None)
 
 
 def why_missing(uri: str, packages: PackageIndex) -> tuple[str, str]:
@@ -69,13 +70,6 @@ def why_missing(uri: str, packages: PackageIndex) -> tuple[str, str]:
         return "they lie outside the description's package", remedy
     where = f"in package {package!r}" if package else "where the description looks for them"
     return f"no such file stands {where}", "correct the paths, or put the files there"
-
-
-def _may_draw(real: Path, folders: list[Path], packages: PackageIndex) -> bool:
-    """Whether a mesh at `real`, a path without links, lies in a package or in a folder that the caller gives."""
-    wide = [folder for folder in folders if is_too_wide(folder) and folder != packages.file.parent]
-    given = [folder for folder in (*folders, *packages.user_dirs) if folder not in wide]
-    return any(real.is_relative_to(folder) for folder in given) or packages.allows(real)
 
 
 def _folders(uri: MeshUri, packages: PackageIndex) -> Iterator[Path]:

@@ -46,25 +46,24 @@ class PackageIndex:
 
     The search goes through the user's folders, then each parent of the description. There it covers the children,
     those of `src` and the installed packages. Then follow `<prefix>/share/*` of AMENT_PREFIX_PATH, and
-    ROS_PACKAGE_PATH. If no package.xml has the name, a folder of that name in the first two places may be the package.
-    `mesh_dirs` come last and give only meshes.
+    ROS_PACKAGE_PATH. If no package.xml has the name, a folder of that name in the first two places may be the package;
+    `copies` are the folders taken so. `mesh_dirs` come last and give only meshes.
     """
 
     file: Path
     user_dirs: tuple[Path, ...] = ()
     mesh_dirs: tuple[Path, ...] = ()
-    _copies: dict[tuple[str, bool], Path | None] = field(default_factory=dict, repr=False, compare=False)
-    _found: dict[str, Path] = field(default_factory=dict, repr=False, compare=False)
-    _search: list[Iterator[Path]] = field(default_factory=list, repr=False, compare=False)
+    copies: dict[str, Path] = field(default_factory=dict, repr=False, compare=False)
     _allowed: dict[Path, bool] = field(default_factory=dict, repr=False, compare=False)
 
     def find(self, package: str) -> Path | None:
         """The folder of `package`, or None."""
-        return self._by_manifest(package) or self._copy(package, marked=True)
+        found = self._packages_near.get(package) or self._sourced.get(package)
+        return found[0] if found else self._copy(package, only_marked=True)
 
     def find_for_mesh(self, package: str) -> Path | None:
         """As `find`, or any folder of that name. Meshes are only drawn, so their contents cannot leak."""
-        return self.find(package) or self._copy(package, marked=False) or self.find_for_mesh_alone(package)
+        return self.find(package) or self._copy(package) or self.find_for_mesh_alone(package)
 
     def find_for_mesh_alone(self, package: str) -> Path | None:
         """The folder of `package` in `mesh_dirs`, or None. No text is read there."""
@@ -72,12 +71,7 @@ class PackageIndex:
 
     def names(self) -> list[str]:
         """The names of all packages that can be found."""
-        self._by_manifest("")
-        return list(self._found)
-
-    def copies(self) -> dict[str, Path]:
-        """The folders taken for a package only by their name."""
-        return {package: folder for (package, _), folder in self._copies.items() if folder is not None}
+        return [*self._packages_near, *self._sourced]
 
     @property
     def near(self) -> tuple[Path, ...]:
@@ -86,77 +80,69 @@ class PackageIndex:
 
     def searched(self) -> str:
         """The places of the search, in words."""
-        places = [str(path) for path in (*self.user_dirs, *self.mesh_dirs)]
-        places.append(f"the folders above {self.file.name}")
+        places = [*map(str, (*self.user_dirs, *self.mesh_dirs)), f"the folders above {self.file.name}"]
         places += [name for name in ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH") if os.environ.get(name)]
         return ", ".join(places)
 
-    def allows(self, real: Path) -> bool:
+    def allows(self, real: Path, also: Iterable[Path] = ()) -> bool:
         """Whether the description may read the file at `real`, a path without links.
 
-        It may read in its own package or folder, and in the packages that `find` knows. A link counts by its real
-        path, because an archive may hold any link. Links of the user's build lead on: to the sources in the `src` of
-        the workspace that installs the package, and to the sources of a package in the environment.
+        It may read in its own package or folder, in the packages that `find` knows, and in the folders `also`. A link
+        counts by its real path, because an archive may hold any link.
         """
-        return any(real.is_relative_to(root) for root in self._own) or any(map(self._is_package, real.parents))
+        folders = [folder for folder in (self._own, *also) if not is_too_wide(folder)]
+        own = real == Path(os.path.realpath(self.file)) or any(real.is_relative_to(folder) for folder in folders)
+        return own or any(map(self._is_package, real.parents))
 
     @functools.cached_property
-    def _own(self) -> list[Path]:
-        """The description's package, else its folder, and the folder above if its folder is called urdf or so."""
-        file = Path(os.path.realpath(self.file))
-        package = next((folder for folder in file.parents if package_name(folder) and not is_too_wide(folder)), None)
-        folder = package or (file.parent.parent if file.parent.name in PARTS else file.parent)
-        return [each for each in {folder, package or file.parent} if not is_too_wide(each)]
+    def _own(self) -> Path:
+        """The description's package, else its folder, or the folder above if its folder is called urdf or so."""
+        home = home_of(Path(os.path.realpath(self.file)))
+        inside = home.name in PARTS and package_name(home) is None and not is_too_wide(home.parent)
+        return home.parent if inside else home
 
     def _is_package(self, folder: Path) -> bool:
         if folder not in self._allowed:
             name = None if is_too_wide(folder) else package_name(folder)
-            found = None if name is None else self.find(name)
-            named = found is not None and (
-                found == folder or _is_built_from(found, folder) or folder in self._sourced(str(name))
-            )
-            self._allowed[folder] = named or any(made == folder for (_, read), made in self._copies.items() if read)
+            named = name is not None and folder in self._real_folders(name)
+            self._allowed[folder] = named or (folder in self.copies.values() and _is_marked(folder))
         return self._allowed[folder]
 
-    def _sourced(self, package: str) -> Iterator[Path]:
-        """Real folders of the environment's packages of a name, and of their package.xml."""
-        for found in self._folders_of_environment():
-            if package_name(found) == package:
-                yield from (Path(os.path.realpath(found)), Path(os.path.realpath(found / "package.xml")).parent)
+    def _real_folders(self, package: str) -> Iterator[Path]:
+        """The folder of a package, and where links of the user's own build lead from there.
 
-    def _by_manifest(self, package: str) -> Path | None:
-        if not self._search:
-            self._search.append(self._folders())
-        while package not in self._found:
-            folder = next(self._search[0], None)
-            if folder is None:
-                return None
-            if name := package_name(folder):
-                self._found.setdefault(name, folder)
-        return self._found[package]
+        `colcon build --symlink-install` makes `install/…/share/NAME/package.xml` a link to `src/…/NAME/package.xml`. An
+        archive may hold such links too, but only to files in the `src` beside them. The environment is the user's own.
+        """
+        for found in self._sourced.get(package, ()):
+            yield from (Path(os.path.realpath(found)), Path(os.path.realpath(found / "package.xml")).parent)
+        if (installed := self.find(package)) is not None:
+            yield installed
+            source = Path(os.path.realpath(installed / "package.xml")).parent
+            workspaces = (parent.parent for parent in installed.parents if parent.name == INSTALLED)
+            sources = next(workspaces, Path(installed.anchor)) / SOURCES
+            built = installed.parent.name == SHARE and os.path.realpath(installed) == str(installed)
+            if built and not is_too_wide(sources.parent) and source.is_relative_to(sources):
+                yield from () if any(part[0] == "." for part in source.relative_to(sources).parts) else (source,)
 
-    def _copy(self, package: str, *, marked: bool) -> Path | None:
-        """The first folder of that name, above the description if there is one. `marked`: it looks like a package.
+    def _copy(self, package: str, *, only_marked: bool = False) -> Path | None:
+        """The folder of that name, above the description if there is one, else one that looks like a robot's package.
 
         A link does not count, nor the home folder and those above it. Of the folders beside them (`/etc`) only those
         above the description count.
         """
-        if (package, marked) not in self._copies:
-            above = self.file.parents
-            named = [folder for folder in self._folders_near if folder.name == package and package[:1] != "."]
-            own = [
-                folder
-                for folder in sorted(named, key=lambda folder: folder not in above)
-                if os.path.realpath(folder) == str(folder) and not is_too_wide(folder)
-                if folder in above or not (folder.parent == Path(folder.anchor) or folder.parent in _home().parents)
-            ]
-            found = next((folder for folder in own if not marked or _is_marked(folder)), None)
-            self._copies[package, marked] = found
-        return self._copies[package, marked]
-
-    def _folders(self) -> Iterator[Path]:
-        yield from self._folders_near
-        yield from self._folders_of_environment()
+        above = self.file.parents
+        named = [folder for folder in self._folders_near if folder.name == package and package[:1] != "."]
+        own = [
+            folder
+            for folder in named
+            if os.path.realpath(folder) == str(folder) and not is_too_wide(folder)
+            if folder in above or not (folder.parent == Path(folder.anchor) or folder.parent in _home().parents)
+        ]
+        found = min(own, key=lambda folder: (not _is_marked(folder), folder not in above), default=None)
+        if found is None or (only_marked and not _is_marked(found)):
+            return None
+        return self.copies.setdefault(package, found)
 
     @functools.cached_property
     def _folders_near(self) -> list[Path]:
@@ -167,18 +153,26 @@ class PackageIndex:
                 folders += _installed(parent.parent.parent)
         return folders
 
-    def _folders_of_environment(self) -> Iterator[Path]:
-        for prefix in _environment_paths("AMENT_PREFIX_PATH"):
-            yield from _through(prefix / SHARE, 1)
-        for folder in _environment_paths("ROS_PACKAGE_PATH"):
-            yield from _through(folder, MAX_DEPTH)
+    @functools.cached_property
+    def _packages_near(self) -> dict[str, list[Path]]:
+        return _by_name(self._folders_near)
+
+    @functools.cached_property
+    def _sourced(self) -> dict[str, list[Path]]:
+        """The packages of the environment."""
+        ament, ros = (
+            [Path(part) for part in os.environ.get(variable, "").split(os.pathsep) if part]
+            for variable in ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH")
+        )
+        folders = [below for prefix in ament for below in _through(prefix / SHARE, 1)]
+        return _by_name([*folders, *(below for folder in ros for below in _through(folder, MAX_DEPTH))])
 
     @functools.cached_property
     def _in_mesh_dirs(self) -> dict[str, Path]:
         """Packages by the name in their package.xml, then other folders by their names."""
         folders = [folder for top in self.mesh_dirs for folder in _through(top, MAX_DEPTH)]
-        named = [(name, folder) for folder in folders if (name := package_name(folder))]
-        return dict(reversed([*named, *((folder.name, folder) for folder in folders)]))
+        named = {folder.name: folder for folder in reversed(folders)}
+        return named | {name: found[0] for name, found in _by_name(folders).items()}
 
 
 def package_index(
@@ -193,13 +187,11 @@ def package_index(
 
 def _users_folder(folder: Path) -> Path:
     try:
-        resolved = folder.resolve()
-        usable = resolved.is_dir()
-    except (OSError, ValueError, RuntimeError) as error:  # the last for links in a circle, before Python 3.13
-        raise InputError(f"package_dirs: {shown(str(folder))} is no usable path ({error})") from error
-    if not usable:
-        raise InputError(f"package_dirs: {resolved} is not a folder")
-    return resolved
+        if os.path.isdir(folder):
+            return folder.resolve()
+    except ValueError:  # a NUL in it
+        pass
+    raise InputError(f"package_dirs: {shown(str(folder))} is not a folder; give one that holds packages")
 
 
 def package_names(ignore_packages: object) -> tuple[str, ...]:
@@ -223,6 +215,11 @@ def _names(given: object, argument: str, pattern: re.Pattern[str], wanted: str) 
         if not pattern.fullmatch(name):
             raise InputError(f"{argument} takes {wanted}; got {shown(name)}")
     return tuple(dict.fromkeys(names))
+
+
+def home_of(file: Path) -> Path:
+    """The package that holds a file, else its folder."""
+    return next((folder for folder in file.parents if package_name(folder) and not is_too_wide(folder)), file.parent)
 
 
 def package_name(folder: Path) -> str | None:
@@ -266,21 +263,13 @@ def _is_marked(folder: Path) -> bool:
     return any(entry.suffix in (".xacro", ".urdf") or (entry.name in MARKS and entry.is_dir()) for entry in entries)
 
 
-def _is_built_from(installed: Path, folder: Path) -> bool:
-    """Whether `folder` is the source of the installed package, in the same workspace.
-
-    `colcon build --symlink-install` makes `install/…/share/NAME/package.xml` a link to `src/…/NAME/package.xml`. An
-    archive may hold such links too, but only to files in the `src` beside them.
-    """
-    if Path(os.path.realpath(installed)) != installed or os.path.realpath(installed / "package.xml") != str(
-        folder / "package.xml"
-    ):
-        return False
-    workspace = next((parent.parent for parent in installed.parents if parent.name == INSTALLED), None)
-    if workspace is None or installed.parent.name != SHARE or is_too_wide(workspace):
-        return False
-    sources = workspace / SOURCES
-    return folder.is_relative_to(sources) and not any(part[0] == "." for part in folder.relative_to(sources).parts)
+def _by_name(folders: Iterable[Path]) -> dict[str, list[Path]]:
+    """The packages among folders, by the name in their package.xml."""
+    found: dict[str, list[Path]] = {}
+    for folder in folders:
+        if name := package_name(folder):
+            found.setdefault(name, []).append(folder)
+    return found
 
 
 def _through(folder: Path, depth: int) -> Iterator[Path]:
@@ -302,15 +291,15 @@ def _children(folder: Path) -> list[Path]:
     """The visible folders in a folder, by their names. None in an unreadable one."""
     try:
         with os.scandir(folder) as inside:
-            return [folder / name for name in sorted(each.name for each in inside if _is_visible_folder(each))]
+            return [folder / each.name for each in sorted(inside, key=lambda each: each.name) if _is_visible(each)]
     except OSError:
         return []
 
 
-def _is_visible_folder(entry: os.DirEntry[str]) -> bool:
+def _is_visible(entry: os.DirEntry[str]) -> bool:
     try:
         return not entry.name.startswith(".") and entry.is_dir()
-    except OSError:
+    except OSError:  # links in a circle
         return False
 
 
@@ -318,7 +307,3 @@ def _installed(folder: Path) -> Iterator[Path]:
     """Packages that colcon has installed there: `NAME/share/NAME`, or all in `share`."""
     yield from filter(os.path.isdir, (prefix / SHARE / prefix.name for prefix in _children(folder)))
     yield from _children(folder / SHARE)
-
-
-def _environment_paths(variable: str) -> list[Path]:
-    return [Path(part) for part in os.environ.get(variable, "").split(os.pathsep) if part]

@@ -69,11 +69,11 @@ def _check_end(joint: ET.Element, end: str, names: set[str], reading: Reading) -
     element = joint.find(end)
     link = None if element is None else element.get("link")
     if not link:
-        reading.note("link-undefined", joint, f"it has no <{end} link=…>", f"name its {end} link")
+        reading.note("not-a-tree", joint, f"it has no <{end} link=…>", f"name its {end} link")
     elif link not in names:
         hint = closest(link, names) if len(reading.findings.kept) < MOST_HINTS else ""
         remedy = f"define it, or correct the name{hint}"
-        reading.note("link-undefined", joint, f"its {end} link {link!r} is not defined", remedy)
+        reading.note("not-a-tree", joint, f"its {end} link {link!r} is not defined", remedy)
 
 
 def _check_parents(joints: list[ET.Element], reading: Reading) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arm.arm import Arm, require_arm
-from ..checking.doctor.postures import POOR
+from ..checking.doctor.motions import POOR
 from ..ik import reachable, solve_ik
 from ..ik.targets import Target
 from ..planning import JointMove, PathError, plan
@@ -16,7 +16,8 @@ from ..support.checks import Array, require, require_callback
 from ..support.display import Brief
 from ..support.errors import InputError, LimitError, NotConvergedError, TwistarmError, shown
 from ..support.messages import joined
-from ..sweeps.grid import Grid, sphere
+from ..sweeps.mapping import sphere
+from ..sweeps.voxel_map import Grid
 from ..theory.manipulability import Manipulability, scaled_jacobian
 from .panel import Panel
 from .parking import Progress, best_parking

@@ -13,6 +13,8 @@ from ..checking.doctor.repair import COPY, repaired
 from ..description.bounds import LIMIT_NAMES, WIDE
 from ..description.capsules import without_capsules
 from ..description.geometry import read_origin
+from ..description.mesh_paths import resolve_uri
+from ..description.packages import package_index
 from ..description.source_text import SourceText
 from ..description.tree import Joint
 from ..description.writing import add_joint, number_text
@@ -44,6 +46,13 @@ def to_urdf(arm: Arm, folder: str | os.PathLike[str] = ".") -> str:
     """
     text = _text(require_arm(arm), folder).rstrip().removesuffix(WRITTEN_XML)
     return f"{text.rstrip()}\n{WRITTEN_XML}\n"
+
+
+def lost_meshes(text: str, folder: str | os.PathLike[str]) -> list[str]:
+    """The mesh URIs of a URDF text for which `load_arm` finds no file from the folder."""
+    packages = package_index(as_path(folder) / COPY)
+    uris = dict.fromkeys(mesh.get("filename", "") for mesh in ET.fromstring(text).iter("mesh"))
+    return [uri for uri in uris if resolve_uri(uri, packages) is None]
 
 
 def _text(arm: Arm, folder: str | os.PathLike[str]) -> str:

@@ -48,6 +48,24 @@ def end_by(sent: Sequence[int]) -> None:
 
 
 @contextmanager
+def ending_at_once() -> Iterator[None]:
+    """Let Ctrl-C, and what acts like it, end the process at once: Python hears of a signal only between calls of C.
+
+    Only a signal that Python handles is taken, and it gets its handler back. Outside the main thread this does
+    nothing.
+    """
+    here = threading.current_thread() is threading.main_thread()
+    before = {number: handler for number in SIGNALS if here and callable(handler := signal.getsignal(number))}
+    for number in before:
+        signal.signal(number, signal.SIG_DFL)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
 def interruptible() -> Iterator[None]:
     """Raise a KeyboardInterrupt again at the end of a block that caught it and went on, as some libraries do.
 

@@ -10,7 +10,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
-from pathlib import Path
 from typing import Any
 
 from .errors import MissingExtraError, TwistarmError
@@ -31,19 +30,26 @@ class Wheel:
 
 def load(wheel: Wheel) -> Any:
     """The module. MissingExtraError if it is not installed; TwistarmError with its file and the remedy if unusable."""
+    install = f"pip install '{wheel.distribution}>={wheel.oldest}'"
     try:
         with _installed_modules():
             module = import_module(wheel.module)
     except Exception as error:  # a foreign package may raise whatever it likes
         if isinstance(error, ModuleNotFoundError) and error.name == wheel.module:
-            raise MissingExtraError(f"{wheel.module} is not installed; {_install(wheel)}") from error
+            raise MissingExtraError(f"{wheel.module} is not installed; {install}") from error
         spec = find_spec(wheel.module)
         cause = " ".join(str(error).split())[:200] or type(error).__name__
-        raise _unfit(wheel, spec.origin if spec else None, f"cannot be imported ({cause})") from error
-    fault = _fault(module, wheel)
-    if fault:
-        raise _unfit(wheel, getattr(module, "__file__", None), fault)
-    return module
+        file, fault = spec and spec.origin, f"cannot be imported ({cause})"
+    else:
+        file, version = getattr(module, "__file__", None), str(getattr(module, "__version__", wheel.oldest))
+        if hasattr(module, wheel.has) and _numbers(version) >= _numbers(wheel.oldest):
+            return module
+        too_old = f"is version {version}, and twistarm needs {wheel.oldest}"
+        fault = too_old if hasattr(module, wheel.has) else f"has no {wheel.has}: it is another project"
+    unset = " ".join(f"-u {name}" for name in _PATHS if os.environ.get(name))
+    start = f"start with env {unset} twistarm …, or " if unset else ""
+    namesake = f"pip uninstall {wheel.module}, then " if wheel.module != wheel.distribution else ""
+    raise TwistarmError(f"{wheel.module} at {file or 'an unknown place'} {fault}; {start}{namesake}{install}")
 
 
 @contextmanager
@@ -57,25 +63,5 @@ def _installed_modules() -> Iterator[None]:
         sys.path[:] = before
 
 
-def _fault(module: Any, wheel: Wheel) -> str:
-    version = str(getattr(module, "__version__", wheel.oldest))
-    if _numbers(version) < _numbers(wheel.oldest):
-        return f"is version {version}, and twistarm needs {wheel.oldest}"
-    return "" if hasattr(module, wheel.has) else f"has no {wheel.has}: it is another project"
-
-
 def _numbers(version: str) -> list[int]:
     return [int(number) for number in re.findall(r"\d+", version)[:3]]
-
-
-def _unfit(wheel: Wheel, file: str | None, fault: str) -> TwistarmError:
-    """The error, with the shell's variables to start without where it has any."""
-    program = "twistarm" if Path(sys.argv[0]).stem == "twistarm" else "python"
-    unset = " ".join(f"-u {name}" for name in _PATHS if os.environ.get(name))
-    start = f"start with env {unset} {program} …, or " if unset else ""
-    namesake = f"pip uninstall {wheel.module}, then " if wheel.module != wheel.distribution else ""
-    return TwistarmError(f"{wheel.module} at {file or 'an unknown place'} {fault}; {start}{namesake}{_install(wheel)}")
-
-
-def _install(wheel: Wheel) -> str:
-    return f"pip install '{wheel.distribution}>={wheel.oldest}'"

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -34,26 +33,42 @@ BASE = "base"
 UNIT = 1e-12
 """Largest rounding of a unit twist, and of the pitch of a revolute one for each metre of reach."""
 
-LIMITS = {
-    "lower": partial(number, least=-np.inf, most=np.inf),
-    "upper": partial(number, least=-np.inf, most=np.inf),
-    "velocity": partial(positive, most=np.inf),
-    "effort": partial(positive, most=np.inf),
-}
-UNLIMITED = {"lower": -np.inf, "upper": np.inf, "velocity": np.inf, "effort": np.inf}
+_BOUND, _RATE = partial(number, least=-np.inf, most=np.inf), partial(positive, most=np.inf)
+LIMITS = {"lower": _BOUND, "upper": _BOUND, "velocity": _RATE, "effort": _RATE}
+"""The limits of a joint and their checks."""
 
 
 @dataclass(frozen=True, eq=False)
-class _Part:
-    """One `<joint>`: its frame (4, 4) in the base frame at rest, its unit axis (3,) in that frame, and its limits."""
+class _Row:
+    """One `<joint>`: an axis (3,) and a point (3,) [m] of it at rest, in axes turned by `turned` (3, 3) from the base.
+
+    The checks make a unit axis, all `limits` (infinite where none is given), and the joint's `frame` (4, 4).
+    """
 
     name: str
     kind: str
-    frame: Array
-    axis: Array
-    limit: Mapping[str, float] = field(default_factory=dict)
+    axis: Any
+    point: ArrayLike
+    limits: Mapping[str, Any] = field(default_factory=dict)
+    turned: Array = field(default_factory=lambda: np.eye(3))
     master: str = ""
     multiplier: float = 1.0
+    frame: Array = field(default_factory=lambda: np.eye(4), init=False)
+
+    def __post_init__(self) -> None:
+        _check_name(self.name, "a joint's name")
+        with inside(f"joint {self.name!r}"):
+            object.__setattr__(self, "axis", joints.revolute(self.axis, self.point)[3:, 0])
+            self.frame[:3, :3], self.frame[:3, 3] = self.turned, self.point
+            number(float(np.abs(self.frame[:3, 3]).max()), "point", most=LARGEST, unit="m")
+            given = {name: limit for name, limit in self.limits.items() if limit is not None}
+            limits = dict.fromkeys(LIMITS, np.inf) | {"lower": -np.inf} | fields(given, "", {}, LIMITS)
+            lower, upper = limits["lower"], limits["upper"]
+            if not lower <= upper or lower == np.inf or upper == -np.inf:
+                raise InputError(f"lower must not exceed upper; got lower {lower:g} and upper {upper:g}")
+        object.__setattr__(self, "limits", {} if self.kind == "planar" else limits)
+        if self.kind == "revolute" and np.isinf([lower, upper]).all():
+            object.__setattr__(self, "kind", "continuous")
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +88,7 @@ class ArmBuilder:
     """
 
     name: str
-    _parts: tuple[_Part, ...] = field(default=(), repr=False)
+    _rows: tuple[_Row, ...] = field(default=(), repr=False)
     _home: Array | None = field(default=None, repr=False)
     _tool: str = field(default="", repr=False)
     _base: str = field(default=BASE, repr=False)
@@ -88,10 +103,9 @@ class ArmBuilder:
             name: The joint's name.
             axis: The direction of the axis (3,).
             point: A point (3,) of the axis [m].
-            **limits: `lower`, `upper`, `velocity` and `effort`, in SI units; each may be left out.
+            **limits: Some of `lower`, `upper`, `velocity` and `effort`, in SI units.
         """
-        with _joint(name):
-            return self._with(_part(name, "revolute", axis, point, limits))
+        return self._with(_Row(name, "revolute", axis, point, limits))
 
     def prismatic(self, name: str, axis: ArrayLike, **limits: float | None) -> ArmBuilder:
         """A slide [m] along `axis`. It is drawn at the previous joint.
@@ -99,10 +113,9 @@ class ArmBuilder:
         Args:
             name: The joint's name.
             axis: The direction of the axis (3,).
-            **limits: `lower`, `upper`, `velocity` and `effort`, in SI units; each may be left out.
+            **limits: Some of `lower`, `upper`, `velocity` and `effort`, in SI units.
         """
-        with _joint(name):
-            return self._with(_part(name, "prismatic", axis, self._last, limits))
+        return self._with(_Row(name, "prismatic", axis, self._last, limits))
 
     def helical(self, name: str, axis: ArrayLike, point: ArrayLike, pitch: float, **limits: float | None) -> ArmBuilder:
         """A turn [rad] about a line with `pitch` [m/rad] of slide along it. A thread of lead l has the pitch l/2π.
@@ -114,12 +127,12 @@ class ArmBuilder:
             axis: The direction of the axis (3,).
             point: A point (3,) of the axis [m].
             pitch: Slide of a turn [m/rad].
-            **limits: `lower`, `upper`, `velocity` and `effort`, in SI units; each may be left out.
+            **limits: Some of `lower`, `upper`, `velocity` and `effort`, in SI units.
         """
-        with _joint(name):
-            turn, slide = _cylinder(name, f"{name}_z", axis, point, limits)
+        with inside(f"joint {name!r}"):
             advance = number(pitch, "pitch", -LARGEST, LARGEST)
-            return self._with(turn, replace(slide, master=name, multiplier=advance))
+        slide = _Row(f"{name}_z", "prismatic", axis, point, master=name, multiplier=advance)
+        return self._with(_Row(name, "revolute", axis, point, limits), slide)
 
     def cylindrical(self, name: str, axis: ArrayLike, point: ArrayLike) -> ArmBuilder:
         """Add a turn `name_rz` [rad] about a line and a slide `name_z` [m] along it.
@@ -129,8 +142,8 @@ class ArmBuilder:
             axis: The direction of the line (3,).
             point: A point (3,) of the line [m].
         """
-        with _joint(name):
-            return self._with(*_cylinder(f"{name}_rz", f"{name}_z", axis, point))
+        turn = _Row(f"{name}_rz", "revolute", axis, point)
+        return self._with(turn, _Row(f"{name}_z", "prismatic", axis, point))
 
     def spherical(self, name: str, point: ArrayLike, axes: ArrayLike | None = None) -> ArmBuilder:
         """Add a ball with its centre at `point`, as ZYX Euler angles `name_rz, name_ry, name_rx` [rad].
@@ -143,9 +156,9 @@ class ArmBuilder:
             point: The centre (3,) [m].
             axes: The rotation (3, 3) of the joint's axes at rest.
         """
-        with _joint(name):
+        with inside(f"joint {name!r}"):
             turns = zip(("rz", "ry", "rx"), joints.spherical(point, axes).T, strict=True)
-            return self._with(*(_part(f"{name}_{end}", "revolute", twist[3:], point) for end, twist in turns))
+        return self._with(*(_Row(f"{name}_{end}", "revolute", twist[3:], point) for end, twist in turns))
 
     def planar(
         self, name: str, normal: ArrayLike, point: ArrayLike = (0.0, 0.0, 0.0), x_axis: ArrayLike | None = None
@@ -161,10 +174,9 @@ class ArmBuilder:
             point: A point (3,) of the axis of the turn [m].
             x_axis: The direction of the first slide; None for one by a rule.
         """
-        with _joint(name):
-            part = _part(name, "planar", (0.0, 0.0, 1.0), point)
-            part.frame[:3, :3] = joints.plane_axes(normal, x_axis)
-            return self._with(replace(part, limit={}))
+        with inside(f"joint {name!r}"):
+            turned = joints.plane_axes(normal, x_axis)
+        return self._with(_Row(name, "planar", (0.0, 0.0, 1.0), point, turned=turned))
 
     def tool(self, home: ArrayLike, name: str = "tool") -> ArmBuilder:
         """The tool frame `name` at `home` (4, 4), seen from the base with the arm at rest.
@@ -187,17 +199,17 @@ class ArmBuilder:
         """The arm as URDF. `load_arm` makes the same arm from it."""
         if self._home is None:
             raise InputError(f"{self.name} has no tool: say where it is with .tool(home)")
-        if not self._parts:
+        if not self._rows:
             raise InputError(f"{self.name} has no joints: add one, .revolute(name, axis, point) say")
         robot = ET.Element("robot", name=self.name)
         ET.SubElement(robot, "link", name=self._base)
         parent, last = self._base, np.eye(4)
-        for part in self._parts:
-            ends = parent, f"{part.name}_link"
-            joint = add_joint(robot, part.name, part.kind, ends, inverse(last) @ part.frame, part.axis, part.limit)
-            if part.master:
-                add_mimic(joint, part.master, part.multiplier)
-            parent, last = ends[1], part.frame
+        for row in self._rows:
+            ends = parent, f"{row.name}_link"
+            joint = add_joint(robot, row.name, row.kind, ends, inverse(last) @ row.frame, row.axis, row.limits)
+            if row.master:
+                add_mimic(joint, row.master, row.multiplier)
+            parent, last = ends[1], row.frame
         add_joint(robot, f"{self._tool}_mount", "fixed", (parent, self._tool), inverse(last) @ self._home)
         ET.indent(robot)
         return ET.tostring(robot, encoding="unicode") + "\n"
@@ -210,10 +222,10 @@ class ArmBuilder:
     @property
     def _last(self) -> Array:
         """Where the last joint is (3,)."""
-        return self._parts[-1].frame[:3, 3] if self._parts else np.zeros(3)
+        return self._rows[-1].frame[:3, 3] if self._rows else np.zeros(3)
 
-    def _with(self, *parts: _Part) -> ArmBuilder:
-        return replace(self, _parts=(*self._parts, *parts))
+    def _with(self, *rows: _Row) -> ArmBuilder:
+        return replace(self, _rows=(*self._rows, *rows))
 
 
 def builder_of(arm: Arm) -> ArmBuilder:
@@ -230,15 +242,15 @@ def builder_of(arm: Arm) -> ArmBuilder:
         master, rate = arm.joint_names[j], float(row[j])
         if others or master not in arm.moving_names or abs(screw.magnitude - 1.0) > UNIT:
             raise InputError(f"{arm.name}: URDF has no joint like {name!r}: it turns or slides by a rate of its own")
-        followed = "" if master == name else master
-        limits = {} if followed else {each: float(getattr(arm.limits, each)[j]) for each in LIMIT_NAMES}
-        if np.isinf(screw.pitch):
-            parts = [_part(name, "prismatic", screw.axis, builder._last, limits)]
-        else:
-            turn, slide = _cylinder(name, f"{name}_z", screw.axis, screw.point, limits)
-            threaded = abs(screw.pitch) > UNIT * arm.reach
-            parts = [turn, replace(slide, master=master, multiplier=rate * float(screw.pitch))][: 1 + threaded]
-        builder = builder._with(replace(parts[0], master=followed, multiplier=rate), *parts[1:])
+        slides = bool(np.isinf(screw.pitch))
+        point = builder._last if slides else screw.point
+        limits = {each: float(getattr(arm.limits, each)[j]) for each in LIMIT_NAMES} if master == name else {}
+        follows: dict[str, Any] = {} if master == name else {"master": master, "multiplier": rate}
+        builder = builder._with(_Row(name, "prismatic" if slides else "revolute", screw.axis, point, limits, **follows))
+        if not slides and abs(screw.pitch) > UNIT * arm.reach:
+            advance = rate * float(screw.pitch)
+            thread = _Row(f"{name}_z", "prismatic", screw.axis, point, master=master, multiplier=advance)
+            builder = builder._with(thread)
     return builder.tool(arm.home, arm.tip)
 
 
@@ -249,37 +261,6 @@ def arm_of_urdf(
     source = specification.description
     description = build_description(text, Reading(source, PackageIndex(source)))
     return proven(assemble(replace(description, path=None), specification, {} if limits is None else limits))
-
-
-@contextmanager
-def _joint(name: object) -> Iterator[None]:
-    """Name the joint in errors."""
-    _check_name(name, "a joint's name")
-    with inside(f"joint {name!r}"):
-        yield
-
-
-def _part(
-    name: str, kind: str, axis: ArrayLike, point: ArrayLike, limits: Mapping[str, float | None] | None = None
-) -> _Part:
-    """A joint in a frame at `point` with base axes. Its limits are infinite where none is given."""
-    unit, frame = joints.revolute(axis, point)[3:, 0], np.eye(4)
-    frame[:3, 3] = point
-    number(float(np.abs(frame[:3, 3]).max()), "point", most=LARGEST, unit="m")
-    given = {name: limit for name, limit in (limits or {}).items() if limit is not None}
-    limit = UNLIMITED | fields(given, "", {}, LIMITS)
-    lower, upper = limit["lower"], limit["upper"]
-    if not lower <= upper or lower == np.inf or upper == -np.inf:
-        raise InputError(f"lower must not exceed upper; got lower {lower:g} and upper {upper:g}")
-    unbounded = kind == "revolute" and np.isinf([lower, upper]).all()
-    return _Part(name, "continuous" if unbounded else kind, frame, unit, limit)
-
-
-def _cylinder(
-    turn: str, slide: str, axis: ArrayLike, point: ArrayLike, limits: Mapping[str, float | None] | None = None
-) -> tuple[_Part, _Part]:
-    """A turn with these limits and a slide, on one line."""
-    return _part(turn, "revolute", axis, point, limits), _part(slide, "prismatic", axis, point)
 
 
 def _check_name(name: object, what: str) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,19 +15,21 @@ from ...description.tree import Description
 from ...support.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
 from ...support.files import as_path
 from .abilities import Abilities, abilities_of
-from .axes import check_axes, check_closed_form
-from .collisions import check_collisions
-from .inertia import check_inertias
-from .limits import check_limits, check_mimics, check_reach, check_zero
 from .meshes import check_meshes
-from .postures import check_postures
-from .statements import check_abilities
-from .tool import check_off_the_chain, check_tool, check_without_effect
+from .motions import (
+    check_abilities,
+    check_axes,
+    check_collisions,
+    check_off_the_chain,
+    check_postures,
+    check_reach,
+    check_tool,
+    check_without_effect,
+    check_zero,
+)
+from .numbers import check_inertias, check_limits, check_mimics
 
 _ORDER = ("error", "warning", "info")
-
-_MEND = "correct what stands there"
-"""The remedy where the finding says by itself what is wrong."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,39 +77,27 @@ def examine(source: str | os.PathLike[str] | Arm, **load: Any) -> Diagnosis:
         return examine_arm(source)
     as_path(source)
     limits = load.pop("limits", None)
+    description: Description | None = None
     try:
         specification = specify(source, **load)
         description = read(specification)
-    except DescriptionError as error:
-        return Diagnosis(_in_order(_told_by(error, Place(str(source)))))
-    except (InputError, UnknownNameError) as error:
-        return Diagnosis((_of_arm_file(error, source, load),))
-    try:
         arm = proven(assemble(description, specification, {} if limits is None else limits))
-    except DescriptionError as error:
-        refused = _told_by(error, Place(str(source)))
     except ComparisonError as error:
         refused = [finding("engines-disagree", Place(str(source)), str(error), "report it with the description")]
+    except DescriptionError as error:
+        place = Place(str(source))
+        refused = list(error.findings) or [finding("companion-unusable", place, str(error), "correct it")]
     except (InputError, UnknownNameError) as error:
-        refused = [_of_arm_file(error, source, load | {"limits": limits})]
+        # A wrong name or value in an arm.toml is a finding, the caller's is his error.
+        if limits or any(load.values()) or not str(source).endswith(".toml"):
+            raise
+        refused = [finding("companion-unusable", Place(str(source)), str(error), "correct it there")]
     else:
         return examine_arm(arm)
+    if description is None:
+        return Diagnosis(_in_order(refused))
     known = [one for one in description.findings if one not in refused]
     return Diagnosis(_in_order([*refused, *known, *_of_description(description, None)]), description)
-
-
-def _of_arm_file(
-    error: InputError | UnknownNameError, source: str | os.PathLike[str], load: Mapping[str, Any]
-) -> Finding:
-    """A wrong name or value in an arm.toml as a finding; the caller's is raised again."""
-    if any(load.values()) or not str(source).endswith(".toml"):
-        raise error
-    return finding("companion-unusable", Place(str(source)), str(error), "correct it there")
-
-
-def _told_by(error: DescriptionError, place: Place) -> list[Finding]:
-    """The error's own findings; an error without any becomes one."""
-    return list(error.findings) or [finding("companion-unusable", place, str(error), "correct it")]
 
 
 def examine_arm(arm: Arm) -> Diagnosis:
@@ -115,7 +105,6 @@ def examine_arm(arm: Arm) -> Diagnosis:
     able = abilities_of(arm)
     found = [*arm.findings, *check_zero(arm), *check_reach(arm), *check_postures(arm, able.rank)]
     found += [*check_abilities(arm, able), *check_without_effect(arm, able), *check_axes(arm)]
-    found += check_closed_form(arm)
     if arm.description is not None:
         found += _of_description(arm.description, arm)
         found += [*check_tool(arm, arm.description), *check_off_the_chain(arm, arm.description)]
@@ -126,20 +115,16 @@ def examine_arm(arm: Arm) -> Diagnosis:
 def _of_description(description: Description, arm: Arm | None) -> Iterator[Finding]:
     """What needs no tip."""
     yield from check_limits(description, arm)
-    couplings, chain = (arm.couplings, arm.moving_names) if arm else (_couplings(description), ())
-    yield from check_mimics(description, couplings, chain)
+    try:
+        couplings = arm.couplings if arm else resolve_couplings(description, {})
+    except DescriptionError:  # it is what the arm was refused for
+        couplings = {}
+    yield from check_mimics(description, couplings, arm.moving_names if arm else ())
     yield from check_inertias(description)
     yield from check_meshes(description)
 
 
-def _couplings(description: Description) -> Any:
-    try:
-        return resolve_couplings(description, {})
-    except DescriptionError:  # it is what the arm was refused for
-        return {}
-
-
 def _in_order(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """The gravest first, each with a remedy."""
-    told = (one if one.remedy else replace(one, remedy=_MEND) for one in findings)
+    told = (one if one.remedy else replace(one, remedy="correct what stands there") for one in findings)
     return tuple(sorted(told, key=lambda one: _ORDER.index(one.severity)))

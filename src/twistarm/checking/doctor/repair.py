@@ -9,8 +9,9 @@ import math
 import os
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -22,7 +23,7 @@ from ...description.inertial import inertial_problem
 from ...description.mesh_paths import plain
 from ...description.packages import package_index, package_name
 from ...description.source_text import SourceText
-from ...description.tree import Description, Joint
+from ...description.tree import Description
 from ...description.urdf import build_description
 from ...support.errors import InputError
 from ...support.files import is_file, writable
@@ -35,6 +36,9 @@ SAMPLES = 20
 
 SAME = 1e-12
 """[m, rad], for each metre that the robot is large: the numbers are written in full."""
+
+SAME_FIELDS = ("parent", "child", "lower", "upper", "velocity", "effort", "acceleration", "jerk", "mimic")
+"""Of a joint."""
 
 COPY = "copy.urdf"
 
@@ -69,9 +73,10 @@ def repaired(description: Description, folder: Path) -> Repair:
     """The repaired text for a file in `folder`, where relative paths of meshes begin."""
     source = SourceText(description.text)
     changes = [
-        *(change for joint in source.robot.findall("joint") for change in _joint(source, joint, description)),
-        *(change for link in source.robot.findall("link") for change in _inertials(source, link)),
-        *(change for mesh in source.robot.iter("mesh") for change in _mesh(source, mesh, description, folder)),
+        change
+        for path, mend in REPAIRS.items()
+        for element in source.robot.findall(path)
+        for change in mend(source, element, description, folder)
     ]
     text = source.edited()
     copy = build_description(text, Reading(folder / COPY, package_index(folder / COPY)))
@@ -81,16 +86,11 @@ def repaired(description: Description, folder: Path) -> Repair:
     return Repair(text, tuple(dict.fromkeys(changes)), why_no_pinocchio() or model_of(text)[1])
 
 
-def _joint(source: SourceText, joint: ET.Element, description: Description) -> Iterator[str]:
-    kind, name = joint.get("type", ""), joint.get("name", "")
-    axis = joint.find("axis")
-    if axis is not None:
-        yield from _axis(source, axis, f"joint {name!r}", kind)
-    if kind in ("revolute", "continuous", "prismatic"):
-        yield from _limit(source, joint, description.joints[name])
-
-
-def _axis(source: SourceText, axis: ET.Element, joint: str, kind: str) -> Iterator[str]:
+def _mend_axis(source: SourceText, joint: ET.Element, *_: object) -> Iterator[str]:
+    """A unit vector; none for a joint that does not move."""
+    axis, kind, name = joint.find("axis"), joint.get("type", ""), f"joint {joint.get('name', '')!r}"
+    if axis is None:
+        return
     written, moving = axis.get("xyz", "1 0 0"), kind not in ("fixed", "floating")
     try:
         vector = np.array(floats(written, 3))
@@ -99,45 +99,46 @@ def _axis(source: SourceText, axis: ET.Element, joint: str, kind: str) -> Iterat
     norm = float(np.linalg.norm(vector))
     if not moving and norm < UNIT:
         source.remove(axis)
-        yield f"{joint}: the axis {written!r} of a {kind} joint taken out"
+        yield f"{name}: the axis {written!r} of a {kind} joint taken out"
     elif moving and abs(norm - 1.0) > UNIT:
-        unit = " ".join(repr(float(x)) for x in vector / norm)
-        source.set(axis, xyz=unit)
-        yield f"{joint}: axis {written} normalised"
+        source.set(axis, xyz=" ".join(repr(float(x)) for x in vector / norm))
+        yield f"{name}: axis {written} normalised"
 
 
-def _limit(source: SourceText, joint: ET.Element, read: Joint) -> Iterator[str]:
+def _mend_limit(source: SourceText, joint: ET.Element, description: Description, _: Path) -> Iterator[str]:
     """A revolute joint without bounds becomes continuous; rates become numbers that every parser reads."""
-    limit, name = joint.find("limit"), f"joint {read.name!r}"
+    if joint.get("type") not in ("revolute", "continuous", "prismatic"):
+        return
+    limit, read = joint.find("limit"), description.joints[joint.get("name", "")]
     changes: dict[str, str | None] = {}
     if read.type == "revolute" and math.isinf(read.lower) and math.isinf(read.upper) and read.lower < read.upper:
         source.set(joint, type="continuous")
         changes |= {bound: None for bound in ("lower", "upper") if limit is not None and bound in limit.attrib}
-        yield f"{name}: revolute without bounds made continuous, as twistarm reads it"
+        yield f"joint {read.name!r}: revolute without bounds made continuous, as twistarm reads it"
     if limit is None:
         return
     for rate in ("velocity", "effort"):
         text = limit.get(rate)
         if text is None or not 0 <= float(text) < math.inf:
             changes[rate] = "0"
-            yield f"{name}: {rate} {'absent' if text is None else text} made 0, which is read as not given"
+            yield f"joint {read.name!r}: {rate} {'absent' if text is None else text} made 0, which is read as not given"
     if changes:
         source.set(limit, **changes)
 
 
-def _inertials(source: SourceText, link: ET.Element) -> Iterator[str]:
+def _mend_inertial(source: SourceText, link: ET.Element, *_: object) -> Iterator[str]:
+    """No inertia where it is unusable."""
     for inertial in link.findall("inertial"):
-        problem = inertial_problem(inertial)
-        if problem:
+        if problem := inertial_problem(inertial):
             source.remove(inertial)
             yield f"link {link.get('name')!r}: its <inertial> {problem}; taken out"
 
 
-def _mesh(source: SourceText, mesh: ET.Element, description: Description, folder: Path) -> Iterator[str]:
+def _mend_mesh(source: SourceText, mesh: ET.Element, description: Description, folder: Path) -> Iterator[str]:
+    """A path that is found from `folder`, and three scales."""
     changes: dict[str, str | None] = {}
     written = mesh.get("filename", "").strip()
-    uri, scale = plain(written), (mesh.get("scale") or "1 1 1").split()
-    moved = _moved_uri(uri, description, folder)
+    moved, scale = _moved_uri(plain(written), description, folder), (mesh.get("scale") or "1 1 1").split()
     if moved != written:
         changes["filename"] = moved
         yield f"mesh path {written!r} made {moved!r}"
@@ -148,52 +149,50 @@ def _mesh(source: SourceText, mesh: ET.Element, description: Description, folder
         source.set(mesh, **changes)
 
 
+REPAIRS: dict[str, Callable[[SourceText, ET.Element, Description, Path], Iterator[str]]] = {
+    "joint": lambda *given: chain(_mend_axis(*given), _mend_limit(*given)),
+    "link": _mend_inertial,
+    ".//mesh": _mend_mesh,
+}
+"""Elements, and what mends them and says what it has changed."""
+
+
 def _moved_uri(uri: str, description: Description, folder: Path) -> str:
     """The URI as a package's, or relative to the copy's folder for a path beside the original."""
     found = _FIND.match(uri)
     if found:
         return f"package://{found.group(1)}/{uri[found.end() :]}"
-    home = description.path.parent if description.path else folder
     if uri.startswith("file://") or os.path.isabs(uri):
-        return _without_root(Path(unquote(uri.removeprefix("file://").removeprefix("localhost"))), folder)
+        file = Path(unquote(uri.removeprefix("file://").removeprefix("localhost")))
+        if not is_file(file):
+            return file.name
+        for package in file.parents:
+            if name := package_name(package):
+                return f"package://{name}/{file.relative_to(package).as_posix()}"
+        return Path(os.path.relpath(file, folder)).as_posix()
+    home = description.path.parent if description.path else folder
     if _SCHEME.match(uri) or home == folder or not is_file(home / uri):
         return uri
     return Path(os.path.relpath(home / uri, folder)).as_posix()
 
 
-def _without_root(file: Path, folder: Path) -> str:
-    """The URI of a mesh with an absolute path: in its package, or relative to `folder`; for a missing file its name."""
-    if not is_file(file):
-        return file.name
-    for package in file.parents:
-        if name := package_name(package):
-            return f"package://{name}/{file.relative_to(package).as_posix()}"
-    return Path(os.path.relpath(file, folder)).as_posix()
-
-
 def difference(one: Description, other: Description) -> str:
-    """The first difference in links, joints, limits, couplings or poses, in words; empty if there is none."""
+    """The first difference in links, joints, limits, couplings or poses, in words; empty if there is none.
+
+    A turning joint without bounds is one kind, whatever it is called.
+    """
     for what in ("links", "joints"):
-        ours, theirs = getattr(one, what), getattr(other, what)
-        if list(ours) != list(theirs):
+        if list(getattr(one, what)) != list(getattr(other, what)):
             return f"its {what} are others"
-    for joint in one.joints.values():
-        changed = _joint_difference(joint, other.joints[joint.name])
+    for joint, copy in zip(one.joints.values(), other.joints.values(), strict=True):
+        changed = [field for field in SAME_FIELDS if getattr(joint, field) != getattr(copy, field)]
+        if joint.type.replace("continuous", "revolute") != copy.type.replace("continuous", "revolute"):
+            changed.append("type")
         if changed:
-            return f"joint {joint.name!r} has another {changed}"
+            return f"joint {joint.name!r} has another {changed[0]}"
     rng = np.random.default_rng(0)
     values = {name: rng.uniform(-1.0, 1.0, SAMPLES) for name, joint in one.joints.items() if joint.scalar}
     ours, theirs = one.link_poses(values), other.link_poses(values)
     worst = max(float(np.abs(ours[link] - theirs[link]).max()) for link in ours)
     size = max(float(np.abs(g).max()) for g in ours.values())
     return "" if worst <= SAME * size else f"its links stand {worst:.2g} off"
-
-
-def _joint_difference(one: Joint, other: Joint) -> str:
-    """The field in which two joints differ; a turning joint without bounds is one kind, whatever it is called."""
-    names = ("parent", "child", "lower", "upper", "velocity", "effort", "acceleration", "jerk", "mimic")
-    for name in names:
-        if getattr(one, name) != getattr(other, name):
-            return name
-    kinds = {joint.type.replace("continuous", "revolute") for joint in (one, other)}
-    return "type" if len(kinds) > 1 else ""

@@ -14,9 +14,8 @@ from ...arm.loading.load import load_arm
 from ...planning.motion_file_draft import draft_motion_file
 from ...support.errors import InputError
 from ...support.messages import Argument
-from ..options import Source
-from ..output import say
-from ..outputs import NAMED, STDOUT, Force, Outputs, outputs_of
+from ..options import Source, answers
+from ..output import STDOUT, Outputs, say
 from ..wording import written
 
 Motion = Annotated[
@@ -28,15 +27,21 @@ Motion = Annotated[
 File = Annotated[
     Source, typer.Argument(metavar="FILE", parser=Source, help="URDF or xacro file; with --motion any ARM.")
 ]
+Written = Annotated[
+    Outputs,
+    answers(
+        "output force",
+        {"toml": (".toml",)},
+        over_description=True,
+        output="Where to write it; arm.toml, or motion.toml. - is standard output.",
+    ),
+]
 
 
-def init(
-    source: File, output: Annotated[str, NAMED] = "arm.toml", force: Force = False, motion: Motion = False
-) -> None:
+def init(source: File, outputs: Written, motion: Motion = False) -> None:
     """Write a commented arm.toml for FILE (base, tip, limits to fill in, the ready pose), or a first motion.toml."""
-    if motion and output == "arm.toml":
-        output = "motion.toml"
-    outputs = outputs_of(output, {"toml": (".toml",)}, force=force, over_description=True)
+    outputs = outputs if outputs.files else outputs.named("motion.toml" if motion else "arm.toml")
+    output = outputs.files[0][1]
     if output != STDOUT and not output.endswith(".toml"):
         raise InputError(f"{'a motion' if motion else 'an arm'} file is named *.toml; got {output}")
     if motion:

@@ -200,7 +200,7 @@ def _file(name: str, key: str, path: Path) -> Path:
     file = path.parent / name
     if not is_file(file):
         what = f"{key} {name!r} does not exist beside it"
-        raise refusal("file-not-found", Place(str(path)), what, "correct the path")
+        raise refusal("file-unreadable", Place(str(path)), what, "correct the path")
     return file
 
 
@@ -209,7 +209,7 @@ def _folder(name: str, path: Path) -> Path:
     folder = path.parent / as_path(name)
     if not os.path.isdir(folder):
         what = f"package_dirs names {name!r}; there is no such folder beside it"
-        raise refusal("file-not-found", Place(str(path)), what, "correct the path")
+        raise refusal("file-unreadable", Place(str(path)), what, "correct the path")
     return folder
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import os
-from collections.abc import Iterator
 from pathlib import Path
 
 from ...support.files import read_bounded
@@ -24,53 +23,28 @@ class Refused(Exception):  # noqa: N818 - it is no error yet: its place is not k
         self.code, self.what, self.remedy = code, what, remedy
 
 
-class Confinement:
-    """Reads the files of one description where its packages lie (`PackageIndex.allows`)."""
+def read_inside(name: str, packages: PackageIndex) -> tuple[Path, str]:
+    """The real path and the text of the regular file `name`.
 
-    def __init__(self, file: Path, packages: PackageIndex) -> None:
-        self._file, self._packages = Path(os.path.realpath(file)), packages
-
-    def read(self, name: str) -> tuple[Path, str]:
-        """The real path and the text of the regular file `name`.
-
-        Refused outside the folders, whether or not there is a file. OSError if there is none inside.
-        """
-        try:
-            note_file(Path(name))
-            real = Path(os.path.realpath(name))
-            self.require_inside(real)  # a device is not even opened
-            return real, decoded(read_bounded(real, MAX_BYTES))
-        except ValueError:
-            raise Refused(
-                "file-outside-packages", f"{name!a} is no path", "write a path or $(find package)/…"
-            ) from None
-        except OSError as error:
-            codes = {errno.EINVAL: "file-unreadable", errno.EFBIG: "file-unreadable"}
-            if error.errno not in codes:
-                raise
-            remedy = "include regular files of a description"
-            raise Refused(codes[error.errno], f"{name}: {error.strerror}", remedy) from error
-
-    def entries(self, folder: str) -> list[str]:
-        """The sorted names in a readable folder. Refused and OSError as in `read`."""
-        self.require_inside(Path(os.path.realpath(folder)))
-        return sorted(os.listdir(folder))
-
-    def require_inside(self, real: Path) -> None:
-        """Refused if `real`, a path without links, lies outside the folders."""
-        if real != self._file and not self._packages.allows(real):
-            what = f"{real} lies outside the folders that may be read: its own package, and those found by their name"
-            remedy = Text("pass {folder}", folder=package_folder("its package"))
-            raise Refused("file-outside-packages", what, remedy)
+    Refused outside the folders, whether or not there is a file. OSError if there is none inside.
+    """
+    try:
+        note_file(Path(name))
+        real = real_inside(name, packages)  # a device is not even opened
+        return real, decoded(read_bounded(real, MAX_BYTES))
+    except ValueError:
+        raise Refused("file-outside-packages", f"{name!a} is no path", "write a path or $(find package)/…") from None
+    except OSError as error:
+        if error.errno not in (errno.EINVAL, errno.EFBIG):
+            raise
+        what, remedy = f"{name}: {error.strerror}", "include regular files of a description"
+        raise Refused("file-unreadable", what, remedy) from error
 
 
-def causes(error: BaseException) -> Iterator[BaseException]:
-    """The error and all that it wraps: xacro keeps the original in `.exc`, Python in `__cause__`/`__context__`."""
-    seen: set[int] = set()
-    stack: list[BaseException | None] = [error]
-    while stack:
-        current = stack.pop()
-        if isinstance(current, BaseException) and id(current) not in seen:
-            seen.add(id(current))
-            yield current
-            stack += [getattr(current, "exc", None), current.__cause__, current.__context__]
+def real_inside(name: str | Path, packages: PackageIndex) -> Path:
+    """The path without links. Refused if it lies outside the folders."""
+    real = Path(os.path.realpath(name))
+    if not packages.allows(real):
+        what = f"{real} lies outside the folders that may be read: its own package, and those found by their name"
+        raise Refused("file-outside-packages", what, Text("pass {folder}", folder=package_folder("its package")))
+    return real

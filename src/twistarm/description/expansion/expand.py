@@ -11,15 +11,14 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ...support.errors import TwistarmError
+from ...support.errors import InputError, TwistarmError, closest
+from ...support.interrupts import ending_at_once
 from ...support.wheels import Wheel, load
 from ..document import read_text
 from ..findings import Finding
 from ..packages import PackageIndex
-from .errors import explain, unknown_argument
+from .errors import explain
 from .expansion import HERE, PACKAGE, REPLACED, Expansion
-
-_DECLARATION = '<?xml version="1.0" ?>'
 
 _WHEEL = Wheel("xacro", "xacro", has="process_file", oldest="2.1")
 """ROS 2's is the same code and serves; ROS 1's lacks what `Expansion` replaces."""
@@ -53,41 +52,37 @@ def expand_xacro(
     It reads files of its package and of packages found by their name (`confinement`), and only the environment
     variables in `env_vars`. Its expressions only compute (`expressions`). A missing package is an error only if an
     include or a YAML load needs it. Includes, YAML and macros of the packages in `ignore_packages` are left out.
+    Ctrl-C ends the process meanwhile, because one operation of an expression may take any time.
 
-    Raises DescriptionError with the file, the cause and the remedy.
+    Raises DescriptionError with the file, the cause and the remedy, and InputError for an argument that the file does
+    not take.
     """
-    given = {name: _argument_text(value) for name, value in (arguments or {}).items()}
+    given = {
+        name: str(value).lower() if isinstance(value, bool) else str(value) for name, value in (arguments or {}).items()
+    }
     with _LOCK:
         xacro = own_xacro()
         expansion = Expansion(xacro, path, packages, given, ignore_packages, env_vars)
         vars(xacro).update(xacro.original | expansion.attributes())
         try:
-            document = xacro.process_file(str(path), mappings=dict(given), verbosity=0)
-            text = _portable(document.documentElement.toxml())
+            with ending_at_once():
+                robot = xacro.process_file(str(path), mappings=dict(given), verbosity=0).documentElement.toxml()
         except Exception as error:
-            raise explain(error, expansion, expansion.place) from error
-    known = expansion.found.all()
+            raise explain(error, expansion) from error
+    known = expansion.arguments
     for name in given:
         if name not in known:
-            raise unknown_argument(name, path, known)
+            allowed = f"its arguments: {', '.join(known) or 'none'}"
+            raise InputError(f"{path.name} has no xacro argument {name!r}{closest(name, known)} ({allowed})")
+    # Without xacro's banner, which shows the file's folder, and with paths that any reader of URDF takes: those of a
+    # package, and for files beside the description relative ones.
+    text = '<?xml version="1.0" ?>' + robot.replace(f"file://{PACKAGE}", PACKAGE).replace(HERE, "")
     return Expanded(text, expansion.findings(), known)
 
 
 def is_xacro(path: Path) -> bool:
     """Whether a file needs expansion, by its name or by a xacro element in it."""
     return path.suffix == ".xacro" or "<xacro:" in read_text(path)
-
-
-def _portable(robot: str) -> str:
-    """The text without xacro's banner, which shows the file's folder, with paths that any reader of URDF takes.
-
-    `file://$(find arm)/…` is the package's file. Paths beside the description are relative to it.
-    """
-    return _DECLARATION + robot.replace(f"file://{PACKAGE}", PACKAGE).replace(HERE, "")
-
-
-def _argument_text(value: object) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 @functools.cache

@@ -20,9 +20,9 @@ from ...support.messages import Argument, Text, package_folder
 from ..document import Reading, parse_xml
 from ..findings import Finding, Place, finding, refusal
 from ..packages import PackageIndex, is_package_name
-from .arguments import Arguments
-from .confinement import Confinement, Refused
-from .expressions import evaluate, safer
+from .arguments import arguments_in
+from .confinement import Refused, read_inside, real_inside
+from .expressions import LEFT_OUT, evaluate, type_of
 
 PACKAGE = "package://"
 """What `$(find NAME)` gives before the package's name. The folder stays out of the texts, which users may pass on."""
@@ -42,6 +42,7 @@ MAX_INCLUDES = 30
 XACRO = "http://www.ros.org/wiki/xacro"
 
 QUIET = ("message", "warning", "error", "print_location")
+"""Functions of xacro that write on the terminal."""
 
 REPLACED = (
     *("_global_symbols", "substitution_args_context", "filestack", "macrostack", "verbosity", "all_includes"),
@@ -51,10 +52,6 @@ REPLACED = (
 """Names in the module `xacro` that an expansion replaces."""
 
 _FIND = re.compile(r"\$\(find ([^)\s]+)\)")
-
-
-class NotSetError(Exception):
-    """A variable that the file needs has no value, or the caller does not name it."""
 
 
 class Expansion:
@@ -70,18 +67,28 @@ class Expansion:
         env_vars: Iterable[str] = (),
     ) -> None:
         self.path, self.packages, self.given = path, packages, dict(arguments)
-        self.found = Arguments()
-        self.unknown_packages: set[str] = set()
-        self._xacro = xacro
-        self._confinement = Confinement(path, packages)
-        self._ignored, self._env_vars = tuple(ignore_packages), tuple(env_vars)
+        self._xacro, self._ignored, self._env_vars = xacro, tuple(ignore_packages), tuple(env_vars)
+        self._documents: list[dict[str, str | None]] = []
+        self._unknown: set[str] = set()
         self._idle = dict.fromkeys(self._ignored)
         self._notes: dict[str, Finding] = {}
 
     def findings(self) -> tuple[Finding, ...]:
         """Packages that no opened file needed, variables that are not shown, and parts left out."""
-        unknown = (_unknown(self.path, name) for name in sorted(self.unknown_packages))
+        unknown = []
+        for package in sorted(self._unknown):
+            what = f"$(find {package}): package not found; nothing the kinematics needs uses it"
+            remedy = Text("pass {folder} if its files matter", folder=package_folder(package))
+            unknown.append(finding("package-not-found", Place(self.path.name), what, remedy))
         return (*unknown, *self._notes.values(), *(not_used(package, self.path) for package in self._idle))
+
+    @property
+    def arguments(self) -> dict[str, str | None]:
+        """The arguments that the files read so far declare or use, with their first default, None without one."""
+        found: dict[str, str | None] = {}
+        for one in self._documents:
+            found |= {name: default for name, default in one.items() if found.get(name) is None}
+        return found
 
     def attributes(self) -> dict[str, Any]:
         """Values for the module `xacro`, which keeps its state in module globals."""
@@ -113,16 +120,16 @@ class Expansion:
     # names and texts
 
     def _symbols(self) -> Any:
-        """xacro's own names, with bounded functions, and with our functions about files and arguments."""
+        """xacro's own names, with our functions about files and arguments."""
         symbols = self._xacro.create_global_symbols()
         own = {"load_yaml": self._load_yaml, "abs_filename": self._named_from_here}
         symbols["xacro"].update(own, arg=self._argument, fatal=self._fail)
         symbols["xacro"].update(dict.fromkeys(QUIET, _say_nothing))
         symbols.update(own)
-        for names in (symbols, symbols["python"], symbols["math"]):
-            kept = {name: safer(name, dict.__getitem__(names, name)) for name in dict.keys(names)}
-            dict.clear(names)
-            dict.update(names, {name: value for name, value in kept.items() if value is not None})
+        python = symbols["python"]
+        for name in LEFT_OUT:
+            dict.pop(python, name)
+        python["type"] = type_of
         return symbols
 
     def _text(self, text: str, symbols: Any) -> Any:
@@ -167,7 +174,8 @@ class Expansion:
     def _required(self, name: str) -> str:
         value = os.environ.get(name) if name in self._env_vars else None
         if value is None:
-            raise NotSetError(f"environment variable {name!r} is not set for it")
+            remedy = Text("pass {allowed} if it may know it, and set it", allowed=Argument("env_vars", [...]))
+            raise Refused("xacro-failed", f"environment variable {name!r} is not set for it", remedy)
         return value
 
     def _optional(self, name: str, default: str = "") -> str:
@@ -185,7 +193,7 @@ class Expansion:
         self._idle.pop(package, None)
         known = self.packages.find(package) or self.packages.find_for_mesh_alone(package)
         if known is None and package not in self._ignored:
-            self.unknown_packages.add(package)
+            self._unknown.add(package)
         return PACKAGE + package if is_package_name(package) else MISSING_PACKAGE + package
 
     def _named_from_here(self, name: str) -> str:
@@ -215,7 +223,7 @@ class Expansion:
         try:
             if name.startswith(MISSING_PACKAGE):
                 raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), name)
-            return self._confinement.read(name)
+            return read_inside(name, self.packages)
         except OSError as error:
             raise self._xacro.XacroException(f"{error.strerror}: {name}", exc=error) from error
 
@@ -227,7 +235,7 @@ class Expansion:
             self._xacro.filestack.pop()
             raise
         root = parse_xml(text, Reading(path, self.packages))
-        self.found.look_through(root, path)
+        self._documents.append(arguments_in(root))
         return _document(text, root, path)
 
     def _include_files(self, pattern: str, symbols: Any) -> Iterator[str]:
@@ -241,7 +249,7 @@ class Expansion:
         if not re.search(r"[*?[]", last) or os.path.exists(name):
             yield name
         elif os.path.isdir(folder):
-            names = self._confinement.entries(folder)
+            names = sorted(os.listdir(real_inside(folder, self.packages)))
             shown = [other for other in names if last.startswith(".") or not other.startswith(".")]
             yield from (os.path.join(folder, match) for match in fnmatch.filter(shown, last))
 
@@ -259,13 +267,9 @@ class Expansion:
         for unit in self._xacro.ConstructUnits:
             Loader.add_constructor(unit.value.tag, unit.constructor)
         name = self._absolute(str(filename))
-        path, text = self._read(name)
+        _, text = self._read(name)
         self._xacro.filestack.append(name)
-        try:
-            data = yaml.load(text, Loader=Loader)
-        except RecursionError:
-            what = f"the YAML in {path.name} is nested too deeply"
-            raise Refused("xacro-failed", what, "write it flatter") from None
+        data = yaml.load(text, Loader=Loader)
         self._xacro.filestack.pop()
         return self._xacro.YamlListWrapper.wrap(data)
 
@@ -306,13 +310,6 @@ def not_used(package: str, file: Path) -> Finding:
     what = f"nothing is left out without {package!r}: no file of it is opened"
     remedy = Text("correct the name, or take it out of {without}", without=Argument("ignore_packages", None))
     return finding("package-not-used", Place(file.name), what, remedy)
-
-
-def _unknown(path: Path, package: str) -> Finding:
-    """The finding for a missing package that no opened file needed."""
-    what = f"$(find {package}): package not found; nothing the kinematics needs uses it"
-    remedy = Text("pass {folder} if its files matter", folder=package_folder(package))
-    return finding("package-not-found", Place(path.name), what, remedy)
 
 
 def _document(text: str, root: ET.Element, path: Path) -> Any:

@@ -65,15 +65,14 @@ def _of_effect(effect: Any) -> Colour:
 
 def _opacity(effect: Any) -> float:
     """The share of light that is held back, by the mode of `transparent`. The alpha of `diffuse` has no effect."""
-    transparent = effect.find(".//{*}transparent")
-    factor = float(effect.findtext(".//{*}transparency/{*}float") or 1.0)
-    mode = "A_ONE" if transparent is None else transparent.get("opaque", "A_ONE")
-    colour = None if transparent is None else transparent.findtext("{*}color")
-    red, green, blue, alpha = ([float(x) for x in colour.split()] + [1.0] * 4)[:4] if colour else (1.0,) * 4
-    if transparent is not None and colour is None:  # a texture, which is not drawn
-        return 1.0
-    light = sum(weight * x for weight, x in zip(LUMINANCE, (red, green, blue), strict=True))
-    share = factor * (light if mode.startswith("RGB") else alpha)
+    share = float(effect.findtext(".//{*}transparency/{*}float") or 1.0)
+    mode, transparent = "A_ONE", effect.find(".//{*}transparent")
+    if transparent is not None:
+        mode, colour = transparent.get("opaque", mode), transparent.findtext("{*}color")
+        if colour is None:  # a texture, which is not drawn
+            return 1.0
+        *light, alpha = ([float(x) for x in colour.split()] + [1.0] * 4)[:4]
+        share *= float(np.dot(LUMINANCE, light)) if mode.startswith("RGB") else alpha
     return min(max(0.0, 1.0 - share if mode.endswith("ZERO") else share), 1.0)
 
 

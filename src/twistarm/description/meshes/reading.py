@@ -85,14 +85,6 @@ def _directions() -> Array:
     return grid[np.abs(grid).max(axis=1) == 2.0][:49]
 
 
-def size_of(path: Path) -> int:
-    """The bytes of the file, 0 if there is none."""
-    try:
-        return path.stat().st_size
-    except OSError:
-        return 0
-
-
 def _read(path: Path, files: Stamps) -> Mesh:
     """The mesh. The files that it refers to are added to `files`."""
     kind = path.suffix.lower().removeprefix(".")
@@ -102,7 +94,9 @@ def _read(path: Path, files: Stamps) -> Mesh:
         data = read_bounded(path, LARGEST_FILE)
         if not data.strip():
             raise RefusedError("it is empty")
-        return Mesh(_pieces(kind, data, path, files))
+        if kind == "stl":
+            return Mesh([Piece(stl_corners(data).astype(np.float64), None)])
+        return Mesh(collada_pieces(data) if kind == "dae" else _by_trimesh(kind, data, path, files))
 
 
 @contextmanager
@@ -122,14 +116,6 @@ def _named(path: Path) -> Iterator[None]:
     except Exception as error:  # a reader raises whatever a file makes it stumble over, and quotes what it likes
         reason = f"its contents are malformed ({type(error).__name__})"
     raise UnreadableMeshError(path, one_line(reason, 300))
-
-
-def _pieces(kind: str, data: bytes, path: Path, files: Stamps) -> list[Piece]:
-    if kind == "stl":
-        return [Piece(stl_corners(data).astype(np.float64), None)]
-    if kind == "dae":
-        return collada_pieces(data)
-    return _by_trimesh(kind, data, path, files)
 
 
 def _by_trimesh(kind: str, data: bytes, path: Path, files: Stamps) -> list[Piece]:

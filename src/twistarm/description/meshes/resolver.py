@@ -8,16 +8,12 @@ from typing import Any
 from urllib.parse import unquote
 
 from ...support.errors import one_line
-from ...support.files import read_bounded, stamp
-from ..packages import is_too_wide, package_name
+from ...support.files import is_file, read_bounded, stamp
+from ..packages import home_of, is_too_wide
 from .mesh import RefusedError
 
 ENDINGS = {"obj": ".mtl", "gltf": ".bin", "glb": ".bin"}
 """Endings of materials and buffers, by format. Images are not drawn, so they are not opened."""
-
-ITSELF = "model.gltf"
-"""The file that trimesh asks for if a glTF is not JSON."""
-
 
 Stamps = dict[Path, tuple[int, ...] | None]
 """Files, also missing ones, with their `stamp` when they were read."""
@@ -33,18 +29,30 @@ class Resolver:
 
     def __init__(self, kind: str, path: Path, left: int, files: Stamps) -> None:
         self._ending, self._place, self._left = ENDINGS.get(kind), Path(os.path.realpath(path)), left
-        parents = self._place.parents
-        self._root = next((f for f in parents if not is_too_wide(f) and package_name(f)), self._place.parent)
         self._files = files
         self.refused: RefusedError | None = None
 
     def get(self, name: Any) -> bytes:
         """The bytes of a file. FileNotFoundError if there is none, RefusedError if it must not be read."""
+        what = f"it refers to {one_line(str(name), 80)!r}"
+        if not isinstance(name, str) or Path(name).suffix.lower() != self._ending:
+            raise FileNotFoundError(f"{what}, which is not opened")
         try:
-            return self._read(name)
-        except RefusedError as error:
-            self.refused = self.refused or error
-            raise
+            spelling = name.strip().replace("\\", "/")
+            places = [Path(os.path.realpath(self._place.parent / each)) for each in (spelling, unquote(spelling))]
+            place, root = next(filter(is_file, places), places[0]), home_of(self._place)
+            if is_too_wide(root) or not place.is_relative_to(root):
+                raise RefusedError(f"{what}, a file outside its package")
+            self._files[place] = stamp(place)
+            data = read_bounded(place, self._left)
+        except FileNotFoundError:
+            raise FileNotFoundError(f"{what}, which is not there") from None
+        except (RefusedError, OSError, ValueError) as error:
+            why = f"{what}, which cannot be read: {getattr(error, 'strerror', error)}"
+            self.refused = self.refused or (error if isinstance(error, RefusedError) else RefusedError(why))
+            raise self.refused from None
+        self._left -= len(data)
+        return as_utf8(data) if self._ending == ".mtl" else data
 
     __getitem__ = get
 
@@ -55,28 +63,6 @@ class Resolver:
     def namespaced(self, name: str) -> Resolver:
         """The same resolver, so that all names start in this folder."""
         return self
-
-    def _read(self, name: Any) -> bytes:
-        shown = f"it refers to {one_line(str(name), 80)!r}"
-        if name == ITSELF:
-            raise RefusedError("it is no JSON")
-        if not isinstance(name, str) or Path(name).suffix.lower() != self._ending:
-            raise FileNotFoundError(f"{shown}, which is not opened")
-        name = name.strip().replace("\\", "/")
-        spellings = (name, unquote(name))  # the second is a URI's of glTF
-        try:
-            places = [Path(os.path.realpath(self._place.parent / each)) for each in spellings]
-            place = next((place for place in places if place.exists()), places[0])
-            if is_too_wide(self._root) or not place.is_relative_to(self._root):
-                raise RefusedError(f"{shown}, a file outside its package")
-            self._files[place] = stamp(place)
-            data = read_bounded(place, self._left)
-        except FileNotFoundError:
-            raise FileNotFoundError(f"{shown}, which is not there") from None
-        except (OSError, ValueError) as error:
-            raise RefusedError(f"{shown}, which cannot be read: {getattr(error, 'strerror', error)}") from None
-        self._left -= len(data)
-        return as_utf8(data) if self._ending == ".mtl" else data
 
 
 def as_utf8(data: bytes) -> bytes:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import signal
-import threading
 import warnings
 from collections import defaultdict
 from collections.abc import Iterator
@@ -16,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from ...support.checks import Array
 from ...support.errors import DescriptionError, missing_extra
+from ...support.interrupts import ending_at_once
 from ...theory.rotations import from_quaternion_wxyz
 from .files import Mjcf
 
@@ -133,17 +132,3 @@ def _silent(mujoco: Any) -> Iterator[None]:
             yield
     finally:
         mujoco.set_mju_user_warning(before)
-
-
-@contextmanager
-def ending_at_once() -> Iterator[None]:
-    """Let Ctrl-C end the process at once: Python hears of it only when the compilation has ended."""
-    before = signal.getsignal(signal.SIGINT)
-    if threading.current_thread() is not threading.main_thread() or not callable(before):
-        yield
-        return
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)

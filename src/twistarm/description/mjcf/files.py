@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ...support.errors import DescriptionError
-from ...support.files import read_bounded
+from ...support.files import is_file, read_bounded
 from ..document import MAX_NESTING, MAX_PARTS, Reading, parse_xml
-from ..expansion.confinement import Confinement, Refused
+from ..expansion.confinement import Refused, read_inside, real_inside
 from ..findings import refusal
 from ..mesh_paths import resolve_uri
 
@@ -46,7 +46,6 @@ class Mjcf:
     _sizes: dict[str, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self._confinement = Confinement(self.readings[0].path, self.readings[0].packages)
         self._prepare(self.root, self.readings[0], ())
         for element in self.root.iter():
             element.text = element.tail = None
@@ -71,10 +70,7 @@ class Mjcf:
         """The content of a mesh's file. None if there is none inside the folders, or none small enough."""
         path = resolve_uri(self.meshes[name], self.readings[0].packages)
         try:
-            if path is None:
-                return None
-            self._confinement.require_inside(path)
-            return read_bounded(path, MOST_BYTES)
+            return None if path is None else read_bounded(real_inside(path, self.readings[0].packages), MOST_BYTES)
         except (OSError, Refused):
             return None
 
@@ -130,10 +126,11 @@ class Mjcf:
 
     def _opened(self, element: ET.Element, main: Reading, *, once: bool) -> tuple[ET.Element, Reading]:
         """The root of the file that an element names. It stands beside the main file or beside the element's own."""
-        name, file = element.get("file", "").strip()[:200], main.path
-        beside = next((each.path for each in self.readings if element in each.lines), file).parent / name
+        name = element.get("file", "").strip()[:200]
+        own = next((each.path for each in self.readings if element in each.lines), main.path)
+        file = main.path.parent / name
         try:
-            path, text = self._confinement.read(str(file.parent / name if (file.parent / name).is_file() else beside))
+            path, text = read_inside(str(file if is_file(file) else own.parent / name), main.packages)
         except Refused as refused:
             raise refusal(refused.code, main.place(element), refused.what, refused.remedy) from refused
         except OSError as error:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...description.meshes import REMEDY, Part, read_mesh, size_of
+from ...description.meshes import REMEDY, Part, read_mesh
 from ...description.tree import Description, Geometry, Link
 from ...support.checks import Array
 from ...support.errors import TwistarmError, listed, one_line
@@ -121,7 +121,7 @@ def _is_only_meshes(link: Link) -> bool:
 def _shares(description: Description) -> Mapping[Path, int]:
     """Triangles for each file, by its size and number of uses."""
     files = [path for link in description.links.values() for _, _, path in _found(link)]
-    sizes = {path: size_of(path) for path in files}
+    sizes = {path: found[1] if (found := stamp(path)) else 0 for path in files}
     whole = max(sum(sizes[path] for path in files), 1)
     return {path: max(ceil(TRIANGLES * size / whole), FEWEST) for path, size in sizes.items()}
 

@@ -1,0 +1,291 @@
+"""What an arm can and cannot do: its zero, home and ready pose, the motions of its tool, its axes and collisions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from ...arm.almost_exact import (
+    ALMOST_ANGLE,
+    EXACT_ANGLE,
+    ORIENTATION_ROUNDING,
+    POSITION_ROUNDING,
+    almost_exact,
+    length_in_words,
+)
+from ...arm.arm import Arm
+from ...arm.pinocchio_model import why_no_pinocchio
+from ...collision import Scene
+from ...collision.allowed_pairs import ALWAYS
+from ...collision.survey import collision_shares
+from ...description.companions.toml_entries import toml_key
+from ...description.findings import Finding, Place, finding
+from ...description.source_text import SourceText
+from ...description.tips.link_names import tool_rank
+from ...description.tree import Description
+from ...ik import closed_form_of
+from ...limits.joint_limits import slides
+from ...support.checks import Array
+from ...support.directions import axis_in_words, direction_in_words
+from ...support.errors import listed, one_line
+from ...support.messages import Argument, Text, plural
+from .abilities import TOL, Abilities
+from .numbers import OTHER, SHOWN, grouped
+
+LONGEST_REACH = 20.0
+"""[m]; in millimetres every arm is longer."""
+
+SINGULAR = 1e3
+"""A condition number beyond which a configuration is singular in practice: one direction a thousand times slower."""
+
+POOR = 100.0
+"""A ready pose worse than this is worth a word, if there is one that is ten times better."""
+
+NO_MOTION = 1e-9
+"""A column of the Jacobian this small [m/reach, rad] is zero but for rounding."""
+
+OUT = 0.1
+"""How far out [m] the tool of the snippet is."""
+
+SAMPLES, OFTEN = 100, 0.8
+"""Random configurations, and the share of them in which a pair collides by its drawing and not by the motion."""
+
+MOST_BODIES = 100
+"""The most bodies to check: their pairs take 1 s. A robot with more is left out."""
+
+KINDS, WORDS = 4, 3
+"""Kinds of almost exact axes, and rounded angles for each exact one, named before the rest is counted."""
+
+
+def place_of(arm: Arm) -> Place:
+    """The description's file, or the arm's name without one."""
+    return Place(arm.name) if arm.description is None else arm.description.place()
+
+
+# -- reach and poses ---------------------------------------------------------------------------------------------------
+
+
+def check_reach(arm: Arm) -> Iterator[Finding]:
+    """Whether the arm's lengths can be metres."""
+    if arm.reach > LONGEST_REACH:
+        what = f"its reach is {arm.reach:.4g} m: its lengths look like another unit"
+        remedy = f"write every <origin xyz> in metres: multiply by {OTHER['m'][1]:g} if they are millimetres"
+        yield finding("unit-doubtful", place_of(arm), what, remedy)
+
+
+def check_zero(arm: Arm) -> Iterator[Finding]:
+    """Whether the zero pose, which so many programs start from, lies inside the limits."""
+    bounds = zip(arm.joint_names, arm.limits.lower, arm.limits.upper, strict=True)
+    outside = [f"{name} [{lower:.4g}, {upper:.4g}]" for name, lower, upper in bounds if not lower <= 0.0 <= upper]
+    if outside:
+        what = f"the zero pose is outside the limits of {_first(outside, SHOWN)}"
+        yield finding("zero-outside-limits", place_of(arm), what, "do not command zeros: start from the ready pose")
+
+
+def _first(words: list[str], count: int) -> str:
+    """The first words, and the number of the others."""
+    more = f" and {len(words) - count} more" if len(words) > count else ""
+    return ", ".join(words[:count]) + more
+
+
+def check_postures(arm: Arm, rank: int) -> Iterator[Finding]:
+    """Zero, home and ready pose: the condition number of the `rank` directions of the arm's tool.
+
+    A singular home that is also the ready pose is a remark, not a warning, because most arms are delivered so.
+    """
+
+    def condition(theta: Array) -> float:
+        """σ_1/σ_rank at theta (n,): the condition number with what the arm lacks everywhere left out."""
+        return float(arm.manipulability(theta).condition_in(rank))
+
+    homes = {"zero": np.zeros(arm.n)}
+    if arm.named_states.get("home", homes["zero"]).any():
+        homes["home"] = arm.named_states["home"]
+    conditions = {pose: condition(theta) for pose, theta in homes.items() if arm.limits.contains(theta)}
+    singular = {pose: number for pose, number in conditions.items() if number > SINGULAR}
+    at_ready = condition(arm.ready)
+    poor = at_ready > POOR
+    if not (poor or singular):
+        return
+    best = arm.computed_ready
+    at_best = condition(best)
+    said = f"say in arm.toml (condition number {at_best:.1f}; look at it first, twistarm view):\n"
+    snippet = said + toml_table("poses.ready", arm.theta_to_dict(best))
+    if poor and at_best < at_ready / 10 and not any(np.array_equal(arm.ready, homes[pose]) for pose in singular):
+        what = f"the ready pose is nearly singular: condition number {_condition_words(at_ready)}"
+        yield finding("ready-singular", place_of(arm), what, snippet)
+    for pose, number in singular.items():
+        size = _condition_words(number)
+        what = f"the {pose} pose is singular: condition number {size}; motions that start there stall or jump"
+        named = arm.ready_name is not None and not poor
+        remedy = f"start from the ready pose (condition number {at_ready:.1f})" if named else snippet
+        yield finding("home-singular", place_of(arm), what, remedy)
+
+
+def _condition_words(value: float) -> str:
+    return "∞" if value > 1e9 else f"{value:.3g}"
+
+
+def toml_table(header: str, values: Mapping[str, float]) -> str:
+    """A table of an arm.toml, a line for each entry."""
+    return "\n".join([f"[{header}]", *(f"{toml_key(name)} = {value:.6g}" for name, value in values.items())])
+
+
+# -- the tool ----------------------------------------------------------------------------------------------------------
+
+
+def summary(arm: Arm, able: Abilities) -> str:
+    """One line: the directions of motion, of six, and how they split."""
+    spare = arm.n - able.rank
+    turns = "its orientation follows from its position" if not able.turning else f"{able.turning} of 3 rotations there"
+    text = f"moves its tool in {able.rank} of 6 directions: {able.position} of 3 for the position, {turns}"
+    return f"{text}; {plural(spare, 'joint')} to spare" if spare else text
+
+
+def check_abilities(arm: Arm, able: Abilities) -> Iterator[Finding]:
+    """The directions in which the tool's position, and its orientation, cannot change at almost every posture."""
+    place = place_of(arm)
+    if able.position < 3:
+        what = f"moves its tool's position in {able.position} of 3 directions at any configuration"
+        if len(able.immovable):
+            what += f", never along {_axes(able.immovable, 'base')}"
+        remedy = "ask only for positions there; solve_ik gives the nearest to any other"
+        yield finding("cannot-move", place, what, remedy)
+    if len(able.unturned):
+        what = f"never turns its tool about {_axes(able.unturned, 'base')}"
+        remedy = "leave these rotations free: a Position, or a TolerancedPose with inf for them"
+        yield finding("cannot-turn", place, what, remedy)
+    if able.turning + len(able.unturned) < 3:
+        what = f"with its position held, turns its tool about {able.turning} of 3 axes"
+        always = [_axes(able.turned_tool, "tool"), _axes(able.turned_base, "base")]
+        if any(always):
+            what += f", always about {' and '.join(filter(None, always))}"
+        yield finding("cannot-turn-in-place", place, what, _instead_of_a_pose(able, arm.tool_axis))
+
+
+def _axes(axes: Array, frame: str) -> str:
+    return " and ".join(axis_in_words(axis, frame) for axis in axes)
+
+
+def _instead_of_a_pose(able: Abilities, tool_axis: Array) -> str:
+    nearest = "solve_ik gives the nearest to any other pose and says what is missing"
+    if able.position < 3:
+        return nearest
+    # Whether the free rotations usually turn the axis of an `Approach` in both directions across it.
+    pointed = able.R @ tool_axis
+    turning = np.cross(np.swapaxes(able.free, 1, 2), pointed[:, None, :])
+    if able.turning == 2 and np.median(np.linalg.svd(turning, compute_uv=False)[:, 1]) > TOL:
+        axis = direction_in_words(tool_axis, "tool")
+        return f"ask for an Approach: a position and where the tool points, by {axis}; {nearest}"
+    return f"ask for a Position; {nearest}"
+
+
+def check_without_effect(arm: Arm, able: Abilities) -> Iterator[Finding]:
+    """Coordinates with a zero column of the Jacobian everywhere."""
+    sizes = np.abs(able.body).max(axis=(0, 1))
+    for name, size in zip(arm.joint_names, sizes, strict=True):
+        if size <= NO_MOTION:
+            what = f"joint {name!r} does not move the tool at any configuration: what it turns is turned back"
+            yield finding("joint-without-effect", place_of(arm), what, "look at the mimics behind it, or lock it")
+
+
+def check_off_the_chain(arm: Arm, description: Description) -> Iterator[Finding]:
+    """Independent joints that no coordinate of the arm moves: fingers, wheels, a second arm."""
+    moved = {name for name, affine in arm.couplings.items() if affine.master in arm.joint_names}
+    idle = [
+        joint
+        for joint in description.joints.values()
+        if joint.moving and joint.name not in moved and joint.name not in arm.moving_names and joint.mimic is None
+    ]
+    if idle:
+        what = f"not between {arm.base} and {arm.tip_link}, so without effect on the tool"
+        remedy = Text("nothing, if that is meant; else pass {tip}", tip=Argument("tip"))
+        yield grouped("off-the-chain", description, idle, what, remedy)
+
+
+def check_tool(arm: Arm, description: Description) -> Iterator[Finding]:
+    """A tip that is the last joint's link without a tool's name: its origin is on that joint's axis."""
+    last = description.chain(arm.base, arm.tip_link)[-1]
+    named = tool_rank(arm.tip_link) is not None
+    if last.moving and not slides(last.type) and not named and np.array_equal(arm.tool, np.eye(4)):
+        xyz = ", ".join(f"{value + 0.0:.6g}" for value in OUT * arm.tool_axis)
+        yield finding(
+            "tool-frame-missing",
+            description.place(description.links[arm.tip_link]),
+            f"the tool is the frame of {last.name} itself: its origin lies on that joint's axis, "
+            "and nothing says where the arm grips",
+            f"say in arm.toml where the tool is, seen from {one_line(arm.tip_link)} [m, rad], "
+            f"for one {OUT:g} m along {direction_in_words(arm.tool_axis, 'tool')}:\n"
+            f'[tool]\nname = "tool"\nxyz = [{xyz}]\nrpy = [0.0, 0.0, 0.0]',
+        )
+
+
+# -- axes --------------------------------------------------------------------------------------------------------------
+
+
+def check_axes(arm: Arm) -> Iterator[Finding]:
+    """One finding for all axes that are almost special, and one if they just miss a closed form by rounding."""
+    found = almost_exact(arm.screws, arm.home, arm.moving_names, arm.reach)
+    if found:
+        joints: dict[str, list[str]] = {}
+        for near in found:
+            joints.setdefault(near.what, []).append(near.joints)
+        kinds = _first([f"{', '.join(names)} {what}" for what, names in joints.items()], KINDS)
+        what = (
+            f"{kinds}; taken as exact, the tool is off by some {length_in_words(sum(near.moves for near in found))}; "
+            f"inverse kinematics allows for up to {length_in_words(POSITION_ROUNDING)} and "
+            f"{math.degrees(ORIENTATION_ROUNDING):.1g}° of it, and says so"
+        )
+        yield finding("axes-almost-exact", place_of(arm), what, _rewriting(arm))
+    report = closed_form_of(arm)
+    if report.nearly and not report.held:
+        what = (
+            f"{report.miss}: a {report.target} has no exact closed form; solve_ik_all corrects the answers of the "
+            "nearest exact arm, and cannot say whether these are all"
+        )
+        remedy = f"{_rewriting(arm)}; exact axes give every configuration, and the proof that a target has none"
+        yield finding("axes-almost-exact", place_of(arm), what, remedy)
+
+
+def _rewriting(arm: Arm) -> str:
+    """The rounded angles in the chain's origins, each once and without its sign, and their exact text."""
+    rounded: dict[str, list[str]] = {}
+    if arm.description is not None:
+        chain = {joint.name for joint in arm.description.chain(arm.base, arm.tip_link)}
+        joints = SourceText(arm.description.text).robot.findall("joint")
+        origins = [joint.find("origin") for joint in joints if joint.get("name") in chain]
+        words = [word for origin in origins if origin is not None for word in origin.get("rpy", "").split()]
+        for word in dict.fromkeys(word.lstrip("+-") for word in words):
+            exact = round(float(word) / (math.pi / 2)) * (math.pi / 2)
+            if EXACT_ANGLE < abs(float(word) - exact) < ALMOST_ANGLE:
+                rounded.setdefault(f"{exact!r}" if exact else "0", []).append(word)
+    if not rounded:
+        return "if the drawing says so, write the chain's origins and axes with 16 digits"
+    return (
+        f"write {'; '.join(f'{exact} for {_first(words, WORDS)}' for exact, words in rounded.items())} in <origin rpy>"
+    )
+
+
+# -- collisions --------------------------------------------------------------------------------------------------------
+
+
+def check_collisions(arm: Arm) -> Iterator[Finding]:
+    """Pairs of links by the shapes of a `Scene`. Pairs that always collide are exempt without an SRDF."""
+    if arm.description is None or len(arm.description.links) > MOST_BODIES or why_no_pinocchio():
+        return
+    scene, exempt = Scene(arm), arm.disabled_collisions
+    if len(scene.links) > MOST_BODIES:
+        return
+    shares = collision_shares(scene, arm.random_theta(0, SAMPLES))
+    often = {pair for pair, share in shares.items() if share >= OFTEN and (exempt or share < ALWAYS)} - exempt
+    at_ready = {pair for pair in collision_shares(scene, [arm.ready]) if shares.get(pair, 0.0) < OFTEN} - exempt
+    allow = "if they may touch, add disable_collisions to the SRDF (twistarm collisions writes one)"
+    for pairs, when, remedy in (
+        (at_ready, "at the ready pose", f"look at it with twistarm view; correct the pose or the shapes; {allow}"),
+        (often, "in most configurations", f"correct the shapes; {allow}"),
+    ):
+        if pairs:
+            what = f"links collide {when}: {listed(f'{a} – {b}' for a, b in sorted(pairs))}"
+            yield finding("links-collide", place_of(arm), what, remedy)
