@@ -1,4 +1,4 @@
-"""Films of a motion, by the page and by a headless browser: a player shows their length and the motion."""
+"""Films of a motion by the page: a player shows their length and the motion."""
 
 from __future__ import annotations
 
@@ -14,9 +14,8 @@ from PIL import Image
 
 from arms import load
 from test_share import saved
-from twistarm import InputError, Trajectory, plan_joint
+from twistarm import Trajectory, plan_joint
 from twistarm.viewer import Viewer
-from twistarm.viewer.files.film import webm_of
 from waiting import draw, settled, until
 
 pytestmark = pytest.mark.browser
@@ -84,16 +83,3 @@ def test_the_page_films_its_motion(page: Any, other: Any, tmp_path: Path) -> Non
         until(page, "document.getElementById('share-said').classList.contains('wrong')")
         assert said.inner_text().startswith("this browser records no WebM of 192 × 108 pixels here")
         assert viewer.theta == pytest.approx(arm.ready, abs=1e-9), "it has not moved for nothing"
-
-
-def test_a_headless_browser_films_a_motion(page: Any) -> None:
-    arm = load("rover_arm")
-    motion = plan_joint(arm, [arm.ready, arm.ready + 0.1], limits={"velocity": 1.0, "acceleration": 8.0})
-    told: list[float] = []
-    film = webm_of(arm, motion, (241, 200), 20, told.append)
-    assert_shows(page, film, motion, (241, 200))
-    assert told == sorted(told)
-    assert len(told) == np.ceil(20 * motion.duration)
-    assert told[-1] == 1.0
-    with pytest.raises(InputError, match="a motion that lasts"):
-        webm_of(arm, plan_joint(arm, [arm.ready, arm.ready]), (240, 200), 5, told.append)

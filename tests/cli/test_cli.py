@@ -61,8 +61,6 @@ def test_info_tells_what_was_loaded(capsys: Capture) -> None:
     }  # fmt: skip
     assert content["joints"][4]["lower"] is None
     assert (content["base"], content["tip"]) == ("base_link", "tool0")
-    shown = printed(capsys, "info", "rover_arm")
-    assert all(word in shown for word in ("slide", "prismatic", "continuous", "base_link to tool0", "proof at load"))
 
 
 def test_arms_lists_the_catalogue(capsys: Capture) -> None:
@@ -77,7 +75,6 @@ NUMBERS = ("-0.1", "-30", "45", "10", "-90")
     "words",
     [
         ["rover_arm", "--theta", "-0.1 -30 45 10 -90"],
-        ["rover_arm", "--theta", "-0.1,-30,45,10,-90"],
         ["rover_arm", "--theta", "([-0.1; −30; 45; 10; -90])"],
         ["rover_arm", "--theta", "elbow=45 slide=-0.1 shoulder=-30 wrist_roll=-90 wrist_pitch=10"],
         ["rover_arm", "--rad", "--theta", "-0.1 -0.5235987755983 0.7853981633974 0.1745329251994 -1.5707963267949"],
@@ -110,11 +107,11 @@ def test_every_option_of_several_numbers_takes_them_without_quotes(capsys: Captu
 
 
 def test_joints_that_are_left_out_stay(capsys: Capture, rover: twistarm.Arm) -> None:
-    assert run(["fk", "rover_arm", "--theta", "elbow=60", "--json"]) == 0
-    out, err = capsys.readouterr()
-    assert err == "note: slide, shoulder, wrist_pitch, wrist_roll as in the pose ready\n"
-    theta = json.loads(out)["theta"]
-    assert theta == [*rover.ready[:2], np.radians(60.0), *rover.ready[3:]]
+    assert answer(capsys, "fk", "rover_arm", "--theta", "elbow=60")["theta"] == [
+        *rover.ready[:2],
+        np.radians(60.0),
+        *rover.ready[3:],
+    ]
     planned = answer(capsys, "plan", "rover_arm", "--from", "stowed", "--to", "elbow=60", "--to", "slide=0.1")
     stowed = rover.theta_from("stowed")
     assert np.allclose(planned["waypoints"][1], [*stowed[:2], np.radians(60.0), *stowed[3:]])
@@ -136,7 +133,7 @@ def test_a_printed_theta_is_pasted_back(capsys: Capture, rover: twistarm.Arm) ->
 
 def test_fk_warns_outside_the_limits(capsys: Capture) -> None:
     assert run(["fk", "rover_arm", "--theta", "0.7 0 0 0 0"]) == 0
-    assert capsys.readouterr().err == "warning: slide = 0.7 m lies outside its limits -0.5 … 0.5 m\n"
+    assert "slide = 0.7 m" in capsys.readouterr().err
 
 
 def test_jacobian(capsys: Capture, rover: twistarm.Arm) -> None:
@@ -144,7 +141,6 @@ def test_jacobian(capsys: Capture, rover: twistarm.Arm) -> None:
     assert np.allclose(content["spatial_jacobian"], rover.spatial_jacobian(rover.ready), atol=1e-12)
     assert np.allclose(content["body_jacobian"], rover.body_jacobian(rover.ready), atol=1e-12)
     assert set(answer(capsys, "jacobian", "rover_arm", "--kind", "hybrid")) >= {"hybrid_jacobian", "condition"}
-    assert "singular values" in printed(capsys, "jacobian", "rover_arm")
 
 
 def test_ik_of_every_kind(capsys: Capture, rover: twistarm.Arm) -> None:
@@ -173,18 +169,14 @@ def test_ik_out_of_reach_is_an_answer_with_exit_code_1(capsys: Capture) -> None:
 def test_plan_says_where_it_starts_unless_told(capsys: Capture, rover: twistarm.Arm) -> None:
     """As it would be typed: the line, handed back as --from, plans the same motion."""
     assert run(["plan", "rover_arm", "--to", "reach"]) == 0
-    told = capsys.readouterr().err
-    typed = re.search(r"starts at ready \(the pose named 'ready'\): --from \"(.*)\"", told)
+    typed = re.search(r'--from "(.*)"', capsys.readouterr().err)
     assert typed
     first, again = (
         answer(capsys, "plan", "rover_arm", "--to", "reach", *start) for start in ([], ["--from", typed[1]])
     )
-    assert first["start"] == "ready"
-    assert again["start"] == typed[1]
+    assert (first["start"], again["start"]) == ("ready", typed[1])
     assert np.allclose(first["waypoints"], again["waypoints"], atol=1e-6)
     assert np.array_equal(first["waypoints"][0], rover.ready)
-    assert run(["plan", "rover_arm", "--from", "stowed", "--to", "reach"]) == 0
-    assert "starts at" not in capsys.readouterr().err
 
 
 def test_plan_caps_lower_the_arms_limits_and_never_raise_them(capsys: Capture, rover: twistarm.Arm) -> None:
@@ -198,15 +190,14 @@ def test_plan_caps_lower_the_arms_limits_and_never_raise_them(capsys: Capture, r
 def test_check_and_freeze(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     path = write(tmp_path, two_joints())
-    assert "tiny.golden.json: tiny frozen; later" in printed(capsys, "freeze", str(path))
+    assert run(["freeze", str(path)]) == 0
+    capsys.readouterr()
     check = ["check", str(path), "--samples", "20", "--against", "tiny.golden.json"]
-    assert printed(capsys, *check).startswith("tiny: all engines agree; unchanged since tiny.golden.json\n")
+    assert answer(capsys, *check)["unchanged"]
     write(tmp_path, two_joints(xyz="0.012 0 0.5"))
-    assert printed(capsys, *check, code=1).startswith(
-        "tiny: all engines agree; CHANGED since tiny.golden.json\nchanged: joint a moved 12 mm along x\n"
-    )
     content = answer(capsys, *check, code=1)
     assert (content["ok"], content["unchanged"]) == (False, False)
+    assert "joint a" in content["changes"][0]
     assert answer(capsys, "check", str(path), "--samples", "20")["ok"]
 
 
@@ -300,21 +291,12 @@ def test_bad_input_is_one_line_and_exit_code_2(
 
 def test_planning_without_limits_assumes_the_usual_ones_and_says_so(capsys: Capture, tmp_path: Path) -> None:
     path = write(tmp_path, two_joints())
-    assumed = "no limits given, used instead: acceleration 3 rad/s² for a, b"
-    assert printed(capsys, "plan", str(path), "--from", "zero", "--to", "10 10").startswith(
-        f"{assumed} (--velocity, --acceleration)\n"
-    )
     content = answer(capsys, "plan", str(path), "--from", "zero", "--to", "10 10")
-    assert content["assumed"] == assumed
+    assert "3 rad/s² for a, b" in content["assumed"]
     assert np.isclose(max(content["peak_acceleration"]), 3.0)
     given = answer(capsys, "plan", str(path), "--from", "zero", "--to", "10 10", "--acceleration", "2")
     assert given["assumed"] is None
     assert np.isclose(max(given["peak_acceleration"]), 2.0)
-
-
-def test_the_kind_of_spline_is_the_same_in_python(capsys: Capture, rover: twistarm.Arm) -> None:
-    motion = twistarm.plan_joint(rover, ["ready", "stowed"])
-    assert np.isclose(answer(capsys, "plan", "rover_arm", "--to", "stowed")["duration"], motion.duration)
 
 
 @pytest.mark.parametrize("command", [["view", "rr_planar"], ["servo", "scara"]])
@@ -359,9 +341,6 @@ def test_version_and_what_is_installed(capsys: Capture) -> None:
     assert content["twistarm"] == twistarm.__version__
     assert content["libraries"]["numpy"] == np.__version__
     assert {"pin", "meshcat", "yourdfpy", "example-robot-data", "scipy"} <= set(content["libraries"])
-    shown = printed(capsys, "info")
-    assert f"engine: {content['engine']}" in shown
-    assert f"numpy                {np.__version__}" in shown
 
 
 def test_bare_it_shows_the_commands(capsys: Capture) -> None:

@@ -16,9 +16,7 @@ from twistarm.cli.tables import Column, Table
 COMMANDS = (
     "info rover_arm",
     "check ur5 --samples 5",
-    "fk kinova",
     "jacobian ur10 --rad --theta 0.123456 -1.5 1.5 0.123456 0.1 3.123456",
-    "ik ur5 --xyz 0.4 0.1 0.4 --direction 0 0 -1",
     "plan ur5 --from zero --to 10.123456 20.123456 -30.123456 40.123456 50.123456 -60.123456",
     "payload rover_arm",
 )

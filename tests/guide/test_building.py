@@ -60,7 +60,7 @@ def test_a_lesson_ends_with_its_exercises_and_the_contents_say_how_they_are_grad
     assert "Show a solution" not in sheet
     assert sheet.count('<h3 id="exercise-') == len(exercises_of(LESSON))
     index = (built.folder / "index.html").read_text("utf-8")
-    assert all(f"twistarm guide {command}" in index for command in ("exercises", "check", "progress"))
+    assert all(f"twistarm guide {command}" in index for command in ("exercises", "check"))
 
 
 def test_scenes_share_their_scripts_and_allow_no_others(built: Built) -> None:

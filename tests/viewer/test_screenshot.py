@@ -1,14 +1,11 @@
-"""A picture or a film of the arm: which browser draws it, what one that fails leaves behind, and a real one."""
+"""A picture of the arm: which browser draws it, what one that fails leaves behind, and a real one."""
 
 from __future__ import annotations
 
 import os
 import subprocess
 import tempfile
-import threading
 import time
-import urllib.error
-import urllib.request
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +18,6 @@ from catalogue import load
 from twistarm import InputError, TwistarmError, Viewer, plan_joint, save_png
 from twistarm.cli.application import run
 from twistarm.viewer.files import headless
-from twistarm.viewer.files.film import webm_of
 from viewer_page import stored
 
 ARM = load("rr_planar")
@@ -85,7 +81,7 @@ def test_without_a_browser_it_is_said_what_was_looked_for(path: Path, tmp_path: 
     with pytest.raises(TwistarmError) as caught:
         save_png(ARM, tmp_path / "arm.png")
     assert str(caught.value) == (
-        "a picture, film or print needs a browser, and there is none of chromium, chromium-browser, google-chrome, "
+        "a picture or print needs a browser, and there is none of chromium, chromium-browser, google-chrome, "
         "google-chrome-stable, microsoft-edge, microsoft-edge-stable on PATH, nor Chrome, Chromium or Edge in "
         "/Applications; install one (on Debian: apt install chromium), or open the page yourself "
         "(view -o FILE.html, guide -o DIR)"
@@ -247,96 +243,11 @@ def test_the_command(
         assert run([*command, size]) == 2
         assert capsys.readouterr().err.startswith(message)
     assert run(["view", "rr_planar", "-o", "new.html", "--size", "320x240"]) == 2
-    assert capsys.readouterr().err == "error: --size goes with -o FILE.png or -o FILE.webm\n"
+    assert capsys.readouterr().err == "error: --size goes with -o FILE.png\n"
     (path / "chromium").unlink()
     assert run([*command, "320x240"]) == 2
     said = capsys.readouterr().err
-    assert said.startswith("error: a picture, film or print needs a browser, and there is none of chromium, ")
-
-
-MOTION = plan_joint(ARM, [[0.2, 0.1], [0.9, -0.5]], limits={"velocity": 1.0, "acceleration": 2.0})
-
-POSTED = """for word in "$@"; do :; done; word="${word#file://}"
-/bin/sed -n 's/.*fetch(`\\(http:[^`]*\\)\\$.*/\\1/p' "${word%#pane}" > "$0.address"
-"""
-"""A browser that notes where the page would post its film."""
-
-
-@pytest.mark.parametrize(
-    ("script", "message"),
-    [
-        ("echo 'no screen' >&2; exit 7\n", r"ended with code 7 \(no screen\) and filmed nothing"),
-        ("/bin/sleep 60\n", r"was ended after 0.5 s and filmed nothing"),
-    ],
-)
-def test_a_browser_that_films_nothing_changes_nothing(
-    path: Path, scratch: Path, monkeypatch: pytest.MonkeyPatch, script: str, message: str
-) -> None:
-    monkeypatch.setattr(headless, "TIMEOUT", 0.5)
-    install(path, script)
-    with pytest.raises(TwistarmError, match=message):
-        webm_of(ARM, MOTION, SIZE, 30, print)
-    assert list(scratch.iterdir()) == []
-
-
-def test_a_film_is_what_the_page_posts_to_its_secret_address(path: Path) -> None:
-    """The page's own words about itself pass on; others are refused."""
-    program = install(path, POSTED + "/bin/sleep 60\n")
-    found: list[object] = []
-    refused: list[int] = []
-
-    def post(what: str, body: bytes, secret: bool = True) -> None:
-        address = Path(f"{program}.address").read_text().strip()
-        place = address if secret else f"{address[:-3]}/"
-        urllib.request.urlopen(urllib.request.Request(f"{place}{what}", body, method="POST"), timeout=10)
-
-    def page(answer: tuple[str, bytes]) -> None:
-        end = time.monotonic() + 20
-        while not Path(f"{program}.address").is_file() or not Path(f"{program}.address").read_text():
-            assert time.monotonic() < end
-            time.sleep(0.02)
-        post("share", b"0.5")
-        try:
-            post("film", b"bad", secret=False)
-        except urllib.error.HTTPError as error:
-            refused.append(error.code)
-        post(*answer)
-
-    for answer in (("film", b"film"), ("fault", b"no \x1b[1mWebGL")):
-        Path(f"{program}.address").unlink(missing_ok=True)
-        thread = threading.Thread(target=page, args=(answer,))
-        thread.start()
-        try:
-            found.append(webm_of(ARM, MOTION, SIZE, 30, found.append))
-        except TwistarmError as error:
-            found.append(str(error).partition("chromium ")[2])
-        thread.join()
-    assert found == [0.5, b"film", 0.5, "filmed nothing: no \\x1b[1mWebGL"]
-    assert refused == [403, 403]
-
-
-def test_the_command_films_a_motion_alone(
-    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    install(path, "exit 7")
-    MOTION.to_csv("motion.csv")
-    for words, message in {
-        "-o a.webm": "a film shows a motion that lasts: -o FILE.webm goes with --play FILE",
-        "-o a.png --frame-rate 10": "--frame-rate goes with -o FILE.webm",
-        "-o a.webm --play none.csv": "cannot read none.csv",
-        "-o a.mp4 --play motion.csv": "-o takes *.html or *.png or *.webm; got a.mp4",
-        "-o nowhere/a.webm --play motion.csv": "cannot write",
-        "-o a.webm --play motion.csv --size 9x9": "size must be width and height",
-        "-o a.webm --play motion.csv --frame-rate 999": "Invalid value for '--frame-rate'",
-        "-o a.webm --play motion.csv": f"{path}/chromium ended with code 7 and filmed nothing",
-        "--json": "--json goes with -o FILE.html or -o FILE.png or -o FILE.webm",
-    }.items():
-        assert run(["view", "rr_planar", *words.split()]) == 2
-        assert capsys.readouterr().err.startswith(f"error: {message}"), words
-    assert run(["view", "rover_arm", "-o", "a.webm", "--play", "motion.csv"]) == 2
-    assert capsys.readouterr().err.startswith("error: motion.csv, line 1: it has no 'slide.position [m]'; ")
-    assert {file.name for file in tmp_path.iterdir()} == {"bin", "scratch", "motion.csv"}
+    assert said.startswith("error: a picture or print needs a browser, and there is none of chromium, ")
 
 
 @pytest.mark.browser

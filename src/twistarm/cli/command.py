@@ -1,28 +1,63 @@
-"""Commands of the program: their help, and options of several numbers without quotes."""
+"""Commands of the program: their help, options that several share, and options of several numbers without quotes."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+import inspect
+from collections.abc import Callable, Collection, Sequence
 from typing import Any
 
+import typer
 from typer.core import TyperCommand, TyperGroup
+from typer.main import get_command
+from typer.models import OptionInfo
 
-from .quantities import METAVARS, is_part
-
-VALUES = "VALUES"
-POSE = "POSE"
-XYZ, PLACE = "'X Y Z'", "'X Y YAW'"
-RPY = "'R P Y'"
-WXYZ, XYZW = "'W X Y Z'", "'X Y Z W'"
-AXIS = "AXIS"
-NUMBERS = (VALUES, POSE, XYZ, PLACE, RPY, WXYZ, XYZW, AXIS, *METAVARS.values())
-"""The values in the help of options that take several words: numbers, and units after them."""
+from .numbers import NUMBERS, Typed, is_part
 
 
-class _Sections:
-    """A help with a section for each panel of options and of commands, in the order of their first members."""
+class Shared(OptionInfo):
+    """Options that commands share, in the annotation of one argument: `made` makes it of what was typed."""
+
+    def __init__(self, made: Callable[..., Any], params: Sequence[Any] | None = None) -> None:
+        super().__init__(default=..., parser=str, hidden=True)
+        self.made, self.params = made, list(params_of(made) if params is None else params)
+
+
+def params_of(function: Callable[..., Any]) -> list[Any]:
+    """The options of a function's parameters, as Typer makes them."""
+    program = typer.Typer(add_completion=False, rich_markup_mode=None)
+    program.command()(function)
+    return get_command(program).params
+
+
+class _Options:
+    """A help with a section for each panel, options that commands share, and numbers in the unit that was typed."""
+
+    params: list[Any]
+
+    def __init__(self, *args: Any, **keywords: Any) -> None:
+        super().__init__(*args, **keywords)
+        arguments = inspect.signature(keywords["callback"], eval_str=True).parameters.values()
+        self.shared = {
+            each.name: of
+            for each in arguments
+            for of in getattr(each.annotation, "__metadata__", ())
+            if isinstance(of, Shared)
+        }
+        own = [param for param in self.params if param.name not in self.shared]
+        self.params = [*own, *(param for of in self.shared.values() for param in of.params)]
+
+    def invoke(self, ctx: Any) -> Any:
+        """Read the typed numbers, and make the arguments that options share."""
+        radians = bool(ctx.params.get("rad"))
+        for param in self.params:
+            if param.name in ctx.params:
+                ctx.params[param.name] = _read(ctx.params[param.name], param.opts[0], radians)
+        for name, of in self.shared.items():
+            ctx.params[name] = of.made(**{param.name: ctx.params.pop(param.name) for param in of.params})
+        return super().invoke(ctx)  # type: ignore[misc]
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Write the sections in the order of their first members."""
         sections: dict[str, list[tuple[str, str]]] = {}
         for param in self.get_params(ctx):  # type: ignore[attr-defined]
             if record := param.get_help_record(ctx):
@@ -38,11 +73,17 @@ class _Sections:
                 formatter.write_dl(records)
 
 
-class Group(_Sections, TyperGroup):
+def _read(value: Any, option: str, radians: bool) -> Any:
+    if isinstance(value, (list, tuple)):
+        return [_read(each, option, radians) for each in value]
+    return value.read(value.text, option, radians) if isinstance(value, Typed) else value
+
+
+class Group(_Options, TyperGroup):
     """The program, or a command with commands of its own."""
 
 
-class Command(_Sections, TyperCommand):
+class Command(_Options, TyperCommand):
     """A command with options of several numbers without quotes: `--theta 0.1 -30 60`, `--xyz 0.8 -0.1 0.7`."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -52,7 +93,7 @@ class Command(_Sections, TyperCommand):
 
 
 def joined(words: Sequence[str], options: Collection[str]) -> list[str]:
-    """`words`, with expressions or joint=value pairs after one of `options` joined to one word."""
+    """`words`, with numbers or joint=value pairs after one of `options` joined to one word."""
     made: list[str] = []
     goes_on = False
     for i, word in enumerate(words):
@@ -71,7 +112,7 @@ def joined(words: Sequence[str], options: Collection[str]) -> list[str]:
 
 
 def _is_part(word: str) -> bool:
-    """Whether a typed word, such as -pi/2 or '12 in', is a part of expressions or joint=value, also if it is wrong."""
+    """Whether a typed word, such as -pi/2 or '12 in', is a part of numbers or joint=value, also if it is wrong."""
     name, equals, value = word.rpartition("=")
     if equals and not name.startswith("-"):
         return value.isalpha() or is_part(value)

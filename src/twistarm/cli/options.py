@@ -1,38 +1,37 @@
-"""Options that commands share: the arm and how it is loaded, its scene, units and JSON."""
+"""Options that commands share: the arm and how it is loaded, its scene, and how the command answers."""
 
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
-from typer.main import get_command
 
 from ..arm.arm import Arm
 from ..arm.loading.load import load_arm, read, specify
 from ..description.catalog import model_arms, own_arms
 from ..limits.joint_limits import slides
 from ..support.errors import InputError
-from .command import VALUES, Command, Group
-from .output import progress_bar
-from .quantities import ANGLE, LENGTH, SUCH_AS, typed_number
+from .command import Command, Group, Shared, params_of
+from .numbers import ANGLE, LENGTH, SUCH_AS, VALUES, JointValues, joint_values, typed_number
+from .output import Kinds, Outputs, progress_bar
 from .wording import OPTIONS
 
 if TYPE_CHECKING:
     from ..collision import Scene
 
-Json = Annotated[bool, typer.Option("--json", help="Print the answer as JSON, in SI units.")]
-Radians = Annotated[bool, typer.Option("--rad", help="Angles are typed and shown in radians, not degrees.")]
-CONFIGURATION = typer.Option(
-    metavar=VALUES,
-    help="Joint values base to tip (0.1 30 -45; degrees, metres for slides), joint=value for some of them, the others "
-    "as in ready, or a pose's name (ready, zero).",
-)
-Theta = Annotated[str, CONFIGURATION]
+Theta = Annotated[
+    JointValues | None,
+    joint_values(
+        VALUES,
+        "Joint values base to tip (0.1 30 -45; degrees, metres for slides), joint=value for some of them, the others "
+        "as in ready, or a pose's name (ready, zero).",
+    ),
+]
 SceneFile = Annotated[
     Path | None, typer.Option("--scene", "--avoid", metavar="FILE", help="Obstacles: a scene.toml, or MoveIt's scene.")
 ]
@@ -48,7 +47,7 @@ Avoid = Annotated[
 ]
 
 
-def avoided(arm: Arm, typed: str | None) -> Scene | None:
+def avoided(arm: Arm, typed: str | Path | None) -> Scene | None:
     """The scene of `--avoid`, None if it was not typed."""
     if typed is None:
         return None
@@ -58,6 +57,46 @@ def avoided(arm: Arm, typed: str | None) -> Scene | None:
         scene = Scene(arm, progress=progress) if typed == SELF else Scene.load(arm, typed, progress=progress)
         scene.find_allowed_pairs()
     return scene
+
+
+def _answer(
+    output: Annotated[
+        list[str] | None,
+        typer.Option("--output", "-o", metavar="FILE", help="Where to write it; - is standard output."),
+    ] = None,
+    form: Annotated[
+        str | None,
+        typer.Option("--format", metavar="KIND", help="The kind of what -o - writes, or a name without ending."),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
+    rad: Annotated[bool, typer.Option("--rad", help="Angles are typed and shown in radians, not degrees.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print the answer as JSON, in SI units.")] = False,
+) -> None:
+    """The options of `answers`."""
+
+
+def answers(names: str, kinds: Kinds | None = None, over_description: bool = False, **helps: str) -> Shared:
+    """The options output, form, force, rad and json, as far as a command has them, as one argument `Outputs`.
+
+    `kinds` are those of its files, and `helps` other texts in its help. The files are checked before it begins.
+    """
+    params = [copy(param) for param in params_of(_answer) if param.name in names.split()]
+    for param in params:
+        param.help = helps.get(param.name, param.help)
+
+    def made(
+        output: list[str] | None = None, form: str | None = "", force: bool = False, rad: bool = False,
+        json: bool = False,
+    ) -> Outputs:  # fmt: skip
+        return Outputs((), json, rad, kinds or {}, form, force, over_description).named(*(output or ()))
+
+    return Shared(made, params)
+
+
+CSV = {"csv": (".csv",)}
+Json = Annotated[Outputs, answers("json")]
+Answer = Annotated[Outputs, answers("rad json")]
+CsvAnswer = Annotated[Outputs, answers("output force rad json", CSV)]
 
 
 @dataclass
@@ -105,7 +144,7 @@ def _loading(name: str, told: str) -> Any:
     return typer.Option(option, metavar=metavar, help=told, rich_help_panel="Loading the arm")
 
 
-def loading(
+def _keywords(
     base: Annotated[str | None, _loading("base", "Base link, instead of the root.")] = None,
     tip: Annotated[str | None, _loading("tip", "Tip link, instead of the one found by its name.")] = None,
     package_dirs: Annotated[
@@ -130,31 +169,23 @@ def loading(
     ] = None,
 ) -> dict[str, Any]:
     """What was typed, as keywords of `load_arm`."""
-    keywords: dict[str, Any] = {
-        "base": base,
-        "tip": tip,
-        "package_dirs": package_dirs or (),
-        "xacro_args": xacro_arguments(xacro_args or []),
-        "srdf": srdf,
-        "ignore_packages": ignore_packages or (),
-        "env_vars": env_vars or (),
-    }
-    if limits is not None:
-        keywords["limits"] = limits
-    return keywords
-
-
-def xacro_arguments(pairs: list[str]) -> dict[str, str]:
-    """Typed NAME:=VALUE pairs as a mapping."""
     arguments: dict[str, str] = {}
-    for pair in pairs:
+    for pair in xacro_args or ():
         name, separator, value = pair.partition(":=")
         if not separator:
             name, equals, value = pair.partition("=")
             meant = f"; did you mean --xacro {shlex.quote(f'{name}:={value}')}?" if equals else ""
             raise InputError(f"--xacro takes NAME:=VALUE; got {pair!r}{meant}")
         arguments[name] = value
-    return arguments
+    always: dict[str, Any] = {
+        "base": base,
+        "tip": tip,
+        "package_dirs": package_dirs or (),
+        "xacro_args": arguments,
+        "srdf": srdf,
+    }
+    always |= {"ignore_packages": ignore_packages or (), "env_vars": env_vars or ()}
+    return always | {name: value for name, value in {"limits": limits, "locked_joints": locked_joints}.items() if value}
 
 
 def _locked(source: Source, pairs: list[str], radians: bool) -> dict[str, float]:
@@ -172,42 +203,34 @@ def _locked(source: Source, pairs: list[str], radians: bool) -> dict[str, float]
     return locked_joints
 
 
-def _as_command(function: Callable[..., Any]) -> Any:
-    """The options of a function's parameters, as Typer makes them."""
-    program = typer.Typer(add_completion=False, rich_markup_mode=None)
-    program.command()(function)
-    return get_command(program)
-
-
-LOADING = _as_command(loading)
+LOADING = params_of(_keywords)
 
 
 class _Loading:
-    """A command with the options of `loading`, last in its help. They are for every ARM that is typed."""
+    """A command with the options for loading, last in its help. They are for every ARM that is typed."""
 
     params: list[Any]
 
     def __init__(self, *args: Any, **keywords: Any) -> None:
         super().__init__(*args, **keywords)
-        self.params.extend(LOADING.params)
+        self.params.extend(LOADING)
 
     def invoke(self, ctx: Any) -> Any:
         """Hand the typed options to each `Source`."""
-        typed = {option.name: ctx.params.pop(option.name) for option in LOADING.params}
-        sources = [each for value in ctx.params.values() for each in _sources(value)]
+        typed = {option.name: ctx.params.pop(option.name) for option in LOADING}
+        sources = [
+            each
+            for value in ctx.params.values()
+            for each in (value if isinstance(value, (list, tuple)) else [value])
+            if isinstance(each, Source)
+        ]
         if any(typed.values()) and not sources:
             raise InputError("give an ARM: the other options are about one")
-        pairs = typed.pop("locked_joints")
-        keywords = LOADING.callback(**typed)
         for source in sources:
-            source.keywords = dict(keywords)
-            if pairs:
+            source.keywords = _keywords(**typed)
+            if pairs := source.keywords.pop("locked_joints", None):
                 source.keywords["locked_joints"] = _locked(source, pairs, bool(ctx.params.get("rad")))
         return super().invoke(ctx)  # type: ignore[misc]
-
-
-def _sources(value: Any) -> list[Source]:
-    return [each for each in (value if isinstance(value, (list, tuple)) else [value]) if isinstance(each, Source)]
 
 
 class ArmCommand(_Loading, Command):

@@ -1,4 +1,7 @@
-"""Words, JSON and progress: everything that a command prints passes through here."""
+"""Everything that a command prints or writes: words, tables, JSON, progress, and the files of `-o FILE`.
+
+The ending of a file gives its kind, and `-` is standard output.
+"""
 
 from __future__ import annotations
 
@@ -6,39 +9,36 @@ import json
 import os
 import re
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import Enum
 from pathlib import Path
 from typing import Any, TextIO
 
 import numpy as np
-from rich.console import Console
-from rich.markup import escape
+from rich.console import Console, RenderableType
 from rich.progress import Progress
 
 from ..arm.arm import Arm
 from ..description.findings import Finding
-from ..support.errors import printable
+from ..support.errors import InputError, printable
+from ..support.files import writable, write_whole
 from ..support.messages import Text
 from ..support.path_redaction import without_places
+from .tables import Table
 from .wording import words
 
 PIPED_WIDTH = 160
 """Columns without a terminal."""
 
+STDOUT = "-"
 
-def console(file: TextIO | None = None) -> Console:
-    """A console on stdout, or on `file`. Pass names through `literal` before you print them as markup."""
-    out = file or sys.stdout
-    known = out.isatty() or "COLUMNS" in os.environ
-    return Console(file=out, width=None if known else PIPED_WIDTH, highlight=False, emoji=False)
+Kinds = Mapping[str, tuple[str, ...]]
+"""The kinds of files that a command can write, with their endings."""
 
-
-def literal(text: object) -> str:
-    """Text for a console's markup, shown unchanged and in one line."""
-    return escape(printable(str(text)))
+Contents = Mapping[str, Callable[[], str | bytes]]
+"""What makes the content of a file, by its kind."""
 
 
 def say(*lines: object, file: TextIO | None = None) -> None:
@@ -76,7 +76,11 @@ def plain(value: Any) -> Any:
         case Mapping():
             return {str(plain(key)): plain(item) for key, item in value.items()}
         case Finding():
-            return plain(_finding(value))
+            place, here = value.place, Path(value.place.file)
+            what, remedy = (without_places(words(each, radians=True), here) for each in (value.what, value.remedy))
+            of_place = {"file": without_places(place.file, here)} | entries(place, "line element name")
+            found = entries(value, "code severity") | of_place | {"what": what, "remedy": remedy}
+            return plain(found | entries(value, "repaired"))
         case Arm():
             return value.name
         case tuple() if hasattr(value, "_asdict"):
@@ -97,26 +101,108 @@ def entries(result: object, names: str) -> dict[str, Any]:
     return {name: getattr(result, name) for name in names.split()}
 
 
-def _finding(finding: Finding) -> dict[str, Any]:
-    """A finding with its place in parts, without folders of this machine."""
-    place = finding.place
-    here = Path(place.file)
-    return {
-        "code": finding.code,
-        "severity": finding.severity,
-        "file": without_places(place.file, here),
-        "line": place.line,
-        "element": place.element,
-        "name": place.name,
-        "what": without_places(words(finding.what, radians=True), here),
-        "remedy": without_places(words(finding.remedy, radians=True), here),
-        "repaired": finding.repaired,
-    }
-
-
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], object]]:
     """A progress bar on stderr, on a terminal only, as a callback with the fraction done."""
     with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
         task = bar.add_task(label, total=1.0)
         yield lambda fraction: bar.update(task, completed=fraction)
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """How a command answers, and the files that it writes, as kind and name. `named` checks them before it begins."""
+
+    files: tuple[tuple[str, str], ...] = ()
+    json: bool = False
+    radians: bool = False
+    kinds: Kinds = field(default_factory=dict)
+    form: str | None = ""
+    force: bool = False
+    over_description: bool = False
+
+    def named(self, *names: str) -> Outputs:
+        """The outputs with these files. InputError for one that cannot be written or would replace another.
+
+        The ending gives the kind, else `form`, else the only one of `kinds`. Standard output takes the first of
+        `kinds`. `form` is "" in a command without `--format`.
+        """
+        if self.form and self.form not in self.kinds:
+            raise InputError(f"--format is one of {', '.join(self.kinds)}; got {self.form!r}")
+        if names.count(STDOUT) + self.json > 1:
+            raise InputError("-o - gives standard output to one file: leave out --json or the other -o -")
+        for name in names:
+            target = None if name == STDOUT else writable(name, over_description=self.over_description)
+            if target is not None and target.exists() and not self.force:
+                raise InputError(f"{name} exists; --force replaces it, another name keeps it")
+        return replace(self, files=tuple((self._kind(name), name) for name in names))
+
+    def _kind(self, name: str) -> str:
+        kinds, form = self.kinds, self.form
+        named = next((kind for kind, endings in kinds.items() if name.lower().endswith(endings)), None)
+        if named and form and named != form:
+            raise InputError(f"{name} is named like a file of kind {named}, and --format says {form}")
+        kind = named or form or (next(iter(kinds)) if name == STDOUT or len(kinds) == 1 else None)
+        if kind is None:
+            endings = " or ".join(f"*{endings[0]}" for endings in kinds.values())
+            option = f", or --format {'|'.join(kinds)}," if form is None else ""
+            raise InputError(f"-o takes {endings}; got {name}: another name{option} says the kind")
+        return kind
+
+    @property
+    def words(self) -> TextIO:
+        """The stream for people: stderr if standard output is JSON or one of the files."""
+        taken = self.json or any(name == STDOUT for _, name in self.files)
+        return sys.stderr if taken else sys.stdout
+
+    def show(
+        self,
+        data: Mapping[str, Any],
+        *parts: Table | str | RenderableType,
+        files: Contents | None = None,
+        written: Sequence[str] | None = None,
+    ) -> None:
+        """Write the files, then print the answer: `data` and the tables as JSON, or the parts for people.
+
+        `written` names files that the command has written itself. JSON lists the names as "written".
+        """
+        names = written if files is None else self.write(files)
+        if self.json:
+            document = dict(data)
+            for each in parts:
+                document |= each.entries() if isinstance(each, Table) else {}
+            print_json(document if names is None else document | {"written": names})
+            return
+        for part in parts:
+            if isinstance(part, str):
+                say(words(part, radians=self.radians), file=self.words)
+                continue
+            known = self.words.isatty() or "COLUMNS" in os.environ
+            console = Console(file=self.words, width=None if known else PIPED_WIDTH, highlight=False, emoji=False)
+            if isinstance(part, Table):
+                part.print_on(console, self.radians)
+            else:
+                console.print(part)
+        self.say(names or ())
+
+    def lines(self, text: str) -> list[str]:
+        """The lines of a text that has several, as parts of `show`."""
+        return words(text, radians=self.radians).splitlines()
+
+    def write(self, contents: Contents) -> list[str]:
+        """Write every file with the result of the function of its kind. Return the names."""
+        made = [(name, contents[kind]()) for kind, name in self.files]
+        for name, content in made:
+            if name != STDOUT:
+                write_whole(name, content, over_description=self.over_description)
+            elif isinstance(content, str) and sys.stdout.isatty():
+                say(*content.splitlines())
+            else:
+                sys.stdout.buffer.write(content.encode() if isinstance(content, str) else content)
+        return [name for name, _ in made]
+
+    def say(self, written: Sequence[str]) -> None:
+        """Tell a person which files were written."""
+        for name in written:
+            if name != STDOUT:
+                say(f"written: {name}", file=self.words)

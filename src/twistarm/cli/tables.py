@@ -165,6 +165,17 @@ def units(arm: Arm, radians: bool) -> list[str]:
     return [unit_text(unit, radians) for unit in arm.units]
 
 
+def outside(arm: Arm, theta: Array, radians: bool) -> list[str]:
+    """A sentence for each joint of theta (n,) outside its position limits."""
+    low, high = arm.limits.lower, arm.limits.upper
+    rows = zip(arm.joint_names, units(arm, radians), *(shown(arm, x, radians) for x in (theta, low, high)), strict=True)
+    return [
+        f"{name} = {value} {unit} lies outside its limits {lower} … {upper} {unit}"
+        for (name, unit, value, lower, upper), out in zip(rows, (theta < low) | (theta > high), strict=True)
+        if out
+    ]
+
+
 def joint_heads(arm: Arm, radians: bool = True) -> list[str]:
     """The heads of columns of joints, with their units."""
     return [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, units(arm, radians), strict=True)]

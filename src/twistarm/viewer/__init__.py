@@ -1,4 +1,4 @@
-"""The view: an arm in the browser, live, in a saved page, a picture or a film. Meshcat draws it."""
+"""The view: an arm in the browser, live, in a saved page or a picture. Meshcat draws it."""
 
 from .draw import Draw
 from .files.inline import Inline

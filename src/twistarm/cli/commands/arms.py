@@ -17,27 +17,25 @@ from ...description.companions.arm_file import MOTOR_LIMITS
 from ...ik import closed_form_of
 from ...limits.actuators import Actuators
 from ...support.path_redaction import without_places
-from ..options import ARM, Json, Radians, Source
-from ..output import entries
-from ..outputs import Outputs
+from ..options import ARM, Answer, Json, Source
+from ..output import Outputs, entries
 from ..tables import Column, Table, number
 
 
-def arms(json: Json = False) -> None:
+def arms(out: Json) -> None:
     """List the arms that can be loaded by name."""
     own, models = catalog.own_arms(), catalog.model_arms()
     installed = catalog.models_share() is not None
     missing = "" if installed else "   (not installed: pip install 'twistarm[models]')"
-    Outputs(json=json).show(
+    out.show(
         {"own": own, "models": models, "models_installed": installed},
         f"twistarm's own:      {', '.join(own)}",
         f"example-robot-data:  {', '.join(models)}{missing}",
     )
 
 
-def info(source: Annotated[Source | None, ARM] = None, rad: Radians = False, json: Json = False) -> None:
+def info(out: Answer, source: Annotated[Source | None, ARM] = None) -> None:
     """Show the loaded arm: joints, limits, base, tip, poses, findings, proof; without ARM the installation."""
-    out = Outputs(json=json, radians=rad)
     if source is None:
         show_installation(out)
     else:

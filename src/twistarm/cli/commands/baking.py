@@ -9,25 +9,28 @@ from ...arm.baking import SUFFIX, digest_of, text_of
 from ...export import limits_yaml, matlab, urdf
 from ...export.cpp_header import SUFFIXES, core_headers, cpp_header, namespace_of
 from ...support.messages import plural
-from ..options import ArmArgument, Json
-from ..outputs import STDOUT, Force, Format, outputs_of, repeated
+from ..options import ArmArgument, answers
+from ..output import STDOUT, Outputs
 
-Output = Annotated[list[str] | None, repeated("*.json, *.hpp, *.m, *.yaml or *.urdf, by default ARM.json")]
+KINDS = {
+    "json": (SUFFIX,),
+    "hpp": SUFFIXES,
+    "m": (matlab.SUFFIX,),
+    "yaml": limits_yaml.SUFFIXES,
+    "urdf": (urdf.SUFFIX,),
+}
+Written = Annotated[
+    Outputs,
+    answers(
+        "output form force json", KINDS, output="*.json, *.hpp, *.m, *.yaml or *.urdf, by default ARM.json; repeat it."
+    ),
+]
 
 
-def bake(
-    source: ArmArgument, output: Output = None, form: Format = None, force: Force = False, json: Json = False
-) -> None:
+def bake(source: ArmArgument, outputs: Written) -> None:
     """Write the arm as numbers: arm.json, a C++17 header, a MATLAB function, joint limits, or a URDF."""
     arm = source.load()
-    kinds = {
-        "json": (SUFFIX,),
-        "hpp": SUFFIXES,
-        "m": (matlab.SUFFIX,),
-        "yaml": limits_yaml.SUFFIXES,
-        "urdf": (urdf.SUFFIX,),
-    }
-    outputs = outputs_of(output or f"{Path(arm.name).name}.{form or 'json'}", kinds, form, force=force, json=json)
+    outputs = outputs if outputs.files else outputs.named(f"{Path(arm.name).name}.{outputs.form or 'json'}")
     include = core_headers() if any(kind == "hpp" for kind, _ in outputs.files) else None
     function = next((Path(name).name for kind, name in outputs.files if kind == "m" and name != STDOUT), None)
     folder = next((Path(name).parent for kind, name in outputs.files if kind == "urdf"), None)

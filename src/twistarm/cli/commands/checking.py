@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -23,10 +24,9 @@ from ...description.findings import refused as refusal_of
 from ...support.errors import InputError, printable
 from ...support.messages import plural
 from ...support.path_redaction import without_places
-from ..options import ArmArgument, Json, Radians, SceneFile
-from ..output import entries, note, plain, progress_bar, say
-from ..outputs import STDOUT, Force, Output, Outputs, outputs_of
-from ..quantities import quantity, whole
+from ..numbers import quantity, whole
+from ..options import ArmArgument, Json, SceneFile, answers
+from ..output import STDOUT, Outputs, entries, note, plain, progress_bar, say
 from ..tables import Column, Table, joint_heads, theta_values
 from ..wording import words
 
@@ -47,24 +47,18 @@ Codes = Annotated[
 ]
 
 
-def doctor(
-    source: ArmArgument,
-    strict: Strict = False,
-    fix: Fix = False,
-    output: Output = None,
-    force: Force = False,
-    codes: Codes = False,
-    json: Json = False,
-) -> int:
+Repaired = Annotated[Outputs, answers("output force json", {"urdf": (".urdf",)}, over_description=True)]
+
+
+def doctor(source: ArmArgument, out: Repaired, strict: Strict = False, fix: Fix = False, codes: Codes = False) -> int:
     """List faults of a description or an arm, their meaning and remedies."""
-    if fix != (output is not None):
+    if fix != (len(out.files) == 1):
         raise InputError("--fix and -o FILE.urdf go together: the repaired copy gets that name")
     diagnosis = examine(source.name, **source.keywords)
     findings, arm, able = diagnosis.findings, diagnosis.arm, diagnosis.able
     # A file that does not exist is the caller's error, not the doctor's business.
     if any(one.code == "file-unreadable" and one.place.file == source.name for one in findings):
         raise refusal_of(findings)
-    out = outputs_of(output, {"urdf": (".urdf",)}, force=force, json=json, over_description=True)
     known = arm or diagnosis.description
     name = known.name if known else source.name
     data: dict[str, Any] = {
@@ -75,19 +69,20 @@ def doctor(
         "findings": [plain(one) | {"meaning": CODES[one.code].meaning} for one in findings],
     }
     parts: list[Any] = [f"{name}: {_abilities(diagnosis)}", *_paragraphs(findings), _counted(findings)]
-    files: dict[str, Callable[[], str]] | None = None
-    if output is not None and diagnosis.description is not None:
-        made = repair(diagnosis.description, COPY if output == STDOUT else output)
+    contents: dict[str, Callable[[], str]] | None = None
+    for _, file in out.files:
+        if diagnosis.description is None:
+            parts.append(f"{file} not written: mend the errors above first")
+            continue
+        made = repair(diagnosis.description, COPY if file == STDOUT else file)
         reads = f"does not read it: {made.complaint}" if made.complaint else "reads it"
         parts += [f"repaired: {change}" for change in made.changes]
         parts.append(f"the same links, joints, limits and poses; Pinocchio's own parser {reads}")
         data |= {"repairs": made.changes, "pinocchio_complaint": made.complaint}
-        files = {"urdf": lambda: made.text}
-    elif output is not None:
-        parts.append(f"{output} not written: mend the errors above first")
-    out.show(data, *parts, files=files)
+        contents = {"urdf": partial(str, made.text)}
+    out.show(data, *parts, files=contents)
     good = diagnosis.worst not in (("error", "warning") if strict else ("error",))
-    return 0 if good and (output is None or files is not None) else 1
+    return 0 if good and bool(out.files) == (contents is not None) else 1
 
 
 def _abilities(diagnosis: Diagnosis) -> str:
@@ -123,7 +118,7 @@ Against = Annotated[
 ]
 
 
-def check(source: ArmArgument, samples: Samples = 1000, against: Against = None, json: Json = False) -> int:
+def check(source: ArmArgument, out: Json, samples: Samples = 1000, against: Against = None) -> int:
     """Compare product of exponentials, Pinocchio, yourdfpy and MuJoCo; --against lists changes."""
     arm = source.load()
     difference = None if against is None else compare(arm, against)
@@ -141,7 +136,7 @@ def check(source: ArmArgument, samples: Samples = 1000, against: Against = None,
         same, other = ("unchanged since", "CHANGED since") if since else ("the same as", "DIFFERENT from")
         lines = [f"{verdict(result)}; {same if difference.same else other} {against}"]
         lines += [f"{'changed' if since else 'different'}: {each}" for each in difference.changes]
-    Outputs(json=json).show(data, *lines, *comparisons(result))
+    out.show(data, *lines, *comparisons(result))
     for each in difference.notes if difference else ():
         note(each)
     return 0 if good else 1
@@ -172,10 +167,13 @@ def comparisons(result: CrossCheck) -> tuple[Table | str, ...]:
     return Table("", columns, "comparisons", rows=compared), *lines
 
 
-def freeze(source: ArmArgument, output: Output = None, force: Force = False) -> None:
+Golden = Annotated[Outputs, answers("output force", {"json": (".json",)})]
+
+
+def freeze(source: ArmArgument, out: Golden) -> None:
     """Write a golden file: names, screws, home, limits, motors and masses."""
     arm = source.load()
-    out = outputs_of(output or f"{Path(arm.name).name}.golden.json", {"json": (".json",)}, force=force)
+    out = out if out.files else out.named(f"{Path(arm.name).name}.golden.json")
     for name in out.write({"json": lambda: golden_text(arm)}):
         if name != STDOUT:
             later = f"later, with the same ARM and options: twistarm check … --against {name}"
@@ -183,21 +181,14 @@ def freeze(source: ArmArgument, output: Output = None, force: Force = False) -> 
 
 
 Margin = Annotated[float, quantity("m", "Distance below which a pair collides.", zero=True)]
+Srdf = Annotated[Outputs, answers("output force rad json", {"srdf": (".srdf",)}, over_description=True)]
 
 
 def collisions(
-    source: ArmArgument,
-    scene: SceneFile = None,
-    margin: Margin = 0.0,
-    samples: Samples = 2000,
-    output: Output = None,
-    force: Force = False,
-    rad: Radians = False,
-    json: Json = False,
+    source: ArmArgument, out: Srdf, scene: SceneFile = None, margin: Margin = 0.0, samples: Samples = 2000
 ) -> None:
     """List which pairs of links are not checked and why, and which collide; -o ARM.srdf writes the former."""
     arm = source.load()
-    out = outputs_of(output, {"srdf": (".srdf",)}, force=force, json=json, radians=rad, over_description=True)
     with progress_bar("allowed pairs") as progress:
         if scene is None:
             made = Scene(arm, margin=margin, progress=progress)
@@ -216,9 +207,9 @@ def collisions(
         Column("links", [pair.links for pair in found.pairs]),
         Column("share", [pair.share for pair in found.pairs], text=[f"{pair.share:.1%}" for pair in found.pairs]),
         Column("theta", [pair.theta for pair in found.pairs],
-               text=[theta_values(arm, pair.theta, rad, digits=3) for pair in found.pairs]),
+               text=[theta_values(arm, pair.theta, out.radians, digits=3) for pair in found.pairs]),
     ]  # fmt: skip
-    order = f"examples as in --theta: {', '.join(joint_heads(arm, rad))}"
+    order = f"examples as in --theta: {', '.join(joint_heads(arm, out.radians))}"
     out.show(
         {"arm": arm, "allowed": allowed, "samples": found.samples, "share": found.share, "findings": made.findings},
         *lines,

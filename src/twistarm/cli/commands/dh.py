@@ -8,11 +8,10 @@ import typer
 
 from ...arm.loading.from_dh import PARALLEL, dh_csv, dh_rows, to_dh
 from ...description.dh import PARAMETERS
-from ..options import ArmArgument, Json, Radians
+from ..numbers import quantity
+from ..options import ArmArgument, CsvAnswer
 from ..output import entries
-from ..outputs import Force, Output, outputs_of
 from ..tables import Column, Table
-from ..typed import parse_numbers
 
 ROWS = {"standard": "R_z(θ) T_z(d) T_x(a) R_x(α)", "modified": "R_x(α) T_x(a) R_z(θ) T_z(d)"}
 
@@ -20,28 +19,15 @@ Convention = Annotated[
     str, typer.Option(metavar="standard|modified", help="That of Paul, Spong and Siciliano, or of Craig.")
 ]
 Parallel = Annotated[
-    str | None,
-    typer.Option(
-        metavar="ANGLE",
-        help="Axes within this count as parallel; others meet far away [°, or rad with --rad]; 1e-7 rad.",
-    ),
+    float | None,
+    quantity("rad", "Axes within this count as parallel; others meet far away [°, or rad with --rad]; 1e-7 rad."),
 ]
 
 
-def dh(
-    source: ArmArgument,
-    convention: Convention = "standard",
-    parallel: Parallel = None,
-    output: Output = None,
-    force: Force = False,
-    rad: Radians = False,
-    json: Json = False,
-) -> None:
+def dh(source: ArmArgument, out: CsvAnswer, convention: Convention = "standard", parallel: Parallel = None) -> None:
     """Show the arm's Denavit–Hartenberg table, or write it as a *.csv that is an ARM too."""
     arm = source.load()
-    out = outputs_of(output, {"csv": (".csv",)}, force=force, json=json, radians=rad)
-    (angle,) = [PARALLEL] if parallel is None else parse_numbers(parallel, "rad", "--parallel", rad)
-    found = to_dh(arm, convention, float(angle))
+    found = to_dh(arm, convention, PARALLEL if parallel is None else parallel)
     rows = dh_rows(found)
     columns = [
         Column("joint", [row["joint"] for row in rows]),

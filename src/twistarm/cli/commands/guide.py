@@ -19,21 +19,15 @@ from ...guide.building.building import Built, as_keywords, build
 from ...guide.building.printing import pdf_of
 from ...guide.building.server import SiteServer
 from ...guide.course import lesson_named, lessons
-from ...guide.exercises import LESSONS, exercises_of
+from ...guide.exercises import LESSONS
 from ...guide.exercises.files import HERE, write_exercises
 from ...guide.grading import check_file
-from ...guide.grading.progress import begun, folder_of, folder_with_progress, read_progress, save_report
-from ...guide.grading.verdict import SIGNS
 from ...guide.teaching.arm import arm as arm_of_the_lessons
 from ...support.errors import DescriptionError, InputError
 from ...support.files import as_path
-from ..command import Command
-from ..options import ArmCommand, ArmGroup, ArmOption, Json, Source
-from ..output import progress_bar, say, warn
-from ..outputs import Force, Outputs, outputs_of
-from ..quantities import whole
-from ..tables import Column, Table
-from .viewing import Browser
+from ..numbers import whole
+from ..options import ArmCommand, ArmGroup, ArmOption, Json, Source, answers
+from ..output import Outputs, progress_bar, say, warn
 
 guide = typer.Typer(
     name="guide",
@@ -50,6 +44,7 @@ Folder = Annotated[
     ),
 ]
 Port = Annotated[int, whole(0, 65535, "Port to serve on, on this machine alone; 0: a free one.")]
+Browser = Annotated[bool, typer.Option("--browser/--no-browser", help="Open the course in a browser.")]
 
 
 def lessons_like(typed: str) -> list[str]:
@@ -70,30 +65,41 @@ def course(
     from disk, offline.
     """
     if context.invoked_subcommand is not None:
-        _require_no_options(context)
+        # Options of `guide` itself would say nothing to its commands, which have their own.
+        origins = [context.get_parameter_source(str(param.name)) for param in context.command.params]
+        if any(origin is not None and origin.name == "COMMANDLINE" for origin in origins):
+            command = context.invoked_subcommand
+            raise InputError(f"give the options after the command: twistarm guide {command} … --arm ARM")
         return
     built = _built(source, output)
     if output is not None:
         say(f"written: {built.start} (opens in a browser, offline)")
         raise typer.Exit(bool(built.failed))
-    _serve(built, port, browser)
+    with SiteServer(built.folder, port) as server:
+        say(f"the guide on {built.arm.name} at {server.url}  (Ctrl-C ends it)")
+        if browser and not webbrowser.open(server.url):
+            warn("no browser found here; open the address yourself, or use -o DIR for a site that needs no server")
+        with suppress(KeyboardInterrupt):
+            server.serve_forever()
+
+
+Printed = Annotated[Outputs, answers("output force", {"pdf": (".pdf",)}, output="Where to write it; else LESSON.pdf.")]
 
 
 @guide.command("print", cls=ArmCommand)
 def print_lesson(
     lesson: Lesson,
-    output: Annotated[str, typer.Option("--output", "-o", metavar="FILE", help="Where to write it, *.pdf.")],
+    out: Printed,
     source: ArmOption = None,
     solutions: Annotated[
         bool, typer.Option("--solutions/--without-solutions", help="Whether the exercises have their solutions.")
     ] = True,
-    force: Force = False,
 ) -> None:
     """Print one lesson as a PDF, its answers unfolded; needs Chromium, Chrome or Edge."""
-    outputs = outputs_of(output, {"pdf": (".pdf",)}, force=force)
     name = lesson_named(lesson)
+    out = out if out.files else out.named(f"{name}.pdf")
     built = _built(source, None, [name])
-    outputs.say(outputs.write({"pdf": lambda: pdf_of(built.folder, name, solutions)}))
+    out.say(out.write({"pdf": lambda: pdf_of(built.folder, name, solutions)}))
     raise typer.Exit(bool(built.failed))
 
 
@@ -106,7 +112,6 @@ def exercises(
 ) -> None:
     """Write the files to fill in: Python for each lesson, and Octave and MATLAB. No file is replaced."""
     written, stayed = write_exercises(folder, _arm(source))
-    begun(folder)
     left = f", {len(stayed)} that were there left as they are" if stayed else ""
     say(f"{folder}: {len(written)} files written{left}")
     say(f"next: open {folder / LESSONS[0]}.py, fill it in, and twistarm guide check {folder / LESSONS[0]}.py")
@@ -115,17 +120,15 @@ def exercises(
 @guide.command(cls=ArmCommand)
 def check(
     file: Annotated[str, typer.Argument(metavar="FILE", help="A Python file, or a results file of Octave or MATLAB.")],
+    out: Json,
     source: ArmOption = None,
     seed: Annotated[int, whole(0, 2**32, "Of the random instances.")] = 0,
-    json: Json = False,
 ) -> int:
     """Grade the exercises in FILE, on random instances and on the screws of the arm.
 
     The exit code is 0 if all is right, 1 if something is wrong or missing, 2 if FILE cannot be used.
     """
-    path = as_path(file)
-    report = check_file(path, _arm(source), seed)
-    trouble = save_report(folder_of(path), report)
+    report = check_file(as_path(file), _arm(source), seed)
     data = {
         "file": report.subject,
         "ok": report.ok,
@@ -134,58 +137,12 @@ def check(
         "exercises": [vars(each) | {"slip": each.slip or None} for each in report.verdicts],
         "printed": report.printed,
     }
-    Outputs(json=json).show(data, *report.told)
-    if trouble:
-        warn(trouble)
+    out.show(data, *report.told)
     return report.code
-
-
-@guide.command(cls=Command)
-def progress(
-    folder: Annotated[str, typer.Argument(metavar="DIR", help="The folder of the exercises.")] = ".", json: Json = False
-) -> None:
-    """Show which exercises are done, and what was said of the others."""
-    found = read_progress(folder_with_progress(as_path(folder), HERE))
-    states = {lesson: _states(lesson, found) for lesson in LESSONS}
-    todo = []
-    for lesson in LESSONS:
-        tried = {name: each for name, each in states[lesson].items() if each["state"] != "right" and each["tries"]}
-        todo.append(", ".join(f"{name} ({each['slip']})" if each["slip"] else name for name, each in tried.items()))
-    right = [[each["state"] == "right" for each in states[lesson].values()] for lesson in LESSONS]
-    columns = [
-        Column("lesson", LESSONS),
-        Column("right", [f"{sum(each)} of {len(each)}" for each in right]),
-        Column("", ["".join(SIGNS[each["state"]] for each in states[lesson].values()) for lesson in LESSONS]),
-        Column("still to do", todo),
-    ]
-    count = f"{sum(map(sum, right))} of {sum(map(len, right))} exercises are right"
-    Outputs(json=json).show(states, Table("", columns), count)
 
 
 def _arm(source: Source | None) -> Arm:
     return arm_of_the_lessons() if source is None else source.load()
-
-
-def _states(lesson: str, found: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
-    """State, slip and tries of each exercise of a lesson."""
-    states = {}
-    for exercise in exercises_of(lesson):
-        kept_of_it = found.get(exercise.name, {})
-        state = kept_of_it.get("state")
-        states[exercise.name] = {
-            "state": state if state in SIGNS else "unwritten",
-            "slip": kept_of_it.get("slip"),
-            "tries": kept_of_it.get("tries", 0),
-        }
-    return states
-
-
-def _require_no_options(context: typer.Context) -> None:
-    """Options of `guide` itself would say nothing to its commands, which have their own."""
-    origins = [context.get_parameter_source(str(param.name)) for param in context.command.params]
-    if any(origin is not None and origin.name == "COMMANDLINE" for origin in origins):
-        command = context.invoked_subcommand
-        raise InputError(f"give the options after the command: twistarm guide {command} … --arm ARM")
 
 
 def _built(source: Source | None, folder: Path | None, names: Sequence[str] | None = None) -> Built:
@@ -216,12 +173,3 @@ def _cache_folder(arm: dict[str, Any], names: Sequence[str] | None) -> Path:
     except OSError as error:
         raise InputError(f"cannot use {place}: {error.strerror or error}; give a folder by -o DIR") from error
     return place
-
-
-def _serve(built: Built, port: int, browser: bool) -> None:
-    with SiteServer(built.folder, port) as server:
-        say(f"the guide on {built.arm.name} at {server.url}  (Ctrl-C ends it)")
-        if browser and not webbrowser.open(server.url):
-            warn("no browser found here; open the address yourself, or use -o DIR for a site that needs no server")
-        with suppress(KeyboardInterrupt):
-            server.serve_forever()

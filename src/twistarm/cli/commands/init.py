@@ -14,9 +14,8 @@ from ...arm.loading.load import load_arm
 from ...planning.motion_file_draft import draft_motion_file
 from ...support.errors import InputError
 from ...support.messages import Argument
-from ..options import Source
-from ..output import say
-from ..outputs import NAMED, STDOUT, Force, outputs_of
+from ..options import Source, answers
+from ..output import STDOUT, Outputs, say
 from ..wording import written
 
 Motion = Annotated[
@@ -28,30 +27,41 @@ Motion = Annotated[
 File = Annotated[
     Source, typer.Argument(metavar="FILE", parser=Source, help="URDF or xacro file; with --motion any ARM.")
 ]
+Written = Annotated[
+    Outputs,
+    answers(
+        "output force",
+        {"toml": (".toml",)},
+        over_description=True,
+        output="Where to write it; arm.toml, or motion.toml. - is standard output.",
+    ),
+]
 
 
-def init(
-    source: File, output: Annotated[str, NAMED] = "arm.toml", force: Force = False, motion: Motion = False
-) -> None:
+def init(source: File, outputs: Written, motion: Motion = False) -> None:
     """Write a commented arm.toml for FILE (base, tip, limits to fill in, the ready pose), or a first motion.toml."""
-    if motion and output == "arm.toml":
-        output = "motion.toml"
-    outputs = outputs_of(output, {"toml": (".toml",)}, force=force, over_description=True)
+    outputs = outputs if outputs.files else outputs.named("motion.toml" if motion else "arm.toml")
+    output = outputs.files[0][1]
     if output != STDOUT and not output.endswith(".toml"):
         raise InputError(f"{'a motion' if motion else 'an arm'} file is named *.toml; got {output}")
     if motion:
-        text = draft_motion_file(source.load())
+        _motion(source, output, outputs)
+        return
+    for name in ("limits", "locked_joints"):
+        if name in source.keywords:
+            raise InputError(f"{'--limits' if name == 'limits' else '--locked-joint'} goes into the arm.toml by hand")
+    draft = draft_arm_file(source.name, Path(os.path.realpath(output)).parent, **source.keywords)
+    outputs.write({"toml": lambda: draft})
+    if output != STDOUT:
+        arm = load_arm(output, env_vars=source.keywords["env_vars"])
+        say(f"{output}: {arm.n} joints from {arm.base} to {arm.tip}; next: twistarm info {output}")
+
+
+def _motion(source: Source, output: str, outputs: Outputs) -> None:
+    """A first motion.toml for an arm: a description, an arm.toml or a name."""
+    arm = source.load()
+    outputs.write({"toml": lambda: draft_motion_file(arm)})
+    if output != STDOUT:
         options = [written(Argument(name, value)) for name, value in source.keywords.items() if value]
         plan = " ".join(["twistarm plan", shlex.quote(source.name), shlex.quote(output), *options])
-        told = f"{output}: a motion with every kind of segment; next: {plan}"
-    else:
-        for name, option in (("limits", "--limits"), ("locked_joints", "--locked-joint")):
-            if name in source.keywords:
-                raise InputError(f"{option} goes into the arm.toml by hand")
-        text = draft_arm_file(source.name, Path(os.path.realpath(output)).parent, **source.keywords)
-    outputs.write({"toml": lambda: text})
-    if output != STDOUT and not motion:
-        arm = load_arm(output, env_vars=source.keywords["env_vars"])
-        told = f"{output}: {arm.n} joints from {arm.base} to {arm.tip}; next: twistarm info {output}"
-    if output != STDOUT:
-        say(told)
+        say(f"{output}: a motion with every kind of segment; next: {plan}")

@@ -14,53 +14,35 @@ from ...ik.solution import missed_by_rounding
 from ...support.csv_lines import csv_text
 from ...support.errors import InputError
 from ...support.messages import plural
-from ..command import VALUES, XYZ
-from ..csv_rows import ROWS_SHOWN, Columns, Sheet, few, read_sheet
-from ..options import ArmArgument, Avoid, Json, Radians, Theta, avoided
-from ..output import entries, progress_bar
-from ..outputs import Force, Output, Outputs, outputs_of
-from ..quantities import quantity
+from ..numbers import VALUES, JointValues, joint_values, quantity
+from ..options import ArmArgument, Avoid, CsvAnswer, Theta, avoided
+from ..output import Outputs, entries, progress_bar
+from ..rows import ROWS_SHOWN, TARGET_COLUMNS, Columns, few, targets_in
 from ..tables import Column, Table, joint_heads, pose_entries, theta_typed
-from ..targets import (
-    COLUMNS,
-    Axis,
-    Direction,
-    OrientationTol,
-    PositionTol,
-    Quaternion,
-    QuaternionXyzw,
-    Rpy,
-    targets_in,
-    typed_orientation,
-    typed_tolerances,
-)
-from ..typed import parse_joints, parse_numbers, parse_theta
+from ..targets import Axis, Direction, Orientation, OrientationTol, PositionTol, Quaternion, QuaternionXyzw, Rpy, Xyz
 
-Xyz = Annotated[str | None, typer.Option(metavar=XYZ, help="Position of the tool in the base frame, in metres.")]
 Targets = Annotated[
-    str | None, typer.Option(metavar="CSV", help=f"A target in each row: {COLUMNS}; - is standard input.")
+    str | None, typer.Option(metavar="CSV", help=f"A target in each row: {TARGET_COLUMNS}; - is standard input.")
 ]
 Posture = Annotated[
-    str | None,
-    typer.Option(
-        metavar=VALUES,
-        help="Where a redundant arm stands while it meets the target: near theta0 (the start), middle (of the limits), "
-        "a pose or values.",
+    JointValues | None,
+    joint_values(
+        VALUES,
+        "Where a redundant arm stands while it meets the target: near theta0 (the start), middle (of the limits), a "
+        "pose or values.",
     ),
 ]
-MaxTime = Annotated[
-    float | None, quantity("s", "Give up after so many seconds; with --all what is found by then.", "--max-time")
-]
+MaxTime = Annotated[float | None, quantity("s", "Give up after so many seconds; with --all what is found by then.")]
 All = Annotated[
     bool, typer.Option("--all", help="Every configuration that meets the target, the one nearest to --start first.")
 ]
 FixedJoints = Annotated[
-    str | None,
-    typer.Option(
+    JointValues | None,
+    joint_values(
+        VALUES,
+        "With --all: joint=value of joints that stay there; the others are solved for. Where there are more joints "
+        "than the target determines, some are else held at values over their range.",
         "--fixed-joint",
-        metavar=VALUES,
-        help="With --all: joint=value of joints that stay there; the others are solved for. Where there are "
-        "more joints than the target determines, some are else held at values over their range.",
     ),
 ]
 Turns = Annotated[
@@ -72,13 +54,14 @@ ERRORS = ("position_error", "orientation_error")
 
 def ik(
     source: ArmArgument,
+    out: CsvAnswer,
     xyz: Xyz = None,
     rpy: Rpy = None,
     quaternion: Quaternion = None,
     quaternion_xyzw: QuaternionXyzw = None,
     direction: Direction = None,
     axis: Axis = None,
-    start: Theta = "ready",
+    start: Theta = None,
     all_: All = False,
     fixed_joints: FixedJoints = None,
     include_turns: Turns = False,
@@ -89,10 +72,6 @@ def ik(
     orientation_tol: OrientationTol = None,
     max_time: MaxTime = None,
     avoid: Avoid = None,
-    output: Output = None,
-    force: Force = False,
-    rad: Radians = False,
-    json: Json = False,
 ) -> int:
     """Inverse kinematics: joint values for a position and orientation, all of them (--all), or for a CSV's rows."""
     arm = source.load()
@@ -103,33 +82,33 @@ def ik(
     for option, value in {"--fixed-joint": fixed_joints, "--include-turns": include_turns}.items():
         if value and not all_:
             raise InputError(f"{option} is about all configurations: it goes with --all")
-    for option, value in {"--posture": posture, "--targets": targets}.items():
-        if value is not None and all_:
+    for option, given in {"--posture": posture, "--targets": targets}.items():
+        if given is not None and all_:
             raise InputError(f"--all takes no {option}: it gives every configuration for the one target of --xyz")
-    out = outputs_of(output, {"csv": (".csv",)}, force=force, json=json, radians=rad)
-    orientation = typed_orientation(rpy, quaternion, quaternion_xyzw, direction, axis, rad)
+    orientation = Orientation(rpy, quaternion, quaternion_xyzw, direction, axis)
     how: dict[str, Any] = {
-        "theta0": parse_theta(arm, start, rad),
+        "theta0": arm.ready if start is None else start.of(arm),
         "scene": avoided(arm, avoid),
         "max_time": max_time,
-        **typed_tolerances(position_tol, orientation_tol, rad),
     }
+    tolerances = {"position_tol": position_tol, "orientation_tol": orientation_tol}
+    how |= {name: value for name, value in tolerances.items() if value is not None}
     if all_:
-        how["fixed_joints"] = None if fixed_joints is None else parse_joints(arm, fixed_joints, "--fixed-joint", rad)
-        target = orientation.at(parse_numbers(str(xyz), "m m m", "--xyz"))
+        how["fixed_joints"] = None if fixed_joints is None else fixed_joints.joints(arm)
+        target = orientation.at(xyz)
         with progress_bar("ik") as progress:
             solutions = solve_ik_all(arm, target, **how, include_turns=include_turns, progress=progress)
         _show_all(out, solutions)
         return 0 if len(solutions) else 1
-    how["posture"] = posture if posture in (None, *POSTURES) else parse_theta(arm, str(posture), rad)
+    if posture is not None:
+        how["posture"] = posture.text if posture.text in POSTURES else posture.of(arm)
     if targets is not None:
-        sheet = read_sheet(targets, columns)
-        asked = targets_in(sheet, orientation)
+        lines, asked = targets_in(targets, columns, orientation)
         with progress_bar("ik") as progress:
             batch = solve_ik_batch(arm, asked, **how, threads=os.cpu_count() or 1, progress=progress)
-        _show_batch(out, sheet, batch)
+        _show_batch(out, targets, lines, batch)
         return 0 if batch.converged.all() else 1
-    solution = solve_ik(arm, orientation.at(parse_numbers(str(xyz), "m m m", "--xyz")), **how)
+    solution = solve_ik(arm, orientation.at(xyz), **how)
     show_solution(out, arm, solution)
     return 0 if solution.converged else 1
 
@@ -158,9 +137,9 @@ def show_solution(out: Outputs, arm: Arm, solution: IKResult) -> None:
     )
 
 
-def _show_batch(out: Outputs, sheet: Sheet, batch: IKBatch) -> None:
+def _show_batch(out: Outputs, file: str, lines: list[int], batch: IKBatch) -> None:
     """The answers to a file's targets: those that people see can be typed."""
-    arm, lines, answers = batch.arm, [row.line for row in sheet.rows], list(batch)
+    arm, answers = batch.arm, list(batch)
     names = "stop converged rounded theta position_error orientation_error"
     records = [{"line": line, **entries(answer, names)} for line, answer in zip(lines, answers, strict=True)]
     columns = [
@@ -169,29 +148,22 @@ def _show_batch(out: Outputs, sheet: Sheet, batch: IKBatch) -> None:
         Column("theta", [theta_typed(arm, answer.theta, out.radians) for answer in answers]),
     ]
     table = Table(arm.name, columns, rows=range(min(len(lines), ROWS_SHOWN)))
-    out.show(
-        {"arm": arm, "joint_names": arm.joint_names, "met": batch.converged.sum(), "answers": records},
-        *([] if out.files else [table]),
-        *_counted(sheet, lines, answers),
-        files={"csv": lambda: _answers_csv(arm, lines, answers)},
-    )
-
-
-def _counted(sheet: Sheet, lines: list[int], answers: list[IKResult]) -> list[str]:
-    """How many targets are met, and which are not, by reasons."""
     by_reason: dict[StopReason, list[int]] = {}
     for line, answer in zip(lines, answers, strict=True):
         by_reason.setdefault(answer.stop, []).append(line)
     met = len(by_reason.pop(StopReason.CONVERGED, ()))
-    count = f"{met} of {len(answers)} targets of {sheet.file} met"
-    if len(answers) > ROWS_SHOWN:
-        count += " (-o FILE.csv has them all)"
-    notes = []
-    rounded = [line for line, answer in zip(lines, answers, strict=True) if answer.rounded]
-    if rounded:
+    more = " (-o FILE.csv has them all)" if len(answers) > ROWS_SHOWN else ""
+    counted = [f"{met} of {len(answers)} targets of {file} met{more}"]
+    if rounded := [line for line, answer in zip(lines, answers, strict=True) if answer.rounded]:
         worst = [max(getattr(answer, error) for answer in answers if answer.rounded) for error in ERRORS]
-        notes = [f"note: line {few(rounded)}: {missed_by_rounding(*worst)}"]
-    return [count, *notes, *(f"{reason.value}: line {few(numbers)}" for reason, numbers in by_reason.items())]
+        counted.append(f"note: line {few(rounded)}: {missed_by_rounding(*worst)}")
+    out.show(
+        {"arm": arm, "joint_names": arm.joint_names, "met": met, "answers": records},
+        *([] if out.files else [table]),
+        *counted,
+        *(f"{reason.value}: line {few(numbers)}" for reason, numbers in by_reason.items()),
+        files={"csv": lambda: _answers_csv(arm, lines, answers)},
+    )
 
 
 def _answers_csv(arm: Arm, lines: Sequence[int], answers: Sequence[IKResult]) -> str:

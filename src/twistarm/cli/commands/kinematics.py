@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
+import numpy as np
 import typer
 
-from ...arm.arm import Arm
 from ...support.checks import Array
+from ...support.csv_lines import csv_text
 from ...support.errors import InputError
-from ..configurations import configurations_in, poses_csv, tell_poses
-from ..csv_rows import Columns, read_sheet
-from ..options import CONFIGURATION, ArmArgument, Json, Radians, Theta
+from ...theory.rotations import to_xyzw
+from ..options import Answer, ArmArgument, CsvAnswer, Theta
 from ..output import entries, warn
-from ..outputs import Force, Output, Outputs, outputs_of
-from ..tables import jacobian_table, number, pose_entries, pose_table, shown, theta_typed, units
-from ..typed import parse_theta
+from ..rows import ROWS_SHOWN, Columns, configurations_in
+from ..tables import Column, Table, jacobian_table, number, outside, pose_entries, pose_table, theta_typed
 
 Configurations = Annotated[
     str | None,
@@ -29,67 +29,75 @@ Configurations = Annotated[
 
 def fk(
     source: ArmArgument,
-    theta: Annotated[str | None, CONFIGURATION] = None,
+    out: CsvAnswer,
+    theta: Theta = None,
     configurations: Configurations = None,
     columns: Columns = None,
     frame: Annotated[str | None, typer.Option(metavar="LINK", help="Another frame than the tip.")] = None,
-    output: Output = None,
-    force: Force = False,
-    rad: Radians = False,
-    json: Json = False,
 ) -> None:
     """Forward kinematics: the pose of the tip, or of another frame, seen from the base."""
     arm = source.load()
     if columns is not None and configurations is None:
         raise InputError("--columns names the columns of a file: it goes with --configurations")
-    out = outputs_of(output, {"csv": (".csv",)}, force=force, json=json, radians=rad)
+    if configurations is not None and theta is not None:
+        raise InputError("give one --theta, or a file of configurations by --configurations")
     name = frame or arm.tip
-    if configurations is not None:
-        if theta is not None:
-            raise InputError("give one --theta, or a file of configurations by --configurations")
-        sheet = read_sheet(configurations, columns)
-        tell_poses(arm, sheet, configurations_in(arm, sheet), name, out)
+    data = {"arm": arm, "joint_names": arm.joint_names, "base": arm.base, "frame": name}
+    title = f"{name} seen from {arm.base}"
+    if configurations is None:
+        x = arm.ready if theta is None else theta.of(arm)
+        for words in outside(arm, x, out.radians):
+            warn(words)
+        g = arm.pose(x, name)
+        table = pose_table(title, g, out.radians)
+        files = {"csv": lambda: _poses_csv([1], g[None])}
+        out.show(data | {"theta": x, **pose_entries(g)}, table, theta_typed(arm, x, out.radians), files=files)
         return
-    x = parse_theta(arm, "ready" if theta is None else theta, rad)
-    warn_outside(arm, x, rad)
-    g = arm.pose(x, name)
-    out.show(
-        {"arm": arm, "joint_names": arm.joint_names, "theta": x, "base": arm.base, "frame": name, **pose_entries(g)},
-        pose_table(f"{name} seen from {arm.base}", g, rad),
-        theta_typed(arm, x, rad),
-        files={"csv": lambda: poses_csv([1], g[None])},
-    )
+    lines, many = configurations_in(arm, configurations, columns)
+    poses = arm.pose(many, name)
+    records = [{"line": k, "theta": x, **pose_entries(one)} for k, x, one in zip(lines, many, poses, strict=True)]
+    heads = (Column(head, values, digits=6) for head, values in zip(COLUMNS, _numbers(poses).T, strict=True))
+    shown = Table(title, [Column("line", lines), *heads], rows=range(min(len(lines), ROWS_SHOWN)))
+    parts: list[Table | str] = [shown]
+    parts += [f"{ROWS_SHOWN} of {len(lines)} poses (-o FILE.csv has them all)"] if len(lines) > ROWS_SHOWN else []
+    files = {"csv": lambda: _poses_csv(lines, poses)}
+    out.show(data | {"poses": records}, *([] if out.files else parts), files=files)
+
+
+COLUMNS = ("x [m]", "y [m]", "z [m]", "qx", "qy", "qz", "qw")
+
+
+def _numbers(g: Array) -> Array:
+    """Position and quaternion (N, 7) of poses (N, 4, 4)."""
+    return np.concatenate([g[:, :3, 3], to_xyzw(g[:, :3, :3])], axis=-1)
+
+
+def _poses_csv(lines: Sequence[int], g: Array) -> str:
+    """Poses (N, 4, 4) as CSV: positions and quaternions, scalar last, as `ik --targets` reads them."""
+    rows = ([line, *row] for line, row in zip(lines, _numbers(g).tolist(), strict=True))
+    return csv_text(["line", *COLUMNS], rows)
 
 
 def jacobian(
     source: ArmArgument,
-    theta: Theta = "ready",
+    out: Answer,
+    theta: Theta = None,
     kind: Annotated[Literal["spatial", "body", "hybrid"] | None, typer.Option(help="Only one of them.")] = None,
-    rad: Radians = False,
-    json: Json = False,
 ) -> None:
     """The spatial and body Jacobians (rows v, ω) and the singular values of the body Jacobian."""
     arm = source.load()
-    x = parse_theta(arm, theta, rad)
-    warn_outside(arm, x, rad)
+    x = arm.ready if theta is None else theta.of(arm)
+    for words in outside(arm, x, out.radians):
+        warn(words)
     names = [f"{one}_jacobian" for one in ([kind] if kind else ["spatial", "body"])]
     matrices = {name: getattr(arm, name)(x) for name in names}
     measure = arm.manipulability(x)
     values = " ".join(number(s) for s in measure.singular_values)
     tables = [part for name, J in matrices.items() for part in (jacobian_table(arm, name.replace("_j", " J"), J), "")]
-    Outputs(json=json, radians=rad).show(
+    out.show(
         {"arm": arm, "joint_names": arm.joint_names, "theta": x, **matrices}
         | entries(measure, "singular_values condition length"),
         *tables,
-        theta_typed(arm, x, rad),
+        theta_typed(arm, x, out.radians),
         f"singular values {values}, condition {float(measure.condition):.3g} (length {measure.length:.3f} m)",
     )
-
-
-def warn_outside(arm: Arm, theta: Array, radians: bool) -> None:
-    """Warn of a theta outside the limits, which fk and the Jacobians accept."""
-    rows = (shown(arm, values, radians) for values in (theta, arm.limits.lower, arm.limits.upper))
-    outside = (theta < arm.limits.lower) | (theta > arm.limits.upper)
-    for name, unit, value, lower, upper, out in zip(arm.joint_names, units(arm, radians), *rows, outside, strict=True):
-        if out:
-            warn(f"{name} = {value} {unit} lies outside its limits {lower} … {upper} {unit}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import typer
@@ -12,21 +12,31 @@ import typer
 from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line, with_defaults
 from ...limits.joint_limits import JointLimits
-from ...planning import ActiveLimit, Trajectory, active_limits, load_motion
+from ...planning import (
+    ActiveLimit,
+    FreeMove,
+    JointMove,
+    LineMove,
+    MotionFile,
+    Segment,
+    Trajectory,
+    active_limits,
+    load_motion,
+    plan_joint,
+)
 from ...planning.files.c_header import SUFFIXES, header_text
 from ...planning.files.csv_file import csv_text
 from ...planning.files.joint_trajectory import json_text
 from ...planning.files.mcap_file import mcap_bytes
 from ...planning.joint_space import Kind
+from ...planning.motion import LAWS
 from ...support.errors import InputError
-from ..asked_motion import Typed, capped, typed_targets
-from ..command import POSE, RPY, XYZ
-from ..options import ArmArgument, Avoid, Json, Radians, avoided
-from ..output import note, progress_bar
-from ..outputs import STDOUT, Contents, Force, Format, Outputs, outputs_of, repeated
-from ..quantities import OfJoints, quantity
+from ..asked_motion import MAX_TIME, Acceleration, Velocity, capped, planned
+from ..numbers import POSE, JointValues, joint_values, quantity
+from ..options import ArmArgument, Avoid, answers, avoided
+from ..output import STDOUT, Contents, Outputs, note, progress_bar
 from ..tables import Column, Table, number, theta_values
-from ..targets import Axis, OrientationTol, PositionTol, typed_tolerances
+from ..targets import Axis, Directions, OrientationTol, Positions, PositionTol, Rpys, typed_targets
 
 MOST_STRETCHES = 8
 """So many rows of active limits are shown; --json has them all."""
@@ -37,66 +47,40 @@ MOTION_KINDS = {"csv": (".csv",), "json": (".json",), "header": SUFFIXES, "mcap"
 COUNTED = ("csv", "header")
 """The kinds of files that may hold what drives count in place of the joints."""
 
-
+Written = Annotated[
+    Outputs,
+    answers(
+        "output form force rad json",
+        MOTION_KINDS,
+        output="Write time, position, velocity and acceleration to *.csv, a ROS JointTrajectory to *.json, ROS 2 "
+        "messages to *.mcap, a C99 and C++17 header to *.h; with [actuators] what the motors do and their drives count "
+        "as well, but in *.mcap. - is standard output; repeat it.",
+    ),
+]
 TIMING = typer.Option(
     help="How it is timed. Through poses: cubic unless given. With --line, --xyz or a motion.toml: s_curve unless "
     "given, or time_optimal, quintic."
 )
 Start = Annotated[
-    str | None, typer.Option("--from", metavar=POSE, help="Where it starts, as --to; unless given, the ready pose.")
+    JointValues | None, joint_values(POSE, "Where it starts, as --to; unless given, the ready pose.", "--from")
 ]
 Motion = Annotated[
     str | None, typer.Argument(metavar="[MOTION]", help="A motion.toml; twistarm init --motion writes one.")
 ]
 Through = Annotated[
-    list[str] | None,
-    typer.Option(
+    list[Any] | None,
+    joint_values(
+        POSE,
+        "Joint values (0 30 -45 …), joint=value for those that move, or a pose's name; repeat it for each pose.",
         "--to",
-        metavar=POSE,
-        help="Joint values (0 30 -45 …), joint=value for those that move, or a pose's name; repeat it for each pose.",
     ),
-]
-Positions = Annotated[
-    list[str] | None,
-    typer.Option("--xyz", metavar=XYZ, help="Instead of --to: where the tool is to be, in metres; repeat it."),
 ]
 Line = Annotated[bool, typer.Option("--line", help="The tool goes along straight lines from pose to pose.")]
-Rpys = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--rpy",
-        metavar=RPY,
-        help="Orientation at --xyz: turns about the base's x, y and z axes, in this order [°, or rad with --rad]; one "
-        "for all positions, or repeated for each.",
-    ),
-]
-Directions = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--direction",
-        metavar=XYZ,
-        help="Only where the tool points at --xyz, in base axes; turning about that is free. One for all positions, or "
-        "repeated for each.",
-    ),
-]
 Blend = Annotated[
     float | None,
     quantity("m", "Round the corners of --line or --xyz inside this radius; without it: stop there.", zero=True),
 ]
-ToolSpeed = Annotated[
-    float | None, quantity("m/s", "The tool goes no faster, with --line, --xyz or a motion.toml.", "--linear-speed")
-]
-CAP = "At most this for every joint, or for those in its unit; the arm's own limits hold as well."
-Velocity = Annotated[OfJoints | None, quantity("rad/s m/s", CAP)]
-Acceleration = Annotated[OfJoints | None, quantity("rad/s² m/s²", CAP)]
-Output = Annotated[
-    list[str] | None,
-    repeated(
-        "Write time, position, velocity and acceleration to *.csv, a ROS JointTrajectory to *.json, "
-        "ROS 2 messages to *.mcap, a C99 and C++17 header to *.h; with [actuators] what the motors do and their drives "
-        "count as well, but in *.mcap. - is standard output"
-    ),
-]
+ToolSpeed = Annotated[float | None, quantity("m/s", "The tool goes no faster, with --line, --xyz or a motion.toml.")]
 Unwrap = Annotated[
     bool,
     typer.Option(
@@ -104,16 +88,14 @@ Unwrap = Annotated[
     ),
 ]
 Smooth = Annotated[
-    str | None,
-    typer.Option(
-        metavar="ANGLE",
-        help="How far the path may leave the poses of --to, recorded ones with noise, to be smooth [°, or rad with "
-        "--rad; a slide by as many m as rad].",
+    float | None,
+    quantity(
+        "rad",
+        "How far the path may leave the poses of --to, recorded ones with noise, to be smooth [°, or rad with --rad; a "
+        "slide by as many m as rad].",
     ),
 ]
-MaxTime = Annotated[
-    float, quantity("s", "With --avoid: give up the way to a goal after so many seconds.", "--max-time")
-]
+MaxTime = Annotated[float, quantity("s", "With --avoid: give up the way to a goal after so many seconds.")]
 Counts = Annotated[
     bool, typer.Option("--counts", help="Write what the motors' drives count alone, for firmware that knows no joints.")
 ]
@@ -122,6 +104,7 @@ Step = Annotated[float, quantity("s", "Time step of the files.")]
 
 def plan(
     source: ArmArgument,
+    out: Written,
     motion: Motion = None,
     to: Through = None,
     xyz: Positions = None,
@@ -141,67 +124,97 @@ def plan(
     position_tol: PositionTol = None,
     orientation_tol: OrientationTol = None,
     avoid: Avoid = None,
-    max_time: MaxTime = 5.0,
-    output: Output = None,
-    form: Format = None,
-    force: Force = False,
+    max_time: MaxTime = MAX_TIME,
     counts: Counts = False,
     dt: Step = 0.01,
-    rad: Radians = False,
-    json: Json = False,
 ) -> None:
     """Plan the fastest motion through poses, targets or the segments of a file, within the limits."""
     arm = source.load()
-    if [motion is not None, bool(to), bool(xyz)].count(True) != 1:
-        raise InputError("give poses by --to, positions by --xyz, or a motion.toml")
-    if smooth is not None and (line or not to or avoid):
-        raise InputError("--smooth is about poses that a motion passes: it goes with --to alone")
-    met = typed_tolerances(position_tol, orientation_tol, rad)
-    asked = Typed(arm, start, rad, line, stop, blend, linear_speed, kind, met, unwrap, None, max_time)
-    asked.require_fitting(by_file=motion is not None, by_joints=not (xyz or line or avoid), goals=len(to or xyz or ()))
-    targets = typed_targets(xyz or (), rpy or (), direction or (), axis, rad)
-    file = None if motion is None else load_motion(motion, arm)
-    scene = avoided(arm, avoid or (None if file is None or file.scene is None else str(file.scene)))
-    asked = replace(asked, scene=scene)
-    given = capped(arm, {"velocity": velocity, "acceleration": acceleration}, {} if file is None else file.limits)
-    limits = with_defaults(arm, given)
-    out = outputs_of(output, MOTION_KINDS, form, force=force, json=json, radians=rad)
-    if counts and any(kind not in COUNTED for kind, _ in out.files):
+    whole = {"linear_speed": linear_speed, "position_tol": position_tol, "orientation_tol": orientation_tol}
+    typed: dict[str, Any] = {name: value for name, value in whole.items() if value is not None}
+    _require_fitting(motion, to, xyz, line, avoid, stop, blend, smooth, kind, typed)
+    if counts and any(of not in COUNTED for of, _ in out.files):
         raise InputError("--counts goes with *.csv and *.h: a JointTrajectory is in rad and m")
+    targets = typed_targets(xyz or (), rpy or (), direction or (), axis)
+    poses = [arm.ready if start is None else start.of(arm)]
+    for each in to or ():
+        poses.append(each.of(arm, ("the pose before", poses[-1])))
+    if motion is not None:
+        asked = load_motion(motion, arm)
+    else:
+        asked = _to_goals(targets or poses[1:], LineMove if line else JointMove if avoid is None else FreeMove, blend)
+    typed |= {} if start is None else {"start": poses[0]}
+    asked = replace(asked, **typed, kind=kind or asked.kind, unwrap=unwrap or asked.unwrap)
+    scene = avoided(arm, avoid or asked.scene)
+    given = capped(arm, velocity, acceleration, asked.limits)
+    limits = with_defaults(arm, given)
+    segments: list[Segment] = []
     with progress_bar("planning") as progress:
-        if file is not None:
-            planned, segments = asked.of_file(file, limits, progress)
-        elif xyz or line or scene:
-            planned, segments = asked.through(targets or asked.poses(to)[1:], limits, progress)
+        if to and not line and scene is None:
+            how: dict[str, Any] = {"kind": kind or "cubic", "stop_at_waypoints": stop, "unwrap": unwrap}
+            how |= {} if smooth is None else {"smooth": smooth}
+            found = plan_joint(arm, poses, limits=limits, progress=progress, **how)
         else:
-            planned, segments = asked.by_waypoints(to, smooth, limits, progress)
-    origin = asked.origin(file)
+            found, segments = planned(arm, asked, limits, scene, max_time, progress)
+    origin = asked.start if start is None else start.text
     if origin is None:
         name = arm.ready_name
         which = "computed" if name is None else f"the pose named {name!r}"
-        note(f'starts at ready ({which}): --from "{theta_values(arm, arm.ready, rad)}"')
-    for each in planned.notes:
-        note(each, radians=rad)
+        note(f'starts at ready ({which}): --from "{theta_values(arm, arm.ready, out.radians)}"')
+    for each in found.notes:
+        note(each, radians=out.radians)
     assumed = defaults_line(arm, given)
-    nearest = None if scene is None else scene.clearance(planned.breakpoints, planned.coefficients)
-    data = {
-        "arm": arm,
-        "duration": planned.duration,
-        "times": planned.times,
-        "waypoints": planned.waypoints,
-        "start": "ready" if origin is None else origin,
-        "assumed": assumed or None,
-        "nearest": nearest,
-        "notes": planned.notes,
-    }
+    nearest = None if scene is None else scene.clearance(found.breakpoints, found.coefficients)
     out.show(
-        data,
+        {
+            "arm": arm,
+            "duration": found.duration,
+            "times": found.times,
+            "waypoints": found.waypoints,
+            "start": "ready" if origin is None else origin,
+            "assumed": assumed or None,
+            "nearest": nearest,
+            "notes": found.notes,
+        },
         *([f"{assumed} (--velocity, --acceleration)"] if assumed else []),
-        *plan_tables(arm, planned, limits),
-        active_limits_table(active_limits(arm, planned, limits=limits, segments=segments)),
+        *plan_tables(arm, found, limits),
+        active_limits_table(active_limits(arm, found, limits=limits, segments=segments)),
         *([] if nearest is None else [f"nearest: {nearest}"]),
-        files=motion_texts(arm, planned, out, dt, counts=counts),
+        files=motion_texts(arm, found, out, dt, counts=counts),
     )
+
+
+def _require_fitting(
+    motion: str | None, to: Any, xyz: Any, line: bool, avoid: Any, stop: bool, blend: float | None, smooth: Any,
+    kind: str | None, about_tool: dict[str, Any],
+) -> None:  # fmt: skip
+    """Raise InputError for an option that has no effect beside the others."""
+    if [motion is not None, bool(to), bool(xyz)].count(True) != 1:
+        raise InputError("give poses by --to, positions by --xyz, or a motion.toml")
+    by_joints = bool(to) and not (line or avoid)
+    if smooth is not None and not by_joints:
+        raise InputError("--smooth is about poses that a motion passes: it goes with --to alone")
+    on_the_way = {"--line": line, "--stop": stop, "--blend": blend is not None}
+    idle = [option for option, is_typed in on_the_way.items() if is_typed]
+    if motion is not None and idle:
+        raise InputError(f"a motion.toml says itself how it goes to each goal: leave out {' and '.join(idle)}")
+    if stop and blend is not None:
+        raise InputError("--stop comes to rest at every pose, --blend rounds the corners there: give one of them")
+    tool = [name.replace("_", "-") for name in (*(["blend"] if blend is not None else []), *about_tool)]
+    if by_joints and tool:
+        raise InputError(f"--{tool[0]} is about the way of the tool: add --line, or give positions by --xyz")
+    if blend is not None and len(to or xyz) < 2:
+        raise InputError("--blend rounds the corners between goals: give two of them, or leave it out")
+    if kind is not None and kind not in LAWS and not by_joints:
+        *others, last = LAWS
+        laws = f"{', '.join(others)} or {last}"
+        raise InputError(f"--kind {kind} leads through the poses of --to alone; on other motions: {laws}")
+
+
+def _to_goals(goals: Sequence[Any], move: Any, blend: float | None) -> MotionFile:
+    """The same kind of move to each goal, with rounded corners between them."""
+    blends = [blend or 0.0] * (len(goals) - 1) + [0.0]
+    return MotionFile(tuple(move(goal, blend=each) for goal, each in zip(goals, blends, strict=True)))
 
 
 def motion_texts(arm: Arm, planned: Trajectory, outputs: Outputs, dt: float, *, counts: bool = False) -> Contents:

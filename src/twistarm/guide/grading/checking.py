@@ -11,7 +11,6 @@ from ...arm.arm import Arm
 from ...support.errors import InputError, UnknownNameError, closest, listed, shown
 from ...support.files import read_bounded, why_no_file
 from ..exercises import LESSONS, Exercise, every_exercise, exercises_of
-from .progress import save_report
 from .results import HEADER, verdicts_on
 from .running import SECONDS, Run, run, run_function
 from .verdict import Report, Verdict, cases_of, judged
@@ -45,9 +44,7 @@ def check(function: Callable[..., Any], arm: Arm, seed: int = 0) -> Report:
         raise UnknownNameError(f"there is no exercise {name!r}{closest(name, exercises)}")
     cases = cases_of(exercises[name], arm, seed)
     done = run_function(function, name, [case.arguments for case in cases])
-    report = Report(name, (judged(exercises[name], cases, done.answers[name]),), printed=done.printed)
-    save_report(Path(), report, only_there=True)
-    return report
+    return Report(name, (judged(exercises[name], cases, done.answers[name]),), printed=done.printed)
 
 
 def check_file(path: Path, arm: Arm, seed: int = 0, seconds: float = SECONDS) -> Report:

@@ -8,7 +8,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -51,7 +51,7 @@ BUDGET = "--virtual-time-budget=2000"
 """[ms] of the page's own time, which stands still while its scripts work: the camera and the floor come in frames."""
 
 TIMEOUT = 60.0
-"""Most seconds for a picture, print or frame of a film. Software rendering of 4096 × 4096 pixels takes some 12 s."""
+"""Most seconds for a picture or print. Software rendering of 4096 × 4096 pixels takes some 12 s."""
 
 
 def find_browser() -> str:
@@ -59,7 +59,7 @@ def find_browser() -> str:
     found = next(filter(None, map(shutil.which, (*NAMES, *PLACES))), None)
     if found is None:
         raise TwistarmError(
-            f"a picture, film or print needs a browser, and there is none of {', '.join(NAMES)} on PATH, nor Chrome, "
+            f"a picture or print needs a browser, and there is none of {', '.join(NAMES)} on PATH, nor Chrome, "
             "Chromium or Edge in /Applications; install one (on Debian: apt install chromium), or open the page "
             "yourself (view -o FILE.html, guide -o DIR)"
         )
@@ -114,19 +114,8 @@ def printed(browser: str, page: Path) -> bytes:
     return data
 
 
-Ended = Callable[[float], str | None]
-"""How a browser ended, or None if it still runs after so many seconds."""
-
-
 def _run(browser: str, page: Path, wishes: tuple[str, ...], place: str = "") -> str:
-    """Have `browser` open `page` for at most `TIMEOUT`; how it ended."""
-    with opened(browser, page, wishes, place) as ended:
-        return ended(TIMEOUT) or f"was ended after {TIMEOUT:g} s"
-
-
-@contextmanager
-def opened(browser: str, page: Path, wishes: tuple[str, ...], place: str) -> Iterator[Ended]:
-    """`browser` with `page` open. None of its processes outlives this context."""
+    """Have `browser` open `page` for at most `TIMEOUT`; how it ended. None of its processes lives on."""
     folder = page.parent
     profile = f"--user-data-dir={page.with_name('profile')}"
     command = (browser, *FLAGS, profile, *wishes, f"{page.as_uri()}{place}")
@@ -142,22 +131,17 @@ def opened(browser: str, page: Path, wishes: tuple[str, ...], place: str) -> Ite
             env={**os.environ, **own},
             start_new_session=True,
         )
-
-    def ended(within: float) -> str | None:
-        try:
-            code = process.wait(within)
-        except subprocess.TimeoutExpired:
-            return None
-        said = log.read_text("utf-8", errors="replace").strip().rpartition("\n")[2]
-        return f"ended with code {code}" + (f" ({one_line(said, 200)})" if said else "")
-
     try:
-        yield ended
+        code = process.wait(TIMEOUT)
+    except subprocess.TimeoutExpired:
+        return f"was ended after {TIMEOUT:g} s"
     finally:
         # macOS refuses a group whose processes are all dead.
         with suppress(ProcessLookupError, PermissionError):
             os.killpg(process.pid, signal.SIGKILL)
         process.wait()
+    said = log.read_text("utf-8", errors="replace").strip().rpartition("\n")[2]
+    return f"ended with code {code}" + (f" ({one_line(said, 200)})" if said else "")
 
 
 def fault(data: bytes, size: tuple[int, int]) -> str | None:

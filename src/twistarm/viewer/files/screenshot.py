@@ -64,15 +64,7 @@ def write_picture(path: str | os.PathLike[str], size: tuple[int, int], show: Cal
 
 
 def png_of(size: tuple[int, int], show: Callable[[], SceneSnapshot]) -> bytes:
-    """The picture that `write_picture` writes."""
-    wanted = checked_size(size)
-    with browser_at_work("draw") as (browser, folder):
-        shown = replace(show(), playback=None)
-        return draw(browser, write_whole(folder / "arm.html", sized_page(shown, wanted)), wanted)
-
-
-def checked_size(size: tuple[int, int]) -> tuple[int, int]:
-    """`size`, or InputError if a picture cannot have it."""
+    """The picture that `write_picture` writes. Findings are hidden, so the doctor does not run."""
     try:
         width, height = map(operator.index, size)
     except (TypeError, ValueError):
@@ -80,14 +72,9 @@ def checked_size(size: tuple[int, int]) -> tuple[int, int]:
     if not (SMALLEST <= width <= LARGEST and SMALLEST <= height <= LARGEST):
         wanted = f"width and height in whole pixels, {SMALLEST} to {LARGEST} each, as (1280, 720)"
         raise InputError(f"size must be {wanted}; got {shown(size)}")
-    return width, height
-
-
-def sized_page(shown: SceneSnapshot, size: tuple[int, int]) -> str:
-    """The saved page at exactly this size, because windows have a minimal width and frames.
-
-    Findings are hidden, so the doctor does not run.
-    """
-    page = stand_alone(replace(shown, findings=loaded(shown.arm)))
-    style = "<style>body {{ width: {}px; height: {}px; }}</style>\n</head>".format(*size)
-    return page.replace("</head>", style, 1)
+    with browser_at_work("draw") as (browser, folder):
+        snapshot = replace(show(), playback=None)
+        page = stand_alone(replace(snapshot, findings=loaded(snapshot.arm)))
+        # Windows have a minimal width and frames: the page itself has this size.
+        style = f"<style>body {{ width: {width}px; height: {height}px; }}</style>\n</head>"
+        return draw(browser, write_whole(folder / "arm.html", page.replace("</head>", style, 1)), (width, height))

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from catalogue import load
 from ik_targets import pinocchio_fk, require_core
-from test_cli import Capture, answer, error_of, printed
+from test_cli import Capture, answer, error_of
 from twistarm.cli.application import run
 
 ROTATION = Rotation.from_euler("xyz", [170, 5, 40], degrees=True)
@@ -32,10 +32,6 @@ AS_WRITTEN = {
     "pick\t400\t100\t0.3\t170\t5\t40\n",
     "a comment, spaces": "# picks\nx y z roll pitch yaw\n0.4 0.1 0.3 {} {} {}\n".format(*np.radians([170, 5, 40])),
 }
-
-
-def rows_of(text: str) -> list[dict[str, str]]:
-    return list(csv.DictReader(io.StringIO(text)))
 
 
 @pytest.mark.parametrize("case", AS_WRITTEN)
@@ -62,9 +58,8 @@ def test_positions_without_a_header_take_the_orientation_that_is_typed(tmp_path:
     require_core(arm)
     file.write_text("# picks\n0.4,0.1,0.3\n\n9,9,9\n0.4,-0.1,0.3\n", "utf-8")
     typed = ["--targets", str(file), "--direction", "0", "0", "-1", "--axis", "-x", "-o", str(out)]
-    assert "2 of 3 targets" in (told := printed(capsys, "ik", "ur5", *typed, code=1))
-    assert "out of reach: line 4" in told
-    rows = rows_of(out.read_text())
+    assert answer(capsys, "ik", "ur5", *typed, code=1)["met"] == 2
+    rows = list(csv.DictReader(io.StringIO(out.read_text())))
     assert [(row["line"], row["answer"]) for row in rows] == [
         ("2", "CONVERGED"), ("4", "OUT_OF_REACH"), ("5", "CONVERGED"),
     ]  # fmt: skip
@@ -83,11 +78,11 @@ def test_answers_are_postures_and_poses_are_targets(
     np.savetxt("theta.txt", theta)
     assert run(["fk", "rover_arm", "--configurations", "theta.txt", "-o", "poses.csv"]) == 0
     assert run(["ik", "rover_arm", "--targets", "poses.csv", "-o", "theta.csv"]) == 0
+    capsys.readouterr()
     assert run(["fk", "rover_arm", "--configurations", "theta.csv", "--json"]) == 0
-    captured = capsys.readouterr()
-    assert "warning" not in captured.err
-    poses = json.loads(captured.out[captured.out.index("{") :])["poses"]
-    for pose, x in zip(poses, theta, strict=True):
+    out, err = capsys.readouterr()
+    assert "warning" not in err
+    for pose, x in zip(json.loads(out)["poses"], theta, strict=True):
         assert np.allclose(pose["matrix"], pinocchio_fk(arm, x), atol=1e-5)
 
 
@@ -95,40 +90,42 @@ def test_joints_may_be_left_out_and_be_in_degrees(tmp_path: Path, capsys: Captur
     arm, file = load("rover_arm"), tmp_path / "p.csv"
     file.write_text("wrist_roll [deg],slide_mm\n90,100\n", "utf-8")
     assert run(["fk", "rover_arm", "--configurations", str(file), "--json"]) == 0
-    captured = capsys.readouterr()
-    assert captured.err == "note: shoulder, elbow, wrist_pitch as in the pose ready\n"
-    (pose,) = json.loads(captured.out)["poses"]
+    out, err = capsys.readouterr()
+    assert all(name in err for name in ("shoulder", "elbow", "wrist_pitch"))
+    (pose,) = json.loads(out)["poses"]
     assert np.allclose(pose["theta"], [0.1, *arm.ready[1:4], np.pi / 2])
     file.write_text("elbow\n90\n", "utf-8")
     assert run(["fk", "rover_arm", "--configurations", str(file)]) == 0
-    assert "outside the limits: line 2; angles are rad unless the header says so" in capsys.readouterr().err
+    assert "line 2" in capsys.readouterr().err, "90 rad are outside the limits"
 
 
 BAD = {
     "numbers that are none": ("x,y,z\n1,a,1\n1,1,1\n1,,1\n", "line 2: column 2"),
-    "a row too short": ("x,y,z\n1,1,1\n1,1\n", "line 3: 2 values where there are 3 columns"),
+    "a row too short": ("x,y,z\n1,1,1\n1,1\n", "line 3"),
     "decimal commas": ("0,4;0,1;0,3\n", "line 1: column 1"),
     "no length": ("x,y,z,dx,dy,dz\n1,1,1,0,0,0\n", "line 2: direction"),
     "degrees": ("x,y,z,roll,pitch,yaw\n1,1,1,0,90,0\n", "line 2: an angle of 90"),
-    "a rotation vector or not": ("x,y,z,rx,ry,rz\n1,1,1,0,0,0\n", "rx, ry, rz mean two things"),
-    "half an orientation": ("x,y,z,roll\n1,1,1,0\n", "no column pitch, yaw"),
+    "a rotation vector or not": ("x,y,z,rx,ry,rz\n1,1,1,0,0,0\n", "rx, ry, rz"),
+    "half an orientation": ("x,y,z,roll\n1,1,1,0\n", "pitch, yaw"),
+    "two orientations": ("x,y,z,dx,dy,dz,roll,pitch,yaw\n1,1,1,0,0,1,0,0,0\n", "t.csv"),
     "an unknown unit": ("x [ft],y,z\n1,1,1\n", "column x"),
-    "a column twice": ("x,y,z,X\n1,1,1,1\n", "two columns hold x"),
-    "nothing": ("", "holds no rows of numbers"),
-    "half a header": ("x,y,3\n1,1,1\n", "line 1: neither a header nor a row of numbers"),
+    "a column twice": ("x,y,z,X\n1,1,1,1\n", "hold x"),
+    "no names for so many": ("1,1,1,1\n", "--columns"),
+    "nothing": ("", "t.csv"),
+    "half a header": ("x,y,3\n1,1,1\n", "line 1"),
 }
 
 
 @pytest.mark.parametrize("case", BAD)
 def test_bad_rows_are_named_and_nothing_is_written(case: str, tmp_path: Path, capsys: Capture) -> None:
-    text, message = BAD[case]
+    text, culprit = BAD[case]
     file, out = tmp_path / "t.csv", tmp_path / "out.csv"
     file.write_text(text, "utf-8")
-    assert message in error_of(capsys, "ik", "ur5", "--targets", str(file), "-o", str(out))
+    assert culprit in error_of(capsys, "ik", "ur5", "--targets", str(file), "-o", str(out))
     assert not out.exists()
 
 
-@pytest.mark.parametrize("typed", ["--quaternion 0 1 0 0", "--quaternion-xyzw 1 0 0 0", "--rpy 180 0 0"])
+@pytest.mark.parametrize("typed", ["--quaternion 0 1 0 0", "--quaternion-xyzw 1 0 0 0", "--rpy 540 0 0"])
 def test_an_orientation_is_typed_in_three_ways(typed: str, capsys: Capture) -> None:
     theta = answer(capsys, "ik", "ur5", "--xyz", "0.4", "0.1", "0.3", *typed.split())["theta"]
     assert np.allclose(pinocchio_fk(load("ur5"), np.array(theta))[:3, :3], np.diag([1, -1, -1]), atol=3e-6)

@@ -1,0 +1,232 @@
+"""Typed numbers with units: their grammar, the options that take them, and joint values."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from typer import Option
+
+from ..arm.arm import Arm
+from ..support.checks import Array
+from ..support.errors import InputError, listed
+from ..support.units import UNITS, parse
+from .output import note
+
+LENGTH, ANGLE, NUMBER = "m", "rad", "1"
+
+SUCH_AS = {
+    LENGTH: "0.3, 300 mm or 12 in",
+    ANGLE: "30 deg or 0.5 rad",
+    NUMBER: "0.5",
+    "s": "0.5 or 500 ms",
+    "kg": "0.5 or 500 g",
+    "Hz": "100 or 100 Hz",
+    "m/s": "0.1 or 100 mm/s",
+    "rad m": "0.1, 5 deg or 2 mm",
+    "rad/s m/s": "0.5, 30 deg/s or 50 mm/s",
+    "rad/s² m/s²": "2, 90 deg/s² or 500 mm/s²",
+}
+"""Examples of each quantity that an option takes, in the units of one or two."""
+
+METAVARS = {units: units.upper().replace(" ", "|") for units in SUCH_AS} | {ANGLE: "ANGLE", NUMBER: "NUMBER"}
+VALUES, POSE, AXIS = "VALUES", "POSE", "AXIS"
+XYZ, RPY, WXYZ, XYZW, PLACE = "'X Y Z'", "'R P Y'", "'W X Y Z'", "'X Y Z W'", "'X Y YAW'"
+NUMBERS = (VALUES, POSE, AXIS, XYZ, RPY, WXYZ, XYZW, PLACE, *METAVARS.values())
+"""The values in the help of options that take several words: numbers, and units after them."""
+
+OfJoints = Mapping[str, float]
+"""A typed quantity of joints, by their units rad and m."""
+
+ROUNDING = 1e-6
+"""A smaller distance outside a limit [rad, m] is rounding of a printed number."""
+
+_NAMES = "|".join(sorted({unit for units in UNITS.values() for unit in units if unit[0].isalpha()}, key=len)[::-1])
+UNIT = rf"(?:{_NAMES}|°)(?:/s(?:\^?[23]|[²³])?)?(?![\w°/])"
+"""A unit that may stand behind a number, a rate too."""
+
+_PART = re.compile(
+    rf"(?!-+(?!pi)[a-z])(?=.*[\w°])(?:[\d.]+(?:e[-+]?\d+)?|nan|inf|pi|{_NAMES}|[-−+*/^²°(),;\[\]])+", re.I
+)
+_VALUE = re.compile(rf"[^\s,;\[\]()]+(?:\s+{UNIT})?", re.IGNORECASE)
+_PAIR = re.compile(rf"[\s,]*([^=]+?)\s*=\s*([^\s=,]+(?:\s+(?:{UNIT}))?)(?=[\s,]|$)", re.IGNORECASE)
+"""joint=value, where spaces may be in the name and around the sign."""
+
+
+def is_part(word: str) -> bool:
+    """Whether a typed word can be a number, its unit or several of them, also if they are wrong, as 1/0 and pi are."""
+    return _PART.fullmatch(word) is not None
+
+
+def separate(text: str) -> list[str]:
+    """The numbers of a list, with their units. Spaces or commas separate them; brackets may enclose them."""
+    return _VALUE.findall(text)
+
+
+def typed_number(text: str, quantity: str = NUMBER, *, radians: bool = False) -> float:
+    """A number with or without a unit, in SI; NaN if it is none of the `quantity`.
+
+    An angle without a unit is in degrees, unless `radians` is set.
+    """
+    with suppress(InputError):
+        return parse(text, quantity, "deg" if quantity == ANGLE and not radians else "")
+    return math.nan
+
+
+def parse_numbers(text: str, units: str, option: str, radians: bool = False) -> Array:
+    """Numbers [rad, m] separated by spaces or commas, one for each of `units`, such as 'm m rad'."""
+    typed, quantities = separate(text), units.split()
+    values = [typed_number(*each, radians=radians) for each in zip(typed, quantities, strict=False)]
+    wrong = [each.strip() for each, value in zip(typed, values, strict=False) if not np.isfinite(value)]
+    if len(typed) != len(quantities) or wrong:
+        zeros = " ".join("0" for _ in quantities)
+        why = f", where {wrong[0]!r} is none" if wrong else ""
+        such = SUCH_AS[quantities[0]]
+        raise InputError(
+            f"{option} takes {len(quantities)} numbers such as {such}, as in {option} {zeros}; got {text!r}{why}"
+        )
+    return np.array(values)
+
+
+@dataclass(frozen=True)
+class Typed:
+    """The text of an option. `Command` reads it, with the option's name, as soon as it knows of --rad."""
+
+    text: str
+    read: Callable[[str, str, bool], Any]
+
+
+def typed_option(read: Callable[[str, str, bool], Any], metavar: str, told: str, *names: str) -> Any:
+    """An option with the value that `read` makes of its text, its name and whether --rad was typed."""
+    return Option(*names, metavar=metavar, parser=lambda text: Typed(str(text), read), help=told)
+
+
+def numbers(units: str, metavar: str, told: str, *names: str) -> Any:
+    """An option of several numbers, one for each of `units`, which gives them in SI as an array."""
+
+    def read(text: str, option: str, radians: bool) -> Array:
+        values = parse_numbers(text, units, option, radians)
+        # 400 typed degrees are 40; in radians they are a mistake, which the target refuses.
+        turning = [unit == ANGLE and not radians for unit in units.split()]
+        return np.where(turning, np.fmod(values, 2.0 * np.pi), values)
+
+    return typed_option(read, metavar, told, *names)
+
+
+def quantity(units: str, told: str, *names: str, zero: bool = False) -> Any:
+    """An option of a number above 0, or with `zero` from 0, that may have a unit. It gives the number in SI.
+
+    Of two `units`, for turns and slides, it gives `OfJoints`; a number without a unit is then in both, in SI.
+    """
+    each = units.split()
+
+    def read(text: str, option: str, radians: bool) -> Any:
+        radians = radians or len(each) > 1
+        values = {unit.partition("/")[0]: typed_number(text, unit, radians=radians) for unit in each}
+        found = {unit: value for unit, value in values.items() if 0.0 < value < math.inf or (zero and value == 0.0)}
+        if not found:
+            least = "of 0 or more" if zero else "above 0"
+            raise InputError(f"{option} takes a number {least} such as {SUCH_AS[units]}; got {text!r}")
+        return found if len(each) > 1 else found[each[0].partition("/")[0]]
+
+    return typed_option(read, METAVARS[units], told, *names)
+
+
+def whole(least: int, most: int, told: str, *names: str) -> Any:
+    """An option of a whole number in [least, most]."""
+
+    def read(text: str, option: str, _: bool) -> int:
+        with suppress(ValueError):
+            if least <= (value := int(text)) <= most:
+                return value
+        raise InputError(f"{option} takes a whole number from {least} to {most}; got {text!r}")
+
+    return typed_option(read, "N", told, *names)
+
+
+def of_joints(arm: Arm, typed: OfJoints, otherwise: float, option: str) -> Array:
+    """The typed quantity of each joint (n,), `otherwise` for joints in other units."""
+    if not typed.keys() & set(arm.units):
+        raise InputError(f"{arm.name} has no joint in {' or '.join(typed)}, as {option} is")
+    return np.array([typed.get(unit, otherwise) for unit in arm.units])
+
+
+@dataclass(frozen=True)
+class JointValues:
+    """Typed joint values: numbers base to tip, `joint=value` pairs, or the name of a pose. The arm knows their units.
+
+    A value outside a limit by rounding becomes the limit.
+    """
+
+    text: str
+    option: str
+    radians: bool
+
+    def of(self, arm: Arm, rest: tuple[str, Array] | None = None) -> Array:
+        """theta (n,) of the arm. Omitted joints are as in `rest`, a name and its theta, by default the pose ready."""
+        if self.text.strip() in arm.configurations:
+            return arm.theta_from(self.text.strip())
+        neither = (
+            f"{self.text!r} is neither joint values ({arm.n} numbers, or joint=value …) "
+            f"nor one of the poses {listed(arm.configurations)}"
+        )
+        if "=" not in self.text:
+            if not is_part("".join(self.text.split())):
+                raise InputError(neither)
+            values = separate(self.text)
+            if len(values) != arm.n:
+                wanted = f"{arm.n} values ({', '.join(arm.joint_names)})"
+                raise InputError(f"{arm.name} takes {wanted}; got {len(values)}: {self.text!r}")
+            return self._theta(arm, arm.joint_names, values)
+        names, values = self._pairs(neither)
+        theta, others = self._theta(arm, names, values), [name for name in arm.joint_names if name not in names]
+        if not others:
+            return theta
+        which, as_before = rest or ("the pose ready", arm.ready)
+        note(f"{', '.join(others)} as in {which}")
+        return np.where([joint in names for joint in arm.joint_names], theta, as_before)
+
+    def joints(self, arm: Arm) -> dict[str, float]:
+        """The values of `joint=value` pairs alone, {joint: value} [rad, m]."""
+        such = f"{self.option} takes joint=value, as in {self.option} {arm.joint_names[-1]}=10; got {self.text!r}"
+        names, values = self._pairs(such)
+        theta = self._theta(arm, names, values)
+        return {joint: float(theta[arm.joint_names.index(joint)]) for joint in names}
+
+    def _theta(self, arm: Arm, names: Sequence[str], values: Sequence[str]) -> Array:
+        """theta (n,) of typed joints, the others 0."""
+        if len(set(names)) < len(names):
+            raise InputError(f"a joint is named twice: {', '.join(names)}")
+        units = dict(zip(arm.joint_names, arm.units, strict=True))
+        found = dict.fromkeys(arm.joint_names, 0.0)
+        for joint, text in zip(names, values, strict=True):
+            unit = units.get(joint, ANGLE)
+            found[joint] = typed_number(text, unit, radians=self.radians)
+            if not np.isfinite(found[joint]):
+                raise InputError(f"{joint} takes a number such as {SUCH_AS[unit]}; got {text!r}")
+        theta = arm.theta_from([*found], [*found.values()])
+        onto = np.clip(theta, arm.limits.lower, arm.limits.upper)
+        return np.where(np.abs(theta - onto) <= ROUNDING, onto, theta)
+
+    def _pairs(self, otherwise: str) -> tuple[list[str], list[str]]:
+        """Names and values of the pairs; InputError with the text `otherwise` if there is anything else."""
+        names, values, end = [], [], 0
+        for match in _PAIR.finditer(self.text):
+            if match.start() != end:
+                raise InputError(otherwise)
+            names.append(match[1])
+            values.append(match[2])
+            end = match.end()
+        if self.text[end:].strip(", "):
+            raise InputError(otherwise)
+        return names, values
+
+
+def joint_values(metavar: str, told: str, *names: str) -> Any:
+    """An option of `JointValues`."""
+    return typed_option(JointValues, metavar, told, *names)
