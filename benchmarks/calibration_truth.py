@@ -313,7 +313,7 @@ def truth_at_zero(arm: Arm, kind: str, seed: int) -> tuple[Array, int]:
     log = positions_log(truth, 60, rng, turned=kind == "poses")
     noises = {"position_noise": POSITION, "orientation_noise": ORIENTATION}
     first = calibrate(arm, _joined([log]), **noises)  # type: ignore[arg-type]
-    g = first.predict_poses(log["theta"])
+    g = first.problem.geometry.poses(first.unknowns[: first.problem.P], log["theta"])
     log["position"] = g[:, :3, 3] + rng.normal(scale=POSITION, size=(60, 3))
     if kind == "poses":
         log["rotation"] = g[:, :3, :3] @ turn(rng.normal(scale=ORIENTATION, size=(60, 3)))

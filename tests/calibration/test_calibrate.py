@@ -71,7 +71,7 @@ def test_parameters_come_back_within_their_deviations(log):
 
 def test_derivatives_are_those_of_finite_differences():
     arm, rng = family_arm("SCARA, slide last"), np.random.default_rng(0)
-    geometry = Geometry(arm, away(rng), np.eye(4), scales=True, eccentric=True)
+    geometry = Geometry(arm, away(rng), np.eye(4), scales=True)
     p = rng.normal(scale=1e-2, size=len(geometry.parameters))
     theta, h = arm.random_theta(1, 3), 1e-6
     g, V = geometry.twists(p, theta)

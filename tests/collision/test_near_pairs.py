@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from twistarm import Scene, load_arm
-from twistarm.collision.near_pairs import LOOK
+from twistarm.collision.swept import LOOK
 
 STEP = 1e-5
 

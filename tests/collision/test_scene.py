@@ -373,54 +373,40 @@ def test_meshes_and_planes_of_moveit_scenes_are_read_and_saved(
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "said"),
+    ("name", "text", "culprit"),
     [
         ("scene.toml", '[[box]]\nname = "t"\n', "box 1: it needs 'size'"),
-        ("scene.toml", '[[bax]]\nname = "t"\n', "unknown entry 'bax'"),
-        ("scene.toml", '[[box]]\nname = "t"\nsize = [1, 2]\n', "box 1: size"),
+        ("scene.toml", '[[bax]]\nname = "t"\n', "'bax'"),
         ("scene.toml", '[[sphere]]\nname = "t"\nradius = nan\n', "sphere 1: radius"),
-        ("scene.toml", '[[sphere]]\nname = "t"\nradius = 0\n', "size"),
-        ("scene.toml", '[[sphere]]\nname = "hand"\nradius = 1\n', "already called 'hand'"),
+        ("scene.toml", '[[sphere]]\nname = "hand"\nradius = 1\n', "'hand'"),
         ("scene.toml", '[[sphere]]\nname = "t"\nradius = 1\non = "hnd"\n', "hnd"),
         ("scene.toml", '[[mesh]]\nname = "t"\nfile = "none.stl"\n', "none.stl"),
         ("scene.toml", '[[sphere]]\nname = "t"\nradius = 1\nrpy = [0, 0, 90]\n', "degrees = true"),
-        ("scene.toml", '[[sphere]]\nname = "t"\nradius = 101\n', "at most 100 m"),
-        ("scene.toml", 'arm = "another"\n', "is for the arm 'another'"),
-        ("scene.toml", 'allow = ["hand"]\n', "allow"),
-        ("scene.toml", "box = 3\n", "box"),
+        ("scene.toml", '[[sphere]]\nname = "t"\nradius = 101\n', "100 m"),
+        ("scene.toml", 'arm = "another"\n', "'another'"),
         ("scene.yaml", "world: {collision_objects: [{id: a, meshes: [1]}]}", "collision object 1"),
-        ("scene.yaml", "world: {collision_objects: [{id: a, planes: [{coef: [0, 0, 0, 1]}]}]}", "needs a normal"),
+        ("scene.yaml", "world: {collision_objects: [{id: a, planes: [{coef: [0, 0, 0, 1]}]}]}", "coef"),
         ("scene.yaml", MESHES_YAML.replace("[1, 3, 2]", "[1, 3, 4]"), "from 0 to 3"),
-        ("scene.yaml", MESHES_YAML.replace("frame_id: hand", "frame_id: base"), "the frame of its link 'hand'"),
+        ("scene.yaml", MESHES_YAML.replace("frame_id: hand", "frame_id: base"), "its link 'hand'"),
         ("scene.yaml", "world: {octomap: {octomap: {data: [1]}}}", "octomap"),
-        ("a.scene", MESHES_TEXT.replace("4 4", "4 7"), ".scene"),
         ("scene.yaml", "world: {collision_objects: [{id: a, primitives: [{type: cone, dimensions: [1]}]}]}", "cone"),
-        ("scene.toml", '[[box]]\nname = "t"\nsize = [1, 1, 1]\nrpy = [0, 0, 90]\n', "degrees = true"),
-        ("scene.toml", '[[box]]\nname = "t"\nsize = [1, 1, 1]\non = ["hand"]\n', "box 1: on"),
-        ("scene.yaml", "world: {collision_objects: [{id: a}]}", "no primitives"),
         ("scene.yaml", "world: {collision_objects: 3}", "at the top"),
-        (
-            "scene.yaml",
-            "allowed_collision_matrix: {entry_names: [base, hand], entry_values: [[false, true]]}",
-            "matrix",
-        ),
-        ("scene.yaml", "world: {collision_objects: [3]}", "collision object 1"),
-        ("scene.yaml", "[1, 2]", "at the top"),
-        ("a.scene", "(noname)+\n* a\n1\n", ".scene"),
-        ("a.scene", "(noname)+\nnonsense\n", "expected '* name'"),
-        ("a.scene", TEXT[:-2], "cut short"),
-        ("scene.txt", "", "is no scene file"),
+        ("scene.yaml", "allowed_collision_matrix: {entry_names: [base], entry_values: []}", "matrix"),
+        ("a.scene", MESHES_TEXT.replace("4 4", "4 7"), ".scene"),
+        ("a.scene", "(noname)+\nnonsense\n", "'nonsense'"),
+        ("a.scene", TEXT[:-2], "'.'"),
+        ("scene.txt", "", "scene.txt"),
     ],
 )
 def test_a_scene_file_that_cannot_be_used_is_named_with_the_entry(
-    tmp_path: Path, name: str, text: str, said: str
+    tmp_path: Path, name: str, text: str, culprit: str
 ) -> None:
     arm = slider(tmp_path, SHAPES["sphere"])
     (tmp_path / name).write_text(text)
     with pytest.raises((InputError, DescriptionError)) as refused:
         Scene.load(arm, tmp_path / name)
     assert name in str(refused.value)
-    assert said in str(refused.value)
+    assert culprit in str(refused.value)
 
 
 def test_a_scene_that_is_saved_is_read_again_as_it_was(tmp_path: Path) -> None:
@@ -542,21 +528,15 @@ def test_the_fingers_may_touch_what_the_hand_holds() -> None:
     assert not scene.collides(arm.ready)
 
 
-@pytest.mark.parametrize(
-    ("breakpoints", "coefficients"),
-    [
-        ([0.0, 1.0], np.full((2, 1, 2), np.nan)),
-        ([0.0, 1.0], np.zeros((2, 3, 2))),
-        ([1.0, 0.0], np.zeros((2, 1, 2))),
-        ([0.0, 1.0], np.zeros((0, 1, 2))),
-        ([0.0, 1.0], np.full((2, 1, 2), 1e9)),
-    ],
-)
-def test_a_motion_that_is_none_is_refused(tmp_path: Path, breakpoints: list[float], coefficients: np.ndarray) -> None:
+def test_a_motion_that_is_none_is_refused(tmp_path: Path) -> None:
     scene = Scene(slider(tmp_path, SHAPES["sphere"]))
     scene.add_sphere("ball", 0.1, (5.0, 0.0, 0.0))
-    with pytest.raises(InputError):
-        scene.first_collision(breakpoints, coefficients)
+    once, back = [0.0, 1.0], [1.0, 0.0]
+    for breakpoints, shape, value in (
+        (once, (2, 1, 2), np.nan), (once, (2, 3, 2), 0.0), (back, (2, 1, 2), 0.0), (once, (2, 1, 2), 1e9),
+    ):  # fmt: skip
+        with pytest.raises(InputError):
+            scene.first_collision(breakpoints, np.full(shape, value))
 
 
 def test_the_clearance_of_a_motion_is_that_of_a_calculation_by_hand(tmp_path: Path) -> None:

@@ -183,36 +183,34 @@ def test_the_parking_pose_that_geometry_asks_for(rover: twistarm.Arm, tmp_path: 
         nowhere.motion()
 
 
+TURN = PRESS.replace("press", "turn").replace("travel = 0.003", "angle = {}")
 BAD = {
-    "no TOML": ("[[task", "not valid TOML"),
-    "no task": ("degrees = true", "a panel has 1 to 200 tasks"),
-    "an unknown entry": (PRESS + "presure = 3\n", "task 1: unknown entry 'presure'"),
-    "an unknown kind": (PRESS.replace('"press"', '"pres"'), "kind must be .* closest: 'press'"),
-    "an equal name": (PRESS + PRESS, "task 2: name: another task is already called 'a'"),
-    "no place": (PRESS.replace("xyz", "# xyz"), "it lacks 'xyz'"),
-    "no travel": (PRESS.replace("travel", "# travel"), "a press lacks 'travel'"),
-    "travel 0": (PRESS.replace("0.003", "0"), "travel must be a positive number; got 0"),
-    "millimetres": (PRESS.replace("0.003", "3"), "travel is 3 m, and at most 1 m are allowed: lengths are in metres"),
-    "NaN": (PRESS.replace("0.003", "nan"), "task 1: travel"),
-    "a text": (PRESS.replace("[0.0, 0.0, 0.0]", '"here"'), "xyz must be"),
-    "no direction": (PRESS + "direction = [0, 0, 0]\n", "direction must not be the zero vector"),
-    "degrees": (PRESS.replace("press", "turn").replace("travel = 0.003", "angle = 90"), "write degrees = true"),
-    "angle 0": (PRESS.replace("press", "turn").replace("travel = 0.003", "angle = 0"), "angle must not be 0"),
-    "an idle lever": (
-        PRESS.replace("press", "flip").replace("travel = 0.003", "angle = 1\naxis = [0, 1, 0]"),
-        "the tool stays where it is",
-    ),
-    "an empty range": ("[parking]\nx = [1, 0]\n" + PRESS, r"parking: x must be a range .* \[1, 0\] is empty"),
-    "a range of three": ("[parking]\nyaw = [1, 0, 2]\n" + PRESS, "yaw must be a number or a range"),
-    "a flat panel": ("[panel]\nnormal = [0, 0, 1]\n" + PRESS, "say which side is up"),
-    "a thin panel": ("[panel]\nsize = [1, 1, 0]\n" + PRESS, "size must be width, height and depth above 0"),
+    "no TOML": ("[[task", "TOML"),
+    "no task": ("degrees = true", "'task'"),
+    "an unknown entry": (PRESS + "presure = 3\n", "task 1.*'presure'"),
+    "an unknown kind": (PRESS.replace('"press"', '"pres"'), "kind.*'press'"),
+    "an equal name": (PRESS + PRESS, "task 2: name"),
+    "no place": (PRESS.replace("xyz", "# xyz"), "'xyz'"),
+    "no travel": (PRESS.replace("travel", "# travel"), "'travel'"),
+    "travel 0": (PRESS.replace("0.003", "0"), "travel"),
+    "millimetres": (PRESS.replace("0.003", "3"), "travel is 3 m"),
+    "NaN": (PRESS.replace("0.003", "nan"), "task 1.*travel"),
+    "a text": (PRESS.replace("[0.0, 0.0, 0.0]", '"here"'), "xyz"),
+    "no direction": (PRESS + "direction = [0, 0, 0]\n", "direction"),
+    "degrees": (TURN.format(90), "degrees = true"),
+    "angle 0": (TURN.format(0), "angle"),
+    "an idle lever": (TURN.format("1\naxis = [0, 1, 0]").replace("turn", "flip"), "point"),
+    "an empty range": ("[parking]\nx = [1, 0]\n" + PRESS, "parking.x"),
+    "a range of three": ("[parking]\nyaw = [1, 0, 2]\n" + PRESS, "parking.yaw"),
+    "a flat panel": ("[panel]\nnormal = [0, 0, 1]\n" + PRESS, "normal and up"),
+    "a thin panel": ("[panel]\nsize = [1, 1, 0]\n" + PRESS, "panel.size"),
 }
 
 
 @pytest.mark.parametrize("which", BAD)
 def test_a_bad_file_is_refused_in_one_line(which: str, tmp_path: Path) -> None:
-    text, message = BAD[which]
-    with pytest.raises(TwistarmError, match=message) as caught:
+    text, culprit = BAD[which]
+    with pytest.raises(TwistarmError, match=culprit) as caught:
         panel_of(tmp_path, text)
     assert "panel.toml" in str(caught.value)
     assert "\n" not in str(caught.value)

@@ -160,17 +160,3 @@ def test_wrong_arguments(case: str, rover: twistarm.Arm) -> None:
     call, message = WRONG[case]
     with pytest.raises(InputError, match=message):
         call(rover)
-
-
-def test_cubes_hold_the_least_and_the_greatest_of_their_states(rover: twistarm.Arm) -> None:
-    held = payload(rover, rover.random_theta(2, 3000))
-    cubes = held.in_cubes(0.3)
-    assert cubes.states.sum() == 3000
-    p = rover.fk(held.theta)[:, :3, 3]
-    for centre, count, least, greatest in zip(*cubes, strict=True):
-        inside = (np.abs(p - centre) < 0.15).all(axis=1)
-        assert inside.sum() == count
-        assert (held.mass[inside].min(), held.mass[inside].max()) == (least, greatest)
-    assert payload(rover, "ready").in_cubes(0.3).states.tolist() == [1]
-    with pytest.raises(InputError):
-        held.in_cubes(0.0)

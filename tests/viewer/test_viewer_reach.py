@@ -17,7 +17,8 @@ from recorded_poses import done
 from twistarm import Arm, InputError, ReachMap, Viewer, reach_map
 from twistarm.cli.application import run
 from twistarm.support.strict_json import encode
-from twistarm.sweeps.grid import Grid, sphere
+from twistarm.sweeps.mapping import sphere
+from twistarm.sweeps.voxel_map import Grid
 from twistarm.viewer.files.scene_snapshot import on_show
 from twistarm.viewer.parts.reach import drawing, quick
 from twistarm.viewer.protocol.jobs import ReplacedError

@@ -1,8 +1,7 @@
 """What a log shows of an arm: the wiring of its motors, and its geometry."""
 
 from .calibrate import calibrate
-from .calibration import Calibration, Estimate
-from .corrected import corrected_urdf
+from .calibration import Calibration, Estimate, corrected_urdf
 from .geometry import Parameter
 from .measurements import Measurements, read_measurements
 from .wiring_verdicts import MotorVerdict, Residual, WiringReport, check_wiring

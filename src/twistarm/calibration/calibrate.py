@@ -4,28 +4,38 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, as_flag, as_positive, as_theta, require, require_choice
-from ..support.errors import InputError, listed
-from ..support.errors import shown as brief
-from ..theory.screws import exp
-from .calibration import Calibration, Estimate
+from ..support.errors import InputError, listed, shown
+from ..support.unit_hints import theta_hint
+from ..theory.rotations import skew
+from .calibration import Calibration
 from .geometry import Geometry
-from .log_checks import faults_of, refuse_unusable
-from .measurements import Bools, Measurements, Rows, joined, read_measurements
-from .problem import LOUD, MOST_STD, Problem, descend, observable, started
+from .measurements import LITTLE, Bools, Measurements, Rows, joined, read_measurements, require_metres
+from .problem import LOUD, Problem, descend, observed, of_joints, started
 
 Frame = Literal["fit", "held"]
 Log = Measurements | str | os.PathLike[str]
 
 FOLDS, BLOCK = 5, 0.2
-USUAL = {"zero": 0.2, "shift": 0.002, "tilt": 0.01, "scale": 0.1, "eccentricity": 0.1}
+USUAL = {"zero": 0.2, "shift": 0.002, "tilt": 0.01, "scale": 0.1}
 """How far joints are out as a rule [m, rad, 1]: what the fit knows before the log."""
+
+MOVED = 6.0
+"""A base that moved lowers the squares by more than so many times what six more parameters do by chance."""
+
+FAR_TILT, FAR_SHIFT = 0.2, 0.1
+"""An axis that would tilt by more [rad], or move by more reaches, is no matter of tolerances."""
+
+TURNED = 0.2
+"""Orientations that are out by more [rad] are written in another way."""
+
+LEAST_PART = 6
+"""Rows on each side of the moment when a base moved."""
 
 
 def calibrate(
@@ -39,16 +49,15 @@ def calibrate(
     distances: dict[tuple[str, str], float] | None = None,
     distance_noise: float = 1e-4,
     scales: bool = False,
-    eccentricity: bool = False,
     robust: bool = True,
 ) -> Calibration:
     """Fit an arm's axes and joint zeros to measurements of its tool, with base and tool beside them.
 
     The model is `geometry.Geometry`, a local product of exponentials. Each turning joint has 4 parameters and each
-    slide 2; base and tool have 6 each. Zeros, scales and eccentricities come on top. A parameter that the log does
-    not show beside the others is held at 0 and named. Base and tool come first, then zeros, then axes: first what
-    would show most if it were out by its usual size. The choice follows from the nominal arm and the rows'
-    configurations. Without positions or poses the base is the arm's own.
+    slide 2; base and tool have 6 each. Zeros and scales come on top. A parameter that the log does not show beside the
+    others is held at 0 and named. Base and tool come first, then zeros, then axes: first what would show most if it
+    were out by its usual size. The choice follows from the nominal arm and the rows' configurations. Without positions
+    or poses the base is the arm's own.
 
     Args:
         arm: The nominal arm.
@@ -61,7 +70,6 @@ def calibrate(
         distances: Known distances {(point, point): m} between resting points.
         distance_noise: Standard deviation of each of them [m].
         scales: Fit a scale of each joint's drive too.
-        eccentricity: Fit sine and cosine of each joint's angle too, as an eccentric gear gives.
         robust: Weigh outliers down (Cauchy's loss).
 
     Returns:
@@ -73,37 +81,39 @@ def calibrate(
     require_arm(arm)
     for choice, name in ((base, "base"), (tool, "tool")):
         require_choice(choice, ("fit", "held"), name)
-    log = _read(arm, measurements)
-    geometry = Geometry(arm, np.eye(4), np.eye(4), as_flag(scales, "scales"), as_flag(eccentricity, "eccentricity"))
+    log, robust = _read(arm, measurements), as_flag(robust, "robust")
+    geometry = Geometry(arm, np.eye(4), np.eye(4), as_flag(scales, "scales"))
     noise = as_positive(position_noise, "position_noise"), as_positive(orientation_noise, "orientation_noise")
     known, apart = _distances(distances, log), as_positive(distance_noise, "distance_noise")
     usual = [0.0] * 12 + [1.0 / USUAL[each.what.split()[0]] for each in geometry.parameters[12:]]
-    problem, _ = Problem(geometry, log, noise, np.array(usual), known, apart).placed()
-    fitted = _fitted(problem, base == "fit", tool == "fit")
-    said = refuse_unusable(problem, fitted)
-    problem, q = started(problem, bool(fitted[:6].any()), fitted[6:12])
-    seen = _shown(problem, q, fitted)
-    frames = seen.copy()
-    frames[12 : problem.P] = False
-    first = descend(problem, q, frames, robust=as_flag(robust, "robust"))[0]
+    problem, start = Problem(geometry, log, noise, np.array(usual), known, apart).placed()
+    # Without a measured frame the base may not move, and only poses show how a tool is turned.
+    fitted = np.ones(len(start), dtype=bool)
+    fitted[:6] = base == "fit" and bool(log.located.any())
+    fitted[6:12] = tool == "fit"
+    fitted[9:12] &= bool(np.isfinite(log.rotation).any())
+    odd = refuse_unusable(problem, fitted)
+    problem, start = started(problem, bool(fitted[:6].any()), fitted[6:12])
+    seen = observed(problem, start, fitted)
+    first = descend(problem, start, seen & ~of_joints(problem), robust=robust)[0]
     q, weights = descend(problem, first, seen, robust=robust)
     faults = faults_of(problem, q, first)
-    held = {"folds": (np.inf, np.inf), "block": (np.inf, np.inf)}
+    folds = block = (np.inf, np.inf)
     if not faults:
         loud = float(np.median(problem.loudness(q)))
         if loud > LOUD:
-            said = (*said, f"the rows fit {loud:.0f} times worse than the stated noise: something is not explained")
-        held = {part: _held_out(problem, first, seen, left, robust) for part, left in _parts(problem)}
-    return _result(problem, q, seen, fitted, weights, first, held, said, faults)
+            odd = (*odd, f"the rows fit {loud:.0f} times worse than the stated noise: something is not explained")
+        every, far = _parts(problem)
+        result = Calibration(problem, q, first, seen, fitted, weights)
+        folds, block = _held_out(result, every, robust), _held_out(result, [far], robust)
+    return Calibration(problem, q, first, seen, fitted, weights, *folds, *block, (*odd, *faults), faults)
 
 
 def _read(arm: Arm, measurements: Log | Sequence[Log]) -> Measurements:
     several = [measurements] if isinstance(measurements, (Measurements, str, os.PathLike)) else measurements
-    if not isinstance(several, (list, tuple)):
-        raise InputError(f"measurements must be a log or a sequence of logs; got {brief(several)}")
+    if not isinstance(several, (list, tuple)) or not several:
+        raise InputError(f"measurements must be a log, or a sequence of one log or more; got {shown(measurements)}")
     parts = [each if isinstance(each, Measurements) else read_measurements(each, arm) for each in several]
-    if not parts:
-        raise InputError("calibrate needs one log or more; got none")
     for part in parts:
         as_theta(part.theta, arm.n, "theta", arm.joint_names)
     return joined(parts)
@@ -120,35 +130,10 @@ def _distances(distances: dict[tuple[str, str], float] | None, log: Measurements
     return known
 
 
-def _fitted(problem: Problem, base: bool, tool: bool) -> Bools:
-    """The unknowns (Q,) that may move: without a measured frame not the base; turns of a tool only by poses."""
-    may = np.ones(len(problem.parameters), dtype=bool)
-    may[:6] = base and bool(problem.log.located.any())
-    may[6:12] = tool
-    may[9:12] &= bool(np.isfinite(problem.log.rotation).any())
-    return may
+def _parts(problem: Problem) -> tuple[list[Rows], Rows]:
+    """The rows that are left out in turn, and those at the far end of the workspace, or of the joints.
 
-
-def _shown(problem: Problem, q: Array, fitted: Bools) -> Bools:
-    """The unknowns (Q,) that the log shows: places, base and tool rather than zeros, and zeros rather than axes."""
-    usual = np.ones(len(q))
-    usual[12 : problem.P] /= problem.usual[12:]
-    most = np.array([MOST_STD[parameter.unit] for parameter in problem.parameters])
-    seen, ones = fitted, np.ones(len(problem.log.theta))
-    for resting in (False, True):  # the one shows what is the tool's as well, the other what is the base's as well
-        seen = observable(problem.slopes(q, ones, resting=resting)[: -problem.P], usual * seen, most)
-    return seen
-
-
-def _errors(problem: Problem, q: Array) -> Array:
-    """The distance (K,) [m] between computed and measured."""
-    return np.asarray(np.linalg.norm(problem.misses(q)[:, :3], axis=1))
-
-
-def _parts(problem: Problem) -> tuple[tuple[str, list[Rows]], ...]:
-    """The rows that are left out of a fit in turn: folds, and the far end of the workspace, or of the joints.
-
-    Folds are random. Without positions they are places, those with a known distance together, if there are several.
+    The folds are random. Without positions they are places, those with a known distance together, if there are several.
     """
     K, located = len(problem.log.theta), problem.log.located
     fold = np.random.default_rng(0).permutation(K) % min(FOLDS, K)
@@ -158,69 +143,98 @@ def _parts(problem: Problem) -> tuple[tuple[str, list[Rows]], ...]:
     where = problem.log.position if located.all() else problem.log.theta
     along = where @ np.linalg.svd(where - where.mean(axis=0), full_matrices=False)[2][0]
     far = np.flatnonzero(along > np.quantile(along, 1.0 - BLOCK))
-    return ("folds", [np.flatnonzero(fold == k) for k in np.unique(fold)]), ("block", [far])
+    return [np.flatnonzero(fold == k) for k in np.unique(fold)], far
 
 
-def _held_out(problem: Problem, first: Array, seen: Bools, parts: list[Rows], robust: bool) -> tuple[float, float]:
+def _held_out(result: Calibration, parts: list[Rows], robust: bool) -> tuple[float, float]:
     """The mean error [m] on rows left out: with all that their rest shows, and with base and tool alone.
 
     Each fit begins at the unknowns with base and tool alone. A place that the rest does not have is fitted to the rows
     left out. The loudest percent of the rows does not count, because an outlier tells nothing of the arm. Infinity: a
     rest has no more numbers than unknowns.
     """
+    problem, first, seen = result.problem, result.first, result.seen
     K, P = len(problem.log.theta), problem.P
     errors = np.full((2, K), np.nan)
     for left in parts:
         rest = problem.of_rows(np.setdiff1d(np.arange(K), left))
-        new = np.isin(np.arange(len(problem.places)), rest.place, invert=True)
         own = np.zeros(len(first), dtype=bool)
-        own[P:] = np.repeat(new, 3)
-        free = _shown(rest, first, seen & ~own)
+        own[P:] = np.repeat(np.isin(np.arange(len(problem.places)), rest.place, invert=True), 3)
+        free = observed(rest, first, seen & ~own)
         if rest.numbers <= free.sum():
             return np.inf, np.inf
-        frames = free.copy()
-        frames[12:P] = False
-        q = descend(rest, first, frames, robust=robust)[0]
+        q = descend(rest, first, free & ~of_joints(problem), robust=robust)[0]
         for i, fitted in enumerate((descend(rest, q, free, robust=robust)[0], q)):
-            errors[i, left] = _errors(problem, descend(problem.of_rows(left), fitted, own)[0])[left]
+            errors[i, left] = problem.errors(descend(problem.of_rows(left), fitted, own)[0])[left]
     few = errors[1] <= np.nanquantile(errors[1], 0.99)
     return float(errors[0, few].mean()), float(errors[1, few].mean())
 
 
-def _covariance(problem: Problem, q: Array, free: Bools, weights: Array) -> Array:
-    """The covariance (Q, Q) of the `free` unknowns. The noise is at least the stated; a louder log makes it larger."""
-    r, A = problem.residual(q, weights), problem.slopes(q, weights)[:, free]
-    louder = max(1.0, float(r @ r) / max(1, len(r) - A.shape[1]))
-    covariance, size = np.zeros((len(q), len(q))), np.linalg.norm(A, axis=0)
-    covariance[np.ix_(free, free)] = (
-        louder * np.linalg.pinv((A / size).T @ (A / size), rcond=1e-12) / np.outer(size, size)
-    )
-    return covariance
+def refuse_unusable(problem: Problem, fitted: Bools) -> tuple[str, ...]:
+    """InputError for a log that nothing can be fitted to; what else is odd, in words. `fitted` (Q,) may move."""
+    log, arm = problem.log, problem.geometry.arm
+    hint = theta_hint(log.theta, arm.units, arm.limits.lower, arm.limits.upper)
+    if hint:
+        raise InputError(f"{hint}: name the unit in the header, as in {arm.joint_names[arm.units.index('rad')]} [deg]")
+    require_metres(log, arm)
+    rows, numbers, least = len(log.theta), problem.numbers, int(fitted[:12].sum()) + 3 * len(problem.places)
+    if numbers <= least:
+        raise InputError(
+            f"{rows} rows give {numbers} numbers; base, tool and places alone have {least} unknowns: measure more"
+        )
+    odd = []
+    if numbers < 2 * fitted.sum():
+        need = int(np.ceil(2 * fitted.sum() * rows / numbers))
+        odd.append(f"{rows} rows are few for {fitted.sum()} unknowns: measure {need}, twice as many numbers")
+    if not (log.located.any() or any(log.wire) or problem.distances):
+        odd.append("points and planes alone do not show the arm's size: give the distance of two points, or positions")
+    return tuple(odd)
 
 
-def _result(
-    problem: Problem, q: Array, seen: Bools, fitted: Bools, weights: Array, first: Array,
-    held: dict[str, tuple[float, float]], said: tuple[str, ...], faults: tuple[str, ...],
-) -> Calibration:  # fmt: skip
-    geometry, loud = problem.geometry, problem.loudness(q)
-    std = np.where(seen, np.sqrt(np.maximum(np.diag(_covariance(problem, q, seen, weights)), 0.0)), np.inf)
-    each = zip(problem.parameters, np.where(seen, q, 0.0).tolist(), std.tolist(), seen.tolist(), strict=True)
-    screws, home = geometry.corrected(q[: problem.P])
-    return Calibration(
-        arm=replace(geometry.arm, screws=screws, home=home, description=None, moving_names=geometry.arm.moving_names),
-        base=geometry.base @ exp(q[:6]),
-        tool=geometry.tool @ exp(q[6:12]),
-        estimates=tuple(Estimate(*one) for one in each),
-        before=_errors(problem, first),
-        after=_errors(problem, q),
-        held_out=held["folds"][0],
-        held_out_before=held["folds"][1],
-        block=held["block"][0],
-        block_before=held["block"][1],
-        outliers=tuple((np.flatnonzero(loud > LOUD * max(1.0, float(np.median(loud)))) + 1).tolist()),
-        warnings=(*said, *faults),
-        faults=faults,
-        covariance=_covariance(problem, q, fitted, weights),
-        problem=problem,
-        unknowns=q,
-    )
+def faults_of(problem: Problem, q: Array, first: Array) -> tuple[str, ...]:
+    """What spoils the fit q (Q,): a joint at rest, a correction that no arm needs, or a base that moved.
+
+    `first` (Q,) are the unknowns with base and tool fitted alone.
+    """
+    arm, travel = problem.geometry.arm, np.ptp(problem.log.theta, axis=0)
+    least = np.minimum([LITTLE[unit] for unit in arm.units], 0.5 * (arm.limits.upper - arm.limits.lower))
+    still = [name for name, moved, enough in zip(arm.joint_names, travel, least, strict=True) if moved < enough]
+    if still:
+        return (f"{listed(still)} hardly moves: the fit holds near one value only; move it by more than 15° or 50 mm",)
+    turned = np.linalg.norm(problem.misses(q)[problem.measured[:, 3], 3:], axis=1)
+    if turned.size and np.median(turned) > TURNED:
+        return ("the orientations do not fit: are they qx, qy, qz, qw in this order, of the tool in device axes?",)
+    moved = _moved_base(problem, q) or _moved_base(problem, first)
+    left = float(np.median(np.linalg.norm(problem.misses(q)[:, :3], axis=1)))
+    axes = np.abs(problem.geometry.split(q[: problem.P])[3])
+    tilt, shift = float(axes[:, 3:].max()), float(axes[:, :3].max())
+    if moved or not (left > 0.03 * arm.reach or tilt > FAR_TILT or shift > FAR_SHIFT * arm.reach):
+        return moved
+    far = f"{1000 * left:.3g} mm are left, with axes moved by up to {np.degrees(tilt):.0f}° and {1000 * shift:.0f} mm"
+    return (f"no arm fits these rows: {far}; are columns swapped, signs reversed, or units mixed?",)
+
+
+def _moved_base(problem: Problem, q: Array) -> tuple[str, ...]:
+    """The row at which a rigid motion of the base explains the residuals best, if it explains much."""
+    at = np.flatnonzero(problem.log.located)
+    if len(at) < 4 * LEAST_PART:
+        return ()
+    r = problem.misses(q)[at, :3]
+    size = np.linalg.norm(r, axis=1)
+    r = r * np.minimum(1.0, np.quantile(size, 0.75) / np.maximum(size, 1e-12))[:, None]  # an outlier counts as others
+    p = problem.log.position[at] - problem.log.position[at].mean(axis=0)
+    A = np.concatenate([np.broadcast_to(np.eye(3), (len(at), 3, 3)), -skew(p)], axis=2)
+    H, b = np.cumsum(np.einsum("kij,kil->kjl", A, A), axis=0), np.cumsum(np.einsum("kij,ki->kj", A, r), axis=0)
+    cuts = np.unique(np.linspace(LEAST_PART, len(at) - LEAST_PART, 60).astype(int))
+    gains = [
+        b[c - 1] @ np.linalg.lstsq(H[c - 1], b[c - 1], rcond=1e-9)[0]
+        + (b[-1] - b[c - 1]) @ np.linalg.lstsq(H[-1] - H[c - 1], b[-1] - b[c - 1], rcond=1e-9)[0]
+        for c in cuts
+    ]
+    best = int(np.argmax(gains))
+    # What is left is at least the noise: less than that shows nothing.
+    left = max((float((r * r).sum()) - float(gains[best])) / (3 * len(at)), float(np.median(problem.sigma)) ** 2)
+    if gains[best] / 12 < MOVED * left or gains[best] < 0.3 * (r * r).sum():
+        return ()
+    near = problem.log.label[at[cuts[best]]]
+    return (f"the base or the tracker seems to have moved near {near}: fit the parts alone",)

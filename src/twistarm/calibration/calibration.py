@@ -1,10 +1,11 @@
-"""The result of a calibration: the corrected arm, its parameters, and what was left over."""
+"""The result of a calibration: the corrected arm and description, its parameters, and what was left over."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -12,12 +13,19 @@ from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm
 from ..collision.scene import Scene, require_scene
-from ..support.checks import Array, as_flag, as_theta
+from ..description.chain import walk_chain
+from ..description.document import Reading
+from ..description.packages import package_index
+from ..description.source_text import SourceText
+from ..description.urdf import build_description
+from ..support.checks import Array, as_flag, as_theta, require
 from ..support.display import told
 from ..support.errors import InputError
-from ..theory.rotations import skew
+from ..theory.rotations import skew, to_rpy
+from ..theory.screws import exp, inverse_of
 from .geometry import Parameter
-from .problem import Problem
+from .measurements import Bools
+from .problem import LOUD, Problem
 
 SURE = 0.95
 """The share of the error of base and tool alone that the corrected arm must stay below, on rows not fitted."""
@@ -26,6 +34,9 @@ ELSEWHERE = 5.0
 """An expected error so many times that of rows left out shows that the log is from few places."""
 
 CANDIDATES = 1000
+
+SAME = 1e-9
+"""[m, rad] that the arm of the copy may differ from the corrected one: 16 digits of angles leave less."""
 
 
 class Estimate(NamedTuple):
@@ -53,33 +64,83 @@ class Estimate(NamedTuple):
 class Calibration:
     """What a log tells of an arm's geometry.
 
-    `arm` is the corrected arm: axes and zeros, without scales and eccentricity. `base` and `tool` (4, 4) are the base
-    in the frame of the measurements, and the measured point beyond the tip. `estimates` are all parameters. `before`
-    and `after` (K,) are the errors of the rows [m]: with base and tool fitted alone, and with all. `held_out` and
-    `held_out_before` are the mean errors [m] on rows left out of the fit at random. `block` and `block_before` are
-    those on the fifth of the rows at one end of the workspace. `outliers` are rows, from 1. `warnings` say what is odd
-    about the log. `faults` are those that spoil the correction.
+    `unknowns` (Q,) solve the `problem`, and `first` (Q,) those with base and tool fitted alone. The log shows those
+    that are `seen` (Q,), among those `fitted`. `weights` (K,) are those of the rows. `held_out` and `held_out_before`
+    are the mean errors [m] on rows left out of the fit at random, with all and with base and tool alone. `block` and
+    `block_before` are those on the fifth of the rows at one end of the workspace. `warnings` say what is odd about the
+    log. `faults` are those that spoil the correction.
     """
 
-    arm: Arm
-    base: Array
-    tool: Array
-    estimates: tuple[Estimate, ...]
-    before: Array
-    after: Array
-    held_out: float
-    held_out_before: float
-    block: float
-    block_before: float
-    outliers: tuple[int, ...]
-    warnings: tuple[str, ...]
-    faults: tuple[str, ...]
-    covariance: Array = field(repr=False)
-    problem: Problem = field(repr=False)
-    unknowns: Array = field(repr=False)
+    problem: Problem
+    unknowns: Array
+    first: Array
+    seen: Bools
+    fitted: Bools
+    weights: Array
+    held_out: float = np.inf
+    held_out_before: float = np.inf
+    block: float = np.inf
+    block_before: float = np.inf
+    warnings: tuple[str, ...] = ()
+    faults: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return told("Calibration", {"arm": self.arm.name, "held_out": self.held_out, "confirmed": self.confirmed})
+
+    @property
+    def _p(self) -> Array:
+        return self.unknowns[: self.problem.P]
+
+    @cached_property
+    def arm(self) -> Arm:
+        """The corrected arm: axes and zeros, without scales."""
+        geometry = self.problem.geometry
+        screws, home = geometry.corrected(self._p)
+        moving = geometry.arm.moving_names
+        return replace(geometry.arm, screws=screws, home=home, description=None, moving_names=moving)
+
+    @property
+    def base(self) -> Array:
+        """The base (4, 4) in the frame of the measurements."""
+        return np.asarray(self.problem.geometry.base @ exp(self.unknowns[:6]))
+
+    @property
+    def tool(self) -> Array:
+        """The measured point (4, 4) beyond the tip."""
+        return np.asarray(self.problem.geometry.tool @ exp(self.unknowns[6:12]))
+
+    @property
+    def before(self) -> Array:
+        """The errors (K,) [m] of the rows with base and tool fitted alone."""
+        return self.problem.errors(self.first)
+
+    @property
+    def after(self) -> Array:
+        """The errors (K,) [m] of the rows with all."""
+        return self.problem.errors(self.unknowns)
+
+    @property
+    def outliers(self) -> tuple[int, ...]:
+        """The rows, from 1, that do not fit."""
+        loud = self.problem.loudness(self.unknowns)
+        return tuple((np.flatnonzero(loud > LOUD * max(1.0, float(np.median(loud)))) + 1).tolist())
+
+    @cached_property
+    def estimates(self) -> tuple[Estimate, ...]:
+        """All parameters."""
+        std = np.where(self.seen, np.sqrt(np.maximum(np.diag(self._covariance(self.seen)), 0.0)), np.inf)
+        columns = np.where(self.seen, self.unknowns, 0.0).tolist(), std.tolist(), self.seen.tolist()
+        return tuple(map(Estimate, self.problem.parameters, *columns))
+
+    def _covariance(self, free: Bools) -> Array:
+        """The covariance (Q, Q) of the `free` unknowns. Noise is at least the stated; a louder log makes it larger."""
+        r = self.problem.residual(self.unknowns, self.weights)
+        A = self.problem.slopes(self.unknowns, self.weights)[:, free]
+        louder = max(1.0, float(r @ r) / max(1, len(r) - A.shape[1]))
+        covariance, size = np.zeros((len(free), len(free))), np.linalg.norm(A, axis=0)
+        inverse = np.linalg.pinv((A / size).T @ (A / size), rcond=1e-12)
+        covariance[np.ix_(free, free)] = louder * inverse / np.outer(size, size)
+        return covariance
 
     @cached_property
     def confirmed_here(self) -> bool:
@@ -131,12 +192,8 @@ class Calibration:
     def predict(self, theta: ArrayLike) -> Array:
         """The positions (N, 3) [m] that would be measured at commanded theta (N, n) [rad, m]."""
         x = as_theta(theta, self.arm.n, "theta", self.arm.joint_names)
-        return self.predict_poses(x.reshape(-1, self.arm.n))[:, :3, 3].reshape(*x.shape[:-1], 3)
-
-    def predict_poses(self, theta: ArrayLike) -> Array:
-        """The poses (N, 4, 4) that would be measured at commanded theta (N, n) [rad, m]."""
-        x = as_theta(theta, self.arm.n, "theta", self.arm.joint_names)
-        return self.problem.geometry.poses(self.unknowns[: self.problem.P], x)
+        p = self.problem.geometry.poses(self._p, x.reshape(-1, self.arm.n))[:, :3, 3]
+        return p.reshape(*x.shape[:-1], 3)
 
     def changes(self) -> tuple[str, ...]:
         """The corrections of each joint in words, in mm and degrees: "elbow: axis 0.81 mm toward its x ± …"."""
@@ -149,8 +206,7 @@ class Calibration:
     @property
     def zeros(self) -> Array:
         """What is added to each commanded joint (n,) [rad, m]: 0 where the log does not show it."""
-        found = {e.parameter.owner: e.value for e in self.estimates if e.parameter.what == "zero"}
-        return np.array([found[name] for name in self.arm.joint_names])
+        return np.array([one.value for one in self.estimates if one.parameter.what == "zero"])
 
     def motor_offsets(self) -> Mapping[str, float]:
         """The `offset` of each motor for arm.toml that corrects the joints' zeros: o − G z [rad, m].
@@ -162,15 +218,6 @@ class Calibration:
         if motors is None:
             raise InputError(f"{self.arm.name} has no actuators: its zeros go into the origins of the description")
         return dict(zip(motors.names, (motors.offset - motors.G @ self.zeros).tolist(), strict=True))
-
-    def by_joint(self) -> Mapping[str, tuple[float, float, float]]:
-        """The median error [m] of the rows in the lower, middle and upper third of each joint's logged range."""
-        theta, found = self.problem.log.theta, {}
-        for name, x in zip(self.arm.joint_names, theta.T, strict=True):
-            third = np.minimum(3 * (x - x.min()) / max(float(np.ptp(x)), 1e-12), 2).astype(int)
-            medians = [float(np.median(self.after[third == k])) if (third == k).any() else np.nan for k in range(3)]
-            found[name] = (medians[0], medians[1], medians[2])
-        return found
 
     def next_postures(self, count: int = 10, *, among: ArrayLike | None = None, scene: Scene | None = None) -> Array:
         """The configurations (count, n) whose positions would show most beside the log: D-optimal, one by one.
@@ -204,14 +251,14 @@ class Calibration:
             J = (flat - Q @ (Q.T @ flat)).reshape(J.shape)
         return float(np.sqrt(np.trace(J @ self._spread @ np.swapaxes(J, 1, 2), axis1=1, axis2=2).mean()))
 
-    @property
+    @cached_property
     def _spread(self) -> Array:
-        return self.covariance[: self.problem.P, : self.problem.P]
+        """The covariance (P, P) of the geometry, also of what is held at 0."""
+        return self._covariance(self.fitted)[: self.problem.P, : self.problem.P]
 
     def _slopes(self, theta: Array) -> Array:
         """The derivatives (N, 3, P) of the tool's positions by the parameters."""
-        geometry, p = self.problem.geometry, self.unknowns[: self.problem.P]
-        g, V = geometry.twists(p, theta)
+        g, V = self.problem.geometry.twists(self._p, theta)
         return np.asarray(V[:, :3] - skew(g[:, :3, 3]) @ V[:, 3:])
 
 
@@ -220,3 +267,73 @@ def amount(value: float, unit: str) -> str:
     if unit == "1":
         return f"{value:.2g}"
     return f"{1000 * value:.2f} mm" if unit == "m" else f"{np.degrees(value):.3f}°"
+
+
+def corrected_urdf(calibration: Calibration, *, zeros: bool = True, here: bool = False) -> str:
+    """The text of the arm's URDF with corrected joint origins; that of a xacro file is expanded.
+
+    With `zeros` the joints' zeros are in the origins too, so commands stay as they are; without, they belong into
+    arm.toml (`Calibration.motor_offsets`). Base and tool of the measurement are not part of it. The copy is read
+    again, and its screws and home must be the corrected ones. With `here` a correction will do that is confirmed only
+    where the log was taken (`Calibration.confirmed_here`).
+
+    Raises:
+        InputError: The correction is not confirmed, the arm has no description, or joints moved that have no origin
+            of their own.
+    """
+    arm = (
+        require(calibration, Calibration, "calibration", "as calibrate makes it")
+        .require(here=here)
+        .problem.geometry.arm
+    )
+    if arm.description is None:
+        raise InputError(f"{arm.name} has no description: load its URDF, not a baked file or screws")
+    p = calibration.unknowns[: calibration.problem.P].copy()
+    if not zeros:
+        p[12 : 12 + arm.n] = 0.0
+    source = SourceText(arm.description.text)
+    elements = {joint.get("name"): joint for joint in source.robot.findall("joint")}
+    for name, origin in _origins(calibration, p).items():
+        if arm.description.joints[name].part_of or name not in elements:
+            raise InputError(f"joint {name!r} shares its origin with others: correct it by hand")
+        xyz, rpy = (" ".join(map(repr, part.tolist())) for part in (origin[:3, 3], to_rpy(origin[:3, :3])))
+        written = elements[name].find("origin")
+        if written is None:
+            source.insert(elements[name], f'<origin xyz="{xyz}" rpy="{rpy}"/>')
+        else:
+            source.set(written, xyz=xyz, rpy=rpy, quat_xyzw=None)
+    text = source.edited()
+    _require_same(calibration, p, text)
+    return text
+
+
+def _origins(calibration: Calibration, p: Array) -> dict[str, Array]:
+    """The new origin (4, 4) of each joint that moved: O G⁻¹ D G, where G is its frame at rest and D its motion."""
+    arm = calibration.problem.geometry.arm
+    assert arm.description is not None
+    g, origins = np.eye(4), {}
+    values = dict(zip(arm.moving_names, arm.coupling.b, strict=True))
+    moved = dict(zip(arm.moving_names, calibration.problem.geometry.displacements(p), strict=True))
+    for joint in arm.description.chain(arm.base, arm.tip_link):
+        g = g @ joint.origin
+        if joint.moving:
+            if np.abs(moved[joint.name] - np.eye(4)).max() > 0.0:
+                origins[joint.name] = joint.origin @ inverse_of(g) @ moved[joint.name] @ g
+            g = g @ exp(joint.twist, values[joint.name])
+    return origins
+
+
+def _require_same(calibration: Calibration, p: Array, text: str) -> None:
+    arm = calibration.problem.geometry.arm
+    assert arm.description is not None
+    path = arm.description.path or Path("corrected.urdf")
+    copy = build_description(text, Reading(path, package_index(path)))
+    masterless = {name: affine.offset for name, affine in arm.couplings.items() if affine.master is None}
+    locked = {name: value for name, value in masterless.items() if copy.joints[name].scalar}
+    chain = walk_chain(copy, arm.base, arm.tip_link, arm.tool, locked)
+    screws, home = calibration.problem.geometry.corrected(p)
+    off = float(max(np.abs(chain.screws - screws).max(), np.abs(chain.home - home).max()))
+    if off > SAME:
+        raise InputError(
+            f"the corrected copy would be another arm, {off:.2g} off; please report it with the description"
+        )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +17,6 @@ from ..theory.poe import columns, motions
 from ..theory.rotations import skew
 from ..theory.screws import adjoint_of, exp, inverse_of, to_screw
 
-AXES = ("x", "y", "z")
 OF_A_TURN, OF_A_SLIDE = ("shift x", "shift y", "tilt x", "tilt y"), ("tilt x", "tilt y")
 """How an axis moves across itself: a slide has a direction and no place."""
 
@@ -34,44 +34,39 @@ class Parameter(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
-    """g(y) = B e^b (Π F_i e^{d_i} e^{t_i x_i} F_i⁻¹) M T e^a, with x = A P (y + s y + z + e_s sin y + e_c cos y).
+    """g(y) = B e^b (Π F_i e^{d_i} e^{t_i x_i} F_i⁻¹) M T e^a, with x = A P (y + s y + z).
 
     y are the commanded joints, P = 1; or with `drive` P (n, k) the readings of the arm's k motors from their configured
     zeros. F_i (m, 4, 4) stands on the axis of joint i with z along it. With `axes`, d_i moves and tilts the axis across
     itself: 4 numbers of a turning joint, 2 tilts of a slide. Chen, Yang & Tan 2001; Okamura & Park 1996. `base` B and
-    `tool` T are starting values. `parameters` are b, a, z, d, s, e in this order.
+    `tool` T are starting values. `parameters` are b, a, z, d, s in this order.
     """
 
     arm: Arm
     base: Array
     tool: Array
     scales: bool = False
-    eccentric: bool = False
     axes: bool = True
     drive: Array | None = None
 
-    @property
+    @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
         """All parameters of the model, also those that no log can show together."""
         arm, motors = self.arm, self.arm.actuators
         drives = list(zip(arm.joint_names, arm.units, strict=True))
         if self.drive is not None and motors is not None:
             drives = list(zip(motors.names, motors.motor_units, strict=True))
-        frames = [
-            Parameter(owner, f"{what} {axis}", unit)
-            for owner in ("base", "tool")
-            for what, unit in (("shift", "m"), ("turn", "rad"))
-            for axis in AXES
-        ]
+        moves = {"shift": "m", "turn": "rad", "tilt": "rad"}
+        kinds = product(("base", "tool"), ("shift", "turn"), "xyz")
+        frames = [Parameter(owner, f"{what} {axis}", moves[what]) for owner, what, axis in kinds]
         axes = [
-            Parameter(name, what, "m" if what.startswith("shift") else "rad")
+            Parameter(name, what, moves[what[:-2]])
             for name, slides in zip(self._owners, self._sliding, strict=True)
             for what in (OF_A_SLIDE if slides else OF_A_TURN)
         ]
         zeros = [Parameter(name, "zero", unit) for name, unit in drives]
         scales = [Parameter(name, "scale", "1") for name, _ in drives]
-        waves = [Parameter(name, f"eccentricity {f}", unit) for f in ("sin", "cos") for name, unit in drives]
-        return (*frames, *zeros, *axes * self.axes, *scales * self.scales, *waves * self.eccentric)
+        return (*frames, *zeros, *axes * self.axes, *scales * self.scales)
 
     @property
     def k(self) -> int:
@@ -100,14 +95,13 @@ class Geometry:
             places[i, :3, :3], places[i, :3, 3] = plane_axes(screw.axis), point
         return places
 
-    def split(self, p: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
-        """b (6,), a (6,), z (k,), d (m, 6), s (k,), e (2, k) of parameters (P,)."""
-        k, across = self.k, self._across
-        b, a, z, axes, s, e = np.split(p, np.cumsum([6, 6, k, across.sum() * self.axes, k * self.scales]))
-        d = np.zeros(across.shape)
+    def split(self, p: Array) -> tuple[Array, Array, Array, Array, Array]:
+        """b (6,), a (6,), z (k,), d (m, 6), s (k,) of parameters (P,)."""
+        b, a, z, axes, s = np.split(p, np.cumsum([6, 6, self.k, self._across.sum() * self.axes]))
+        d = np.zeros(self._across.shape)
         if self.axes:
-            d[across] = axes
-        return b, a, z, d, s if self.scales else np.zeros(k), e.reshape(2, k) if self.eccentric else np.zeros((2, k))
+            d[self._across] = axes
+        return b, a, z, d, s if self.scales else np.zeros(self.k)
 
     @cached_property
     def _across(self) -> NDArray[np.bool_]:
@@ -118,13 +112,13 @@ class Geometry:
 
     def joints(self, p: Array, y: Array) -> Array:
         """The joints' values (K, n) for commanded joints, or readings of motors, y (K, k)."""
-        _, _, z, _, s, e = self.split(p)
-        driven = y * (1.0 + s) + z + e[0] * np.sin(y) + e[1] * np.cos(y)
+        _, _, z, _, s = self.split(p)
+        driven = y * (1.0 + s) + z
         return driven if self.drive is None else driven @ self.drive.T
 
     def poses(self, p: Array, y: Array) -> Array:
         """The tool (K, 4, 4) seen from the frame of the measurements."""
-        b, a, _, d, _, _ = self.split(p)
+        b, a, _, d, _ = self.split(p)
         theta = self.joints(p, y)
         if self.axes:
             D, S = self._moved(d)
@@ -135,7 +129,7 @@ class Geometry:
 
     def twists(self, p: Array, y: Array) -> tuple[Array, Array]:
         """`poses`, and the spatial twists (K, 6, P) of the tool by each parameter."""
-        b, a, _, d, _, _ = self.split(p)
+        b, a, _, d, _ = self.split(p)
         theta, base = self.joints(p, y), self.base @ _motion(b)
         if self.axes:
             D, S = self._moved(d)
@@ -154,8 +148,6 @@ class Geometry:
         parts = [J, *moved]
         if self.scales:
             parts.append(J * y[:, None])
-        if self.eccentric:
-            parts += [J * np.sin(y)[:, None], J * np.cos(y)[:, None]]
         first = np.broadcast_to(adjoint_of(base) @ _right_jacobian(b), (len(y), 6, 6))
         last = adjoint_of(g) @ _right_jacobian(a)
         return g, np.concatenate([first, last, adjoint_of(base) @ np.concatenate(parts, axis=-1)], axis=-1)
@@ -169,14 +161,14 @@ class Geometry:
 
     def corrected(self, p: Array) -> tuple[Array, Array]:
         """Space screws (6, m) and home (4, 4) of the arm with moved axes and zeros, without base and tool."""
-        _, _, z, d, _, _ = self.split(p)
+        _, _, z, d, _ = self.split(p)
         D, S = self._moved(d)
         products = motions(S, self.arm.coupling.A @ z)
         return columns(products, S), products[-1] @ D[-1] @ self.arm.home
 
     def displacements(self, p: Array) -> Array:
         """What multiplies each joint's frame at rest from the left, (m, 4, 4): the axis moved, then the zero."""
-        _, _, z, d, _, _ = self.split(p)
+        _, _, z, d, _ = self.split(p)
         zeros = exp(self.arm.screws.T, self.arm.coupling.A @ z)
         return self.places @ exp(d) @ inverse_of(self.places) @ zeros
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -31,15 +32,14 @@ POSITION, ROTATION = ("x", "y", "z"), ("qx", "qy", "qz", "qw")
 UNIT_LENGTH_TOL = 0.01
 """A logged quaternion is rounded to a few digits; one that is further from length 1 holds something else."""
 
+LITTLE = {"rad": float(np.radians(15.0)), "m": 0.05}
+"""A joint that moved by less has hardly moved."""
+
 Units = Mapping[str, Mapping[str, float]]
 """The columns that a log may have, and the units of each with their factors; the first is meant without brackets."""
 
 NUMBERS = {"position": (3,), "rotation": (3, 3), "length": (), "noise": ()}
 NAMES = ("point", "plane", "wire")
-
-
-def _none() -> Array:
-    return np.empty(0)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -56,13 +56,13 @@ class Measurements(Brief):
     """
 
     theta: Array
-    position: Array = field(default_factory=_none)
-    rotation: Array = field(default_factory=_none)
+    position: Array = field(default_factory=partial(np.empty, 0))
+    rotation: Array = field(default_factory=partial(np.empty, 0))
     point: Sequence[str] = field(default=(), repr=False)
     plane: Sequence[str] = field(default=(), repr=False)
     wire: Sequence[str] = field(default=(), repr=False)
-    length: Array = field(default_factory=_none)
-    noise: Array = field(default_factory=_none)
+    length: Array = field(default_factory=partial(np.empty, 0))
+    noise: Array = field(default_factory=partial(np.empty, 0))
     label: Sequence[str] = field(default=(), repr=False)
 
     def __post_init__(self) -> None:
@@ -77,19 +77,16 @@ class Measurements(Brief):
             if values.shape != (K, *shape):
                 raise InputError(f"{name} must have shape {(K, *shape)}, a row for each of theta; got {values.shape}")
             object.__setattr__(self, name, frozen(values))
-        object.__setattr__(self, "label", require_names(self.label, "label") or [f"row {k + 1}" for k in range(K)])
         for name in (*NAMES, "label"):
-            names = require_names(getattr(self, name), name) or ("",) * K
+            names = require_names(getattr(self, name), name)
+            names = names or tuple(f"row {k + 1}" if name == "label" else "" for k in range(K))
             if len(names) != K:
                 raise InputError(f"{name} must hold {K} names, one for each row; got {len(names)}")
             object.__setattr__(self, name, names)
-        self._require_something()
-
-    def _require_something(self) -> None:
-        wired = np.array(self.wire, dtype=bool)
         kinds = np.stack([self.located, *(np.array(getattr(self, name), dtype=bool) for name in NAMES)])
+        unmeasured = kinds[-1] & ~np.isfinite(self.length)
         for odd, why in (
-            (wired & ~np.isfinite(self.length), "has a wire and needs its length"),
+            (unmeasured, "has a wire and needs its length"),
             (kinds.sum(axis=0) != 1, f"must hold one measurement: x, y, z, or one of {', '.join(NAMES)}"),
         ):
             if odd.any():
@@ -103,8 +100,8 @@ class Measurements(Brief):
     @property
     def place(self) -> list[tuple[str, str]]:
         """The kind and the name of each row's place; ("", "") for a position."""
-        kinds = ({name: kind for kind in NAMES if (name := getattr(self, kind)[k])} for k in range(len(self.theta)))
-        return [next(((kind, name) for name, kind in each.items()), ("", "")) for each in kinds]
+        rows = zip(*(getattr(self, kind) for kind in NAMES), strict=True)
+        return [next(((kind, name) for kind, name in zip(NAMES, row, strict=True) if name), ("", "")) for row in rows]
 
     def of_rows(self, rows: Rows) -> Measurements:
         """Only these rows."""
@@ -158,10 +155,11 @@ def read_measurements(path: str | os.PathLike[str], arm: Arm, *, counts: bool = 
         parts["position"] = numbers(POSITION)
     if at.keys() & set(ROTATION):
         quaternions = numbers(ROTATION)
-        for row, length in zip(rows, np.linalg.norm(quaternions, axis=-1), strict=True):
-            if abs(length - 1.0) > UNIT_LENGTH_TOL:
-                raise InputError(f"{file}, line {row.line}: qx qy qz qw must be of length 1; got {length:.3g}")
-        parts["rotation"], some = np.full((len(rows), 3, 3), np.nan), np.isfinite(quaternions).all(axis=1)
+        lengths, parts["rotation"] = np.linalg.norm(quaternions, axis=1), np.full((len(rows), 3, 3), np.nan)
+        if (odd := np.abs(lengths - 1.0) > UNIT_LENGTH_TOL).any():
+            k = int(odd.argmax())
+            raise InputError(f"{file}, line {rows[k].line}: qx qy qz qw must be of length 1; got {lengths[k]:.3g}")
+        some = np.isfinite(lengths)
         parts["rotation"][some] = from_xyzw(quaternions[some])
     return Measurements(theta, **parts, label=[f"{file.name}:{row.line}" for row in rows])
 
@@ -184,6 +182,17 @@ def _columns(header: Row, units: Units, needed: Sequence[str], place: str) -> di
     if missing:
         raise InputError(f"{place}: no column {listed(missing)}; {allowed}")
     return at
+
+
+def require_metres(log: Measurements, arm: Arm) -> None:
+    """InputError for positions farther apart than the arm reaches many times over, with the likely unit."""
+    spread = float(np.ptp(log.position[log.located], axis=0).max()) if log.located.any() else 0.0
+    if spread > 20.0 * arm.reach:
+        unit = min(UNITS["m"], key=lambda unit: abs(np.log(spread * UNITS["m"][unit] / arm.reach)))
+        raise InputError(
+            f"the positions lie {spread:.4g} m apart, and the arm reaches {arm.reach:.3g} m: are they in {unit}? "
+            f"Name the unit in the header, as in x [{unit}]"
+        )
 
 
 def require_motors(arm: Arm) -> Actuators:

@@ -105,6 +105,10 @@ class Problem:
         """How many numbers were measured."""
         return int(self.measured.sum()) + len(self.distances)
 
+    def errors(self, q: Array) -> Array:
+        """The distance (K,) [m] between computed and measured."""
+        return np.asarray(np.linalg.norm(self.misses(q)[:, :3], axis=1))
+
     def misses(self, q: Array) -> Array:
         """Computed minus measured (K, 6) [m, rad], zeros where nothing was measured."""
         return self._misses(q, self.geometry.poses(q[: self.P], self.log.theta))[0]
@@ -155,7 +159,7 @@ class Problem:
             J.append(slope)
         if self.contradiction is not None:
             C, y, k = self.contradiction, self.log.theta, geometry.k
-            _, _, z, _, s, _ = geometry.split(q[:P])
+            _, _, z, _, s = geometry.split(q[:P])
             slope = np.zeros((*y.shape, len(q)))
             slope[..., 12 : 12 + k], slope[..., P - k : P] = C, C * y[:, None]
             r.append(((y * (1.0 + s) + z) @ C.T).ravel())
@@ -227,6 +231,23 @@ def observable(A: Array, usual: Array, most: Array) -> Bools:
         if not weak.size:
             break
         seen[weak[usual[weak].argmin()]] = False
+    return seen
+
+
+def of_joints(problem: Problem) -> Bools:
+    """The unknowns (Q,) that are joints' zeros, axes and scales: not of base, tool or a place."""
+    at = np.arange(len(problem.parameters))
+    return np.asarray((at >= 12) & (at < problem.P))
+
+
+def observed(problem: Problem, q: Array, fitted: Bools) -> Bools:
+    """Those of the `fitted` unknowns (Q,) that the log shows: base, tool and places first, then zeros, then axes."""
+    usual = np.ones(len(q))
+    usual[12 : problem.P] /= problem.usual[12:]
+    most = np.array([MOST_STD[parameter.unit] for parameter in problem.parameters])
+    seen, ones = fitted, np.ones(len(problem.log.theta))
+    for resting in (False, True):  # the one shows what is the tool's as well, the other what is the base's as well
+        seen = observable(problem.slopes(q, ones, resting=resting)[: -problem.P], usual * seen, most)
     return seen
 
 

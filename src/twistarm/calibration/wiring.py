@@ -1,4 +1,4 @@
-"""`check_wiring`: calibration whose starts are signs, ratios, zeros and swaps of motors."""
+"""Explanations of a wiring log: calibration whose starts are signs, ratios, zeros and swaps of motors, or the base."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
 from itertools import combinations
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -41,7 +41,7 @@ KINDS = {
 ANYTHING = "ratio, zero"
 
 CLEAR, AS_GOOD = 25.0, 9.0
-"""A claim must lower the sum of squares by five standard deviations; accounts within three are equally good."""
+"""A claim must lower the sum of squares by five standard deviations; explanations within three are equally good."""
 
 UNEXPLAINED = 9.0
 """A greater mean square residual [standard deviations²] is not noise."""
@@ -63,26 +63,26 @@ MOST_ROWS, FEW_ROWS = 200, 30
 SLACK = float(np.radians(1.0))
 """Allowed contradiction of motors that share a joint [joint rad]: backlash and belts."""
 
-USUAL_BASE = (0.01, float(np.radians(2.0)))
-"""One standard deviation [m, rad] of a base measured by tape, for logs that need it."""
-
-Swap = tuple[int, ...]
-Candidates = Iterator[tuple[float, Callable[[], "Account"]]]
-"""Accounts that may be fitted, after what they claim."""
+Candidates = Iterator[tuple[float, Callable[[], "Explanation"]]]
+"""Explanations that may be fitted, after what they claim."""
 
 
 @dataclass(frozen=True, eq=False)
-class Account:
-    """A kind for each motor, perhaps two that are swapped, and the fit: unknowns q (Q,) and the sum of squares."""
+class Explanation:
+    """A kind for each motor, perhaps two that are swapped, perhaps a base that stands elsewhere; and their fit.
+
+    The fit is the unknowns q (Q,) and the sum of squares.
+    """
 
     kinds: tuple[str, ...]
-    swap: Swap
+    swap: tuple[int, ...]
+    elsewhere: bool
     q: Array
     total: float
 
     @property
     def claims(self) -> float:
-        """How much is claimed: two swapped motors are one claim."""
+        """How much is claimed of the motors: two swapped ones are one claim."""
         return sum(KINDS[kind].claims for kind in self.kinds) + len(self.swap) / 2
 
     def with_kind(self, i: int, kind: str) -> tuple[str, ...]:
@@ -92,10 +92,11 @@ class Account:
 
 @dataclass(frozen=True, eq=False)
 class Wiring:
-    """A log of counts (K, k) as a problem of calibration. `base` is the standard deviation of the base's pose [m, rad].
+    """A log of counts (K, k) as a problem of calibration.
 
     The unknowns are the base, the tool (held), the motors' zeros e [rad, m] and scales s − 1. Sound motors have s = 1,
-    e = 0, and a reversed one s = −1.
+    e = 0, and a reversed one s = −1. `base` is the standard deviation [m, rad] of the base's pose in every explanation,
+    0 where it is held, and `elsewhere` that of a base that stands elsewhere.
     """
 
     arm: Arm
@@ -103,6 +104,7 @@ class Wiring:
     log: Measurements
     noise: tuple[float, float]
     base: tuple[float, float]
+    elsewhere: tuple[float, float]
 
     @property
     def k(self) -> int:
@@ -115,11 +117,11 @@ class Wiring:
         return np.asarray(1.0 / np.abs(self.motors.P).max(axis=0))
 
     @cached_property
-    def problems(self) -> dict[Swap, Problem]:
+    def problems(self) -> dict[tuple[int, ...], Problem]:
         """The problem as the log is, and with the counts of each two motors exchanged."""
         motors, k, P = self.motors, self.k, self.motors.P
         geometry = Geometry(self.arm, np.eye(4), np.eye(4), scales=True, axes=False, drive=P)
-        base = [1.0 / std if std else 0.0 for std in np.repeat(self.base, 3)]
+        base = [1.0 / std if std else 0.0 for std in np.repeat(self.elsewhere, 3)]
         usual = np.array([*base, *[0.0] * (6 + 2 * k)])
         surplus = (np.eye(k) - motors.G @ P) / self.unit[:, None] / SLACK if k > self.arm.n else None
         problems = {}
@@ -131,10 +133,9 @@ class Wiring:
             problems[swap] = Problem(geometry, log, self.noise, usual, contradiction=surplus)
         return problems
 
-    @property
-    def sound(self) -> Account:
+    def sound(self, *, elsewhere: bool = False) -> Explanation:
         """What the arm.toml says."""
-        return self.fit((SOUND,) * self.k, (), np.zeros(12 + 2 * self.k))
+        return self.fit(Explanation((SOUND,) * self.k, (), elsewhere, np.zeros(12 + 2 * self.k), np.inf))
 
     @property
     def freedom(self) -> int:
@@ -145,131 +146,149 @@ class Wiring:
         """The variance of the best fit's residual, at least 1. What is no noise at all does not count as noise."""
         return float(np.clip(total / self.freedom, 1.0, UNEXPLAINED))
 
-    def explains(self, account: Account) -> bool:
+    def explains(self, one: Explanation) -> bool:
         """Whether what is left is no more than noise."""
-        return account.total <= UNEXPLAINED * self.freedom
+        return one.total <= UNEXPLAINED * self.freedom
 
-    def free(self, kinds: Sequence[str]) -> Bools:
-        """The unknowns (Q,) that these kinds fit."""
-        fitted = [KINDS[kind] for kind in kinds]
-        base = np.repeat(np.array(self.base) > 0.0, 3)
+    def free(self, one: Explanation) -> Bools:
+        """The unknowns (Q,) that an explanation fits."""
+        fitted = [KINDS[kind] for kind in one.kinds]
+        base = np.repeat(np.array(self.elsewhere if one.elsewhere else self.base) > 0.0, 3)
         return np.r_[base, np.zeros(6, dtype=bool), [each.zero for each in fitted], [each.scale for each in fitted]]
 
-    def fit(self, kinds: tuple[str, ...], swap: Swap, near: Array) -> Account:
-        """The account by these kinds, fitted from the unknowns (Q,) near it."""
-        q, free = near.copy(), self.free(kinds)
-        q[:6] = 0.0  # a wrong account drags the base far away, and from there the right one is not found
+    def fit(self, near: Explanation, **changes: Any) -> Explanation:
+        """The explanation with these changes, fitted from the unknowns near it."""
+        one = replace(near, **changes)
+        q, free = one.q.copy(), self.free(one)
+        q[:6] = 0.0  # a wrong explanation drags the base far away, and from there the right one is not found
         q[12:] *= free[12:]
-        for i, kind in enumerate(kinds):
+        for i, kind in enumerate(one.kinds):
             q[12 + self.k + i] += 0.0 if KINDS[kind].scale else KINDS[kind].sign - 1.0
-        problem, ones = self.problems[swap], np.ones(len(self.log.theta))
-        q, _ = descend(problem, q, free, robust=False)
+        problem = self.problems[one.swap]
+        q, ones = descend(problem, q, free, robust=False)
         r = problem.residual(q, ones)
-        return Account(kinds, swap, q, float(r @ r))
+        return replace(one, q=q, total=float(r @ r))
 
-    def squares(self, swap: Swap, starts: Array, rows: int = FEW_ROWS) -> Array:
+    def anything(self, near: Explanation) -> Explanation:
+        """Scale and zero of every motor fitted."""
+        return self.fit(near, kinds=(ANYTHING,) * self.k)
+
+    def squares(self, swap: tuple[int, ...], starts: Array, rows: int = FEW_ROWS) -> Array:
         """The sums of squares (M,) of unknowns (M, Q) with the same base, over some rows."""
         problem, k, P = self.problems[swap], self.k, self.motors.P
         at = np.unique(np.linspace(0, len(problem.log.theta) - 1, rows).astype(int))
         driven = problem.log.theta[at] * (1.0 + starts[:, None, 12 + k :]) + starts[:, None, 12 : 12 + k]
         g = exp(starts[0, :6]) @ self.arm.fk(driven @ P.T)
-        off = (g[..., :3, 3] - problem.log.position[at]) / problem.sigma[at, None]
-        total = (off * off).sum(axis=(1, 2))
+        parts = [(g[..., :3, 3] - problem.log.position[at]) / problem.sigma[at, None]]
         if problem.measured[0, 3]:
-            turned = log_of(np.swapaxes(problem.log.rotation[at], 1, 2) @ g[..., :3, :3]) / self.noise[1]
-            total += (turned * turned).sum(axis=(1, 2))
+            parts.append(log_of(np.swapaxes(problem.log.rotation[at], 1, 2) @ g[..., :3, :3]) / self.noise[1])
         if problem.contradiction is not None:
-            contradiction = driven @ problem.contradiction.T
-            total += (contradiction * contradiction).sum(axis=(1, 2))
-        return np.asarray(total)
+            parts.append(driven @ problem.contradiction.T)
+        return np.asarray(sum((part * part).sum(axis=(1, 2)) for part in parts))
 
-    def starts(self, account: Account, i: int) -> tuple[Array, Array]:
-        """The unknowns (M, Q) of the account with each of `STARTS` for motor i, and their sums of squares (M,)."""
-        starts = np.tile(account.q, (len(STARTS), 1))
-        starts[:, :6] = 0.0
-        starts[:, 12 + self.k + i], starts[:, 12 + i] = STARTS[:, 0] - 1.0, STARTS[:, 1] * self.unit[i]
-        return starts, self.squares(account.swap, starts)
-
-    def changed(self, account: Account, i: int, kind: str, starts: tuple[Array, Array] | None) -> Account:
-        """The account with another kind for motor i, fitted from the best of its starts."""
-        near = account.q
+    def _changed(self, one: Explanation, i: int, kind: str, starts: tuple[Array, Array]) -> Explanation:
+        """Another kind for motor i, fitted from the best of its starts: unknowns (M, Q) and sums of squares (M,)."""
         sign, scale, zero, _ = KINDS[kind]
-        if starts is not None and (scale or zero):
+        near = one.q
+        if scale or zero:
             allowed = (scale | (STARTS[:, 0] == sign)) & (zero | (STARTS[:, 1] == 0.0))
             near = starts[0][np.where(allowed, starts[1], np.inf).argmin()]
-        return self.fit(account.with_kind(i, kind), account.swap, near)
+        return self.fit(one, kinds=one.with_kind(i, kind), q=near)
 
-    def with_kinds(self, account: Account, i: int, kinds: Sequence[str]) -> Candidates:
-        """The account with each of these kinds for motor i."""
-        starts = cache(lambda: self.starts(account, i))
+    def with_kinds(self, one: Explanation, i: int, kinds: Sequence[str]) -> Candidates:
+        """Each of these kinds for motor i."""
+
+        @cache
+        def starts() -> tuple[Array, Array]:
+            q = np.tile(one.q, (len(STARTS), 1))
+            q[:, :6] = 0.0
+            q[:, 12 + self.k + i], q[:, 12 + i] = STARTS[:, 0] - 1.0, STARTS[:, 1] * self.unit[i]
+            return q, self.squares(one.swap, q)
+
         for kind in kinds:
-            claims = account.claims - KINDS[account.kinds[i]].claims + KINDS[kind].claims
-            yield claims, lambda kind=kind: self.changed(account, i, kind, starts())  # type: ignore[misc]
+            claims = one.claims - KINDS[one.kinds[i]].claims + KINDS[kind].claims
+            yield claims, lambda kind=kind: self._changed(one, i, kind, starts())  # type: ignore[misc]
 
-    def with_swaps(self, account: Account) -> Candidates:
-        """The account with each two motors exchanged, or with the exchanged ones put right."""
-        for swap in [()] if account.swap else combinations(range(self.k), 2):
-            claims = account.claims - len(account.swap) / 2 + len(swap) / 2
-            yield claims, partial(self.fit, account.kinds, swap, account.q)
+    def with_swaps(self, one: Explanation) -> Candidates:
+        """Each two motors exchanged, or the exchanged ones put right."""
+        for swap in [()] if one.swap else combinations(range(self.k), 2):
+            yield one.claims - len(one.swap) / 2 + len(swap) / 2, partial(self.fit, one, swap=swap)
 
-    def with_other_motors(self, account: Account) -> Candidates:
-        """The account with less said of one faulty motor, and as much more of another."""
-        for i, kind in enumerate(account.kinds):
+    def with_other_motors(self, one: Explanation) -> Candidates:
+        """Less said of one faulty motor, and as much more of another."""
+        for i, kind in enumerate(one.kinds):
             for less in (name for name in KINDS if KINDS[name].claims < KINDS[kind].claims):
-                relieved = self.fit(account.with_kind(i, less), account.swap, account.q)
+                relieved = self.fit(one, kinds=one.with_kind(i, less))
                 for j in (j for j in range(self.k) if j != i):
-                    most = KINDS[account.kinds[j]].claims + KINDS[kind].claims - KINDS[less].claims
-                    more = [name for name in KINDS if KINDS[account.kinds[j]].claims < KINDS[name].claims <= most]
+                    most = KINDS[one.kinds[j]].claims + KINDS[kind].claims - KINDS[less].claims
+                    more = [name for name in KINDS if KINDS[one.kinds[j]].claims < KINDS[name].claims <= most]
                     yield from self.with_kinds(relieved, j, more)
 
 
 class Found(NamedTuple):
-    """The account with the fewest claims, others that are as good, and the variance of what is left, at least 1."""
+    """The explanation with the fewest claims, others that were fitted, and the variance of what is left, at least 1."""
 
-    wiring: Wiring
-    account: Account
-    others: tuple[Account, ...]
+    best: Explanation
+    others: tuple[Explanation, ...]
     scale: float
 
-    @property
-    def explained(self) -> bool:
-        """Whether what is left is no more than noise."""
-        return self.wiring.explains(self.account)
-
-    def cost(self, account: Account) -> float:
+    def cost(self, one: Explanation) -> float:
         """What is to be least: −2 ln of the likelihood, and the price of each claim."""
-        return account.total / self.scale + CLEAR * account.claims
+        return one.total / self.scale + CLEAR * one.claims
 
-    def as_good(self, account: Account) -> bool:
-        """Whether an account fits as well."""
-        return account.total < self.account.total + AS_GOOD * self.scale
+    def as_good(self, one: Explanation) -> bool:
+        """Whether an explanation fits as well."""
+        return one.total < self.best.total + AS_GOOD * self.scale
 
 
-def search(wiring: Wiring, most: float = MOST_CLAIMS) -> Found:
-    """The account with the fewest faults: from the sound arm, else from a free fit of all motors.
+def explained(wiring: Wiring) -> tuple[Found, list[Explanation]]:
+    """The likelier explanation: with the base as given, or with one that stands elsewhere; and its rivals.
+
+    A rival claims no more of the motors and fits as well, or has the base elsewhere. Costs of these two are −2 ln of
+    the marginal likelihood, with ln det of the base's random effect (Laird, Ware 1982). A claim of the base costs as
+    much as one of a motor.
+    """
+    movable = wiring.base != wiring.elsewhere
+    # A base that explains the log leaves only one motor to compare it with.
+    alone = movable and wiring.explains(wiring.sound(elsewhere=True))
+    found = _search(wiring, False, KINDS[ANYTHING].claims if alone else MOST_CLAIMS)
+    known = wiring.explains(found.best)
+    rivals = []
+    if movable and not (known and not found.best.claims):
+        near = [wiring.sound(elsewhere=True), wiring.fit(found.best, elsewhere=True)]
+        other = _climbed(wiring, min(near, key=found.cost)) if known else _search(wiring, True)
+        if wiring.explains(other.best):
+            A = wiring.problems[other.best.swap].slopes(other.best.q, np.ones(len(wiring.log.theta)))[:, :6]
+            A = A[: -len(wiring.problems[()].usual)] * np.repeat(wiring.elsewhere, 3)
+            price = float(np.linalg.slogdet(np.eye(6) + A.T @ A)[1]) + CLEAR
+            if not known or other.cost(other.best) + price < other.cost(found.best):
+                found = other
+            else:
+                rivals = [other.best]
+    as_good = [one for one in found.others if one.claims <= found.best.claims and found.as_good(one)]
+    return found, [*as_good, *rivals]
+
+
+def _search(wiring: Wiring, elsewhere: bool, most: float = MOST_CLAIMS) -> Found:
+    """The explanation with the fewest faults: from the sound arm, else from a free fit of all motors.
 
     At most `most` is claimed on the way from the sound arm.
     """
-    found = climbed(wiring, wiring.sound, most)
-    if found.explained or most < MOST_CLAIMS:
+    sound = wiring.sound(elsewhere=elsewhere)
+    found = _climbed(wiring, sound, most)
+    if wiring.explains(found.best) or most < MOST_CLAIMS:
         return found
-    free = min((wiring.fit((ANYTHING,) * wiring.k, (), q) for q in _patterns(wiring)), key=lambda one: one.total)
+    flips = sign_patterns(wiring.k)
+    q = np.zeros((len(flips), len(sound.q)))
+    q[:, 12 + wiring.k :] = flips - 1.0
+    promising = q[np.argsort(wiring.squares((), q), kind="stable")[:PATTERNS]]
+    free = min((wiring.anything(replace(sound, q=near)) for near in (sound.q, *promising)), key=lambda one: one.total)
     if not wiring.explains(free):
         return found
-    scale = wiring.scale(free.total)
+    at = Found(free, (), wiring.scale(free.total))
     for i in range(wiring.k):
-        simpler = [wiring.fit(free.with_kind(i, kind), (), free.q) for kind in KINDS]
-        free = min(simpler, key=Found(wiring, free, (), scale).cost)
-    return climbed(wiring, free, most)
-
-
-def _patterns(wiring: Wiring) -> list[Array]:
-    """The unknowns (Q,) of sound motors, and of the most promising patterns of reversed ones."""
-    flips = sign_patterns(wiring.k)
-    q = np.zeros((len(flips), 12 + 2 * wiring.k))
-    q[:, 12 + wiring.k :] = flips - 1.0
-    best = np.argsort(wiring.squares((), q), kind="stable")[:PATTERNS]
-    return [wiring.sound.q, *q[best]]
+        free = min((wiring.fit(free, kinds=free.with_kind(i, kind)) for kind in KINDS), key=at.cost)
+    return _climbed(wiring, free, most)
 
 
 def sign_patterns(k: int) -> Array:
@@ -279,28 +298,28 @@ def sign_patterns(k: int) -> Array:
     return np.array([[-1.0 if i in pair else 1.0 for i in range(k)] for pair in flips])
 
 
-def climbed(wiring: Wiring, account: Account, most: float = MOST_CLAIMS) -> Found:
-    """The cheapest account that single changes reach: another kind of a motor, a swap, another motor to blame.
+def _climbed(wiring: Wiring, one: Explanation, most: float = MOST_CLAIMS) -> Found:
+    """The cheapest explanation that single changes reach: another kind of a motor, a swap, another motor to blame.
 
     Those that claim least are fitted first. One that claims too much for what it could explain is left out.
     """
     while True:
-        loose = wiring.fit((ANYTHING,) * wiring.k, account.swap, account.q)
-        found = Found(wiring, account, (), wiring.scale(min(loose.total, account.total)))
-        wanting = account.total - loose.total > CLEAR * found.scale or not found.explained
+        loose = wiring.anything(one)
+        found = Found(one, (), wiring.scale(min(loose.total, one.total)))
+        wanting = one.total - loose.total > CLEAR * found.scale or not wiring.explains(one)
         # Whether a log shows a swap matters even where none is claimed.
-        others = [] if wanting else [fit() for _, fit in wiring.with_swaps(account)]
-        candidates = list(wiring.with_swaps(account) if wanting else wiring.with_other_motors(account))
-        for i, kind in enumerate(account.kinds):
-            candidates += wiring.with_kinds(account, i, [name for name in KINDS if name != kind])
-        best, allowed = account, most if wanting else account.claims
-        for claims, fit in sorted(candidates, key=lambda one: one[0]):
+        others = [] if wanting else [fit() for _, fit in wiring.with_swaps(one)]
+        candidates = list(wiring.with_swaps(one) if wanting else wiring.with_other_motors(one))
+        for i, kind in enumerate(one.kinds):
+            candidates += wiring.with_kinds(one, i, [name for name in KINDS if name != kind])
+        best, allowed = one, most if wanting else one.claims
+        for claims, fit in sorted(candidates, key=lambda each: each[0]):
             least = wiring.freedom + CLEAR * claims
             if claims <= allowed and (claims <= best.claims or least < found.cost(best)):
                 others.append(fit())
                 best = min([best, others[-1]], key=found.cost)
-        found = Found(wiring, account, tuple(others), wiring.scale(min(one.total for one in (loose, account, *others))))
-        best = min([account, *others], key=found.cost)
-        if found.cost(best) > found.cost(account) - 1e-6:
+        found = Found(one, tuple(others), wiring.scale(min(each.total for each in (loose, one, *others))))
+        best = min([one, *others], key=found.cost)
+        if found.cost(best) > found.cost(one) - 1e-6:
             return found
-        account = best
+        one = best

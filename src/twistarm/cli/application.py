@@ -28,10 +28,7 @@ from .commands import (
     inverse,
     kinematics,
     motion,
-    panel,
-    reach,
     viewing,
-    wiring,
 )
 from .options import ArmCommand
 from .output import say
@@ -43,10 +40,10 @@ BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
 COMMANDS: dict[str, tuple[Callable[..., Any], ...]] = {
     "An arm": (viewing.demo, arms.arms, arms.info, init.init, checking.doctor, checking.check, checking.freeze,
                checking.collisions, baking.bake, dh.dh),
-    "Kinematics": (kinematics.fk, kinematics.jacobian, inverse.ik, reach.reach),
+    "Kinematics": (kinematics.fk, kinematics.jacobian, inverse.ik, designing.reach),
     "Motion": (motion.plan, viewing.view, driving.servo, driving.follow),
-    "Design": (designing.payload, designing.designs, panel.panel),
-    "Hardware": (wiring.wiring, calibrating.calibrate),
+    "Design": (designing.payload, designing.designs, designing.panel),
+    "Hardware": (calibrating.wiring, calibrating.calibrate),
 }  # fmt: skip
 """The commands in the sections of the help."""
 

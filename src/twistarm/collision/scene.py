@@ -35,11 +35,10 @@ from ..support.errors import InputError, TwistarmError, listed
 from ..support.files import as_path, writable, write_whole
 from .allowed_pairs import allowed_pairs
 from .answers import Collision, Contact, Distance
-from .near_pairs import NearPairs
 from .obstacles import Obstacles
 from .obstacles import Placed as Placed
 from .scene_file import Entry, SceneFile, read_scene, scene_text
-from .swept import FINE, Sweep, pair_speeds, shifted
+from .swept import FINE, NearPairs, Sweep, pair_speeds, shifted
 
 T = TypeVar("T")
 
@@ -81,7 +80,10 @@ class Scene(Obstacles):
         """
         super().__init__(arm, exact)
         self._shape = (arm.n,)
-        self._margin = _margins(margin)
+        if isinstance(margin, Mapping):
+            given = require_mapping(margin, "margin", '{"forearm": 0.02}')
+            margin = {name: as_not_negative(value, f"margin[{name!r}]") for name, value in given.items()}
+        self._margin = margin if isinstance(margin, dict) else as_not_negative(margin, "margin")
         self._progress = require_callback(progress, "progress", "(fraction)")
         shapes = Shapes(import_pinocchio().coal, exact=self.exact)
         self._links = tuple(shapes.of_links(self._description, arm.reach))
@@ -179,14 +181,13 @@ class Scene(Obstacles):
         Raises:
             InputError: The arm lacks a link that the scene names.
         """
-        scene = Scene(arm, margin=self._margin, exact=self.exact, progress=progress)
-        scene._fill(self.content())
+        scene = _made(arm, self._margin, self.exact, self.content(), None, progress)
         scene.file = self.file
         return scene
 
     def __reduce__(self) -> tuple[Any, ...]:
         """The arm, the obstacles and the pairs found. Shapes are read again, from the same files."""
-        return _again, (self.arm, self._margin, self.exact, self.content(), self._robots_pairs())
+        return _made, (self.arm, self._margin, self.exact, self.content(), self.find_allowed_pairs())
 
     def __repr__(self) -> str:
         return (
@@ -215,14 +216,13 @@ class Scene(Obstacles):
     @property
     def allowed(self) -> Mapping[Pair, str]:
         """Sorted pairs that are not checked, and why: "SRDF", "Adjacent", "Default", "Always", "Never", or a reason."""
-        return {**self._robots_pairs(), **self._allowed_too}
+        return {**self.find_allowed_pairs(), **self._allowed_too}
 
-    def find_allowed_pairs(self) -> None:
-        """Find the allowed pairs now, with `progress`, and not at the first question."""
-        self._robots_pairs()
+    def find_allowed_pairs(self) -> Mapping[Pair, str]:
+        """The pairs of links that the SRDF, the scene's file, or the rules of `allowed_pairs` exempt.
 
-    def _robots_pairs(self) -> Mapping[Pair, str]:
-        """The pairs of links that the robot's SRDF, the scene's file, or the rules of `allowed_pairs` exempt."""
+        They are found once, with `progress`, at this call or at the first question.
+        """
         if self._found_pairs is None and self.arm.disabled_collisions:
             self._found_pairs = dict.fromkeys(sorted(self.arm.disabled_collisions), "SRDF")
         if self._found_pairs is None:
@@ -364,11 +364,8 @@ class Scene(Obstacles):
     @property
     def near_pairs(self) -> NearPairs:
         """What finds the pairs that are near at a configuration."""
-        return self._kept("near pairs", self._make_near_pairs)
-
-    def _make_near_pairs(self) -> NearPairs:
-        checker = self._checker
-        return NearPairs(self._model, checker.bodies, checker.pairs, checker.margins, self._most)
+        one = self._checker
+        return self._kept("near", lambda: NearPairs(self._model, one.bodies, one.pairs, one.margins, self._most))
 
     def checks(self, clearance: float) -> Callable[[Array], bool]:
         """A quick check of one configuration (n,): whether every pair keeps its margin and this clearance [m]."""
@@ -450,7 +447,7 @@ class Scene(Obstacles):
             return True
         if one.obstacle or other.obstacle:
             return other.name in self._touching.get(one.name, ()) or one.name in self._touching.get(other.name, ())
-        return pair in self._robots_pairs()
+        return pair in self.find_allowed_pairs()
 
     def _margin_of(self, one: Body, other: Body) -> float:
         if isinstance(self._margin, float):
@@ -463,13 +460,14 @@ def _names(checker: Checker, k: int) -> tuple[str, str]:
     return checker.bodies[i].name, checker.bodies[j].name
 
 
-def _again(
-    arm: Arm, margin: float | Mapping[str, float], exact: bool, content: SceneFile, pairs: Mapping[Pair, str]
-) -> Scene:
-    """A scene that was pickled."""
-    scene = Scene(arm, margin=margin, exact=exact)
+def _made(
+    arm: Arm, margin: float | Mapping[str, float], exact: bool, content: SceneFile, pairs: Mapping[Pair, str] | None,
+    progress: Callable[[float], object] | None = None,
+) -> Scene:  # fmt: skip
+    """A scene with the content of another one, and its pairs if they are found."""
+    scene = Scene(arm, margin=margin, exact=exact, progress=progress)
     scene._fill(content)
-    scene._found_pairs = pairs
+    scene._found_pairs = scene._found_pairs if pairs is None else pairs
     return scene
 
 
@@ -481,10 +479,3 @@ def require_scene(scene: Any, arm: Arm) -> Scene:
     if not same or arm.joint_names != known.joint_names or arm.couplings != known.couplings:
         raise InputError(f"scene is one of {scene.arm.name}, not of this {arm.name}: make it with Scene(arm)")
     return scene
-
-
-def _margins(margin: float | Mapping[str, float]) -> float | dict[str, float]:
-    if isinstance(margin, Mapping):
-        given = require_mapping(margin, "margin", '{"forearm": 0.02}')
-        return {name: as_not_negative(value, f"margin[{name!r}]") for name, value in given.items()}
-    return as_not_negative(margin, "margin")

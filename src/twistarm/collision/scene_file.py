@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import product
+from itertools import product, zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from ..description.companions.toml_entries import parse_toml, toml_key, toml_tex
 from ..description.document import read_text
 from ..description.yaml_reading import parse_yaml
 from ..support.checks import Array, Given, as_floats, as_vector
-from ..support.errors import InputError, listed
+from ..support.errors import InputError, TwistarmError, listed
 from ..support.fields import Check, anything, fields, flag, inside, list_of, number, table_of, text, vector, word
 from ..support.files import read_bounded
 from ..theory.rotations import from_quaternion_wxyz, from_rpy, from_xyzw, to_rpy
@@ -215,95 +215,83 @@ def _at(path: Path, place: str) -> Iterator[None]:
     with inside(path, place):
         try:
             yield
-        except (KeyError, TypeError, IndexError, AttributeError, StopIteration, RuntimeError, UnicodeError) as error:
+        except TwistarmError:
+            raise
+        except (KeyError, TypeError, IndexError, AttributeError, StopIteration, RuntimeError, ValueError) as error:
             raise InputError(f"an entry is missing or of the wrong kind ({error})") from error
 
 
 def _planning_scene(path: Path) -> SceneFile:
+    """A moveit_msgs/PlanningScene."""
     content = parse_yaml(read_text(path, MOST_BYTES), path)
     with _at(path, "at the top"):
         scene = content.get("planning_scene", content)
-        free = list((scene.get("world") or {}).get("collision_objects") or ())
-        held = list((scene.get("robot_state") or {}).get("attached_collision_objects") or ())
         if not {"world", "robot_state", "allowed_collision_matrix"} & set(scene):
             raise InputError("it has no world, robot_state or allowed_collision_matrix: is it a planning scene?")
-        matrix = scene.get("allowed_collision_matrix") or {}
-        octomap = (scene.get("world") or {}).get("octomap") or {}
+        world, matrix = scene.get("world") or {}, scene.get("allowed_collision_matrix") or {}
+        octomap = world.get("octomap") or {}
         if (octomap.get("octomap") or octomap).get("data"):
             raise InputError("it has an octomap, which is not read: write its occupied parts as boxes")
+        held = (scene.get("robot_state") or {}).get("attached_collision_objects") or ()
+        free = [{"object": each} for each in world.get("collision_objects") or ()]
+        objects = [(f"collision object {i + 1}", each) for i, each in enumerate(free)]
+        objects += [(f"attached object {i + 1}", {"link_name": None, **each}) for i, each in enumerate(held)]
     entries: list[Entry] = []
     parts: dict[str, list[str]] = {}
-    for i, item in enumerate(free):
-        with _at(path, f"collision object {i + 1}"):
-            found = list(_objects(item))
-            parts[str(item["id"])] = [entry.name for entry in found]
-            entries += found
-    for i, item in enumerate(held):
-        with _at(path, f"attached object {i + 1}"):
-            link, touching = item["link_name"], tuple(item.get("touch_links") or ())
+    for place, item in objects:
+        with _at(path, place):
             found = list(_objects(item["object"]))
-            if any(entry.frame not in ("", link) for entry in found):
-                raise InputError(f"its frame_id is {found[0].frame!r}: give its pose in the frame of its link {link!r}")
+            if "link_name" in item:
+                link, touching = text(item["link_name"], "link_name"), tuple(item.get("touch_links") or ())
+                if any(entry.frame not in ("", link) for entry in found):
+                    raise InputError(f"frame_id is {found[0].frame!r}: give its pose in the frame of its link {link!r}")
+                found = [replace(entry, on=link, frame=None, touching=touching) for entry in found]
             parts[str(item["object"]["id"])] = [entry.name for entry in found]
-            entries += [replace(entry, on=link, frame=None, touching=touching) for entry in found]
+            entries += found
     with _at(path, "allowed_collision_matrix"):
         pairs = tuple(_matrix_pairs(matrix, parts))
     return SceneFile("", tuple(entries), pairs, matrix=bool(matrix))
 
 
-def _objects(item: Mapping[str, Any]) -> Iterator[Entry]:
-    """The shapes of a moveit_msgs/CollisionObject, their poses in that of the object."""
-    whole = _message_pose(item.get("pose") or {})
-    frame = str((item.get("header") or {}).get("frame_id", "")).removeprefix("/")
-    shapes: list[tuple[Shape, Array]] = []
-    for one, many, read in (
-        ("primitive", "primitives", _solid),
-        ("mesh", "meshes", _mesh),
-        ("plane", "planes", _plane),
-    ):
-        given, poses = item.get(many) or (), item.get(f"{one}_poses") or ()
-        if len(poses) > len(given):
-            raise InputError(f"it has {len(poses)} {one}_poses for {len(given)} {many}")
-        for k, value in enumerate(given):
-            shapes.append((read(value), whole @ _message_pose(poses[k] if k < len(poses) else {})))
-    if not shapes:
-        raise InputError(f"{item['id']!r} has no primitives, meshes or planes")
-    for k, ((kind, size, mesh, own), pose) in enumerate(shapes):
-        yield Entry(_numbered(str(item["id"]), k, len(shapes)), kind, size, pose @ own, mesh, frame=frame)
-
-
-Shape = tuple[str, tuple[float, ...], Triangles | None, Array]
-"""Kind, size, triangles and the pose (4, 4) in the shape's own frame."""
-
 SOLIDS = {1: "box", 2: "sphere", 3: "cylinder"}
 """shape_msgs/SolidPrimitive."""
 
-
-def _solid(value: Mapping[str, Any]) -> Shape:
-    """A shape_msgs/SolidPrimitive: the height of a cylinder comes first."""
-    kind, numbers = value["type"], tuple(float(x) for x in value["dimensions"])
-    name = SOLIDS.get(kind, kind)
-    if name not in SOLIDS.values():
-        raise InputError(f"a primitive of type {kind!r}; known are {listed(SOLIDS.values())}")
-    return name, numbers[::-1] if name == "cylinder" else numbers, None, np.eye(4)
+LISTS = {"primitive": "primitives", "mesh": "meshes", "plane": "planes"}
+"""The lists of a moveit_msgs/CollisionObject."""
 
 
-def _mesh(value: Mapping[str, Any]) -> Shape:
-    """A shape_msgs/Mesh, its points and triangles as lists or with their names."""
-    faces = [face["vertex_indices"] if isinstance(face, dict) else face for face in value["triangles"]]
-    points = [_named(point, "xyz") for point in value["vertices"]]
-    return "mesh", (1.0, 1.0, 1.0), _triangles(points, faces), np.eye(4)
-
-
-def _plane(value: Any) -> Shape:
-    """A shape_msgs/Plane (a, b, c, d): the half-space ax + by + cz + d ≤ 0."""
-    *normal, d = as_vector(value["coef"] if isinstance(value, dict) else value, "coef", 4)
-    n = np.array(normal)
-    if not n.any():
-        raise InputError("a plane needs a normal: the first three numbers of coef are zero")
-    g = along(n)
-    g[:3, 3] = -d * n / (n @ n)
-    return "plane", (), None, g
+def _objects(item: Mapping[str, Any]) -> Iterator[Entry]:
+    """The shapes of a moveit_msgs/CollisionObject, their poses in that of the object."""
+    whole, name = _message_pose(item.get("pose") or {}), str(item["id"])
+    frame = str((item.get("header") or {}).get("frame_id", "")).removeprefix("/")
+    shapes: list[tuple[str, Any, Any]] = []
+    for kind, many in LISTS.items():
+        given, poses = list(item.get(many) or ()), list(item.get(f"{kind}_poses") or ())
+        if len(poses) > len(given):
+            raise InputError(f"it has {len(poses)} {kind}_poses for {len(given)} {many}")
+        placed: Iterator[tuple[Any, Any]] = zip_longest(given, poses, fillvalue={})
+        shapes += [(kind, *each) for each in placed]
+    if not shapes:
+        raise InputError(f"{name!r} has no primitives, meshes or planes")
+    for k, (kind, value, pose) in enumerate(shapes):
+        size: tuple[float, ...] = ()
+        mesh, own = None, np.eye(4)
+        if kind == "primitive":
+            kind = SOLIDS.get(value["type"], value["type"])
+            if kind not in SOLIDS.values():
+                raise InputError(f"a primitive of type {kind!r}; known are {listed(SOLIDS.values())}")
+            size = tuple(float(x) for x in value["dimensions"])[:: -1 if kind == "cylinder" else 1]  # its height first
+        elif kind == "mesh":
+            faces = [face["vertex_indices"] if isinstance(face, dict) else face for face in value["triangles"]]
+            size, mesh = (1.0, 1.0, 1.0), _triangles([_named(point, "xyz") for point in value["vertices"]], faces)
+        else:  # (a, b, c, d): the half-space ax + by + cz + d ≤ 0
+            *n, d = as_vector(value["coef"] if isinstance(value, dict) else value, "coef", 4)
+            if not any(n):
+                raise InputError("a plane needs a normal: the first three numbers of coef are zero")
+            own = along(np.array(n))
+            own[:3, 3] = -d * np.array(n) / (np.array(n) @ n)
+        called = name if len(shapes) == 1 else f"{name} {k + 1}"
+        yield Entry(called, kind, size, whole @ _message_pose(pose) @ own, mesh, frame=frame)
 
 
 def _triangles(vertices: Given, faces: Given) -> Triangles:
@@ -350,44 +338,35 @@ def _scene_text(path: Path) -> SceneFile:
                 return SceneFile("", tuple(entries))
             if not line.startswith("*"):
                 raise InputError(f"expected '* name' of an object; got {line!r}")
-            entries += _text_object(line[1:].strip(), lines)
+            entries += _objects(_text_object(line[1:].strip(), lines))
         raise InputError("it does not end with a line '.': is it cut short?")
 
 
-def _text_object(name: str, lines: Iterator[str]) -> list[Entry]:
-    first, whole = _numbers(lines), np.eye(4)
+def _text_object(name: str, lines: Iterator[str]) -> dict[str, Any]:
+    """An object of the text as its moveit_msgs/CollisionObject."""
+
+    def numbers() -> list[float]:
+        return [float(word) for word in next(lines).split()]
+
+    item: dict[str, Any] = {"id": name}
+    first = numbers()
     posed = len(first) == 3
     if posed:
-        whole[:3, 3], whole[:3, :3] = first, from_xyzw(_numbers(lines))
-        first = _numbers(lines)
-    entries, count = [], int(first[0])
-    for k in range(count):
-        kind, size, mesh, own = _text_shape(next(lines).strip(), lines)
-        g = np.eye(4)
-        g[:3, 3], g[:3, :3] = _numbers(lines), from_xyzw(_numbers(lines))
+        item["pose"] = {"position": first, "orientation": numbers()}
+        first = numbers()
+    for _ in range(int(first[0])):
+        kind, size = next(lines).strip(), numbers()
+        value: Any = size
+        if kind == "mesh":  # how many points and triangles it has, then these
+            points, faces = ([numbers() for _ in range(int(count))] for count in size)
+            value = {"vertices": points, "triangles": faces}
+        elif kind != "plane":
+            value = {"type": kind, "dimensions": size[:: -1 if kind == "cylinder" else 1]}
+            kind = "primitive"
+        item.setdefault(LISTS[kind], []).append(value)
+        item.setdefault(f"{kind}_poses", []).append({"position": numbers(), "orientation": numbers()})
         next(lines)  # the colour
-        entries.append(Entry(_numbered(name, k, count), kind, size, whole @ g @ own, mesh, frame=""))
     if posed:  # subframes: a name, a position and a rotation each
-        for _ in range(3 * int(_numbers(lines)[0])):
+        for _ in range(3 * int(numbers()[0])):
             next(lines)
-    return entries
-
-
-def _text_shape(kind: str, lines: Iterator[str]) -> Shape:
-    size = _numbers(lines)
-    if kind == "plane":
-        return _plane(size)
-    if kind == "mesh":  # how many points and triangles it has, then these
-        points, faces = ([_numbers(lines) for _ in range(int(count))] for count in size)
-        return kind, (1.0, 1.0, 1.0), _triangles(points, faces), np.eye(4)
-    if kind not in SOLIDS.values():
-        raise InputError(f"a {kind!r}; known are {listed((*SOLIDS.values(), 'mesh', 'plane'))}")
-    return kind, tuple(size), None, np.eye(4)
-
-
-def _numbers(lines: Iterator[str]) -> list[float]:
-    return [float(word) for word in next(lines).split()]
-
-
-def _numbered(name: str, k: int, count: int) -> str:
-    return name if count == 1 else f"{name} {k + 1}"
+    return item

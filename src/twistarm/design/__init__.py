@@ -3,9 +3,9 @@
 from .designs import Design, compare_designs
 from .panel import Panel, PanelTask, load_panel
 from .parking import PanelReport, TaskResult, best_parking, check_panel
-from .payload import Cubes, Needs, Payload, payload
+from .payload import Needs, Payload, payload
 
 __all__ = [
-    "Cubes", "Design", "Needs", "Panel", "PanelReport", "PanelTask", "Payload", "TaskResult", "best_parking",
+    "Design", "Needs", "Panel", "PanelReport", "PanelTask", "Payload", "TaskResult", "best_parking",
     "check_panel", "compare_designs", "load_panel", "payload",
 ]  # fmt: skip

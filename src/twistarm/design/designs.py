@@ -16,7 +16,8 @@ from ..support.checks import Array, require, require_callback
 from ..support.display import Brief
 from ..support.errors import InputError, LimitError, NotConvergedError, TwistarmError, shown
 from ..support.messages import joined
-from ..sweeps.grid import Grid, sphere
+from ..sweeps.mapping import sphere
+from ..sweeps.voxel_map import Grid
 from ..theory.manipulability import Manipulability, scaled_jacobian
 from .panel import Panel
 from .parking import Progress, best_parking

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,10 @@ import numpy as np
 from ..description.companions.toml_entries import parse_toml
 from ..ik.targets import Approach
 from ..planning.segments import CONSTRAINED, ArcMove, Constrained, LineMove, Segment, as_label
-from ..support.checks import Array, as_direction, as_positive, require_choice, require_mapping
+from ..support.checks import Array, as_direction
 from ..support.display import Brief
-from ..support.errors import InputError, listed, shown
-from ..support.fields import flag, inside, number, only, vector
+from ..support.errors import InputError, shown
+from ..support.fields import Check, anything, fields, flag, inside, list_of, number, one_of, positive, vector, word
 from ..support.files import as_path
 from ..theory import screws
 
@@ -31,8 +32,6 @@ KINDS: dict[str, tuple[float, Constrained, bool]] = {
     "screw": (0.0, "pose", False),
 }
 """The sense of the travel along the direction (0: it turns), the default of `hold`, and that of `back`."""
-
-TASK, TOLERANCES = ("name", "kind", "xyz"), ("position_tol", "orientation_tol")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -117,101 +116,104 @@ def load_panel(path: str | os.PathLike[str]) -> Panel:
     """
     file = as_path(path)
     content = parse_toml(file, "a panel.toml")
-    with inside(file, "at the top"):
-        only(content, ("degrees", "clearance", "panel", "parking", "task", *TOLERANCES))
-        unit = np.pi / 180.0 if flag(content.get("degrees", False), "degrees") else 1.0
-        met = {name: as_positive(_length(content, name, most=LEAD), name) for name in TOLERANCES[:1] if name in content}
-        angles = {name: _angle(content[name], name, unit, 0.25) for name in TOLERANCES[1:] if name in content}
-        met |= {name: as_positive(angle, name) for name, angle in angles.items()}
-        clearance = as_positive(_length(content, "clearance", 0.05, LONGEST), "clearance")
-        tables = content.get("task", [])
-        if not isinstance(tables, list) or not 0 < len(tables) <= MOST_TASKS:
-            raise InputError(f"a panel has 1 to {MOST_TASKS} tasks: write [[task]] with name, kind, xyz and so on")
-    with inside(file, "panel"):
-        found = _placed(require_mapping(content.get("panel", {}), "panel", "{ xyz = [1.0, 0.0, 0.8] }"))
-    with inside(file, "parking"):
-        found |= _parking(require_mapping(content.get("parking", {}), "parking", "{ x = [-1.0, 0.0] }"), unit)
+    with inside(file):
+        angle = partial(_angle, flag(content.get("degrees", False), "degrees"))
+        stand = {"x": _range(_length), "y": _range(_length), "yaw": _range(angle), "z": _length}
+        optional: dict[str, Check] = {
+            "degrees": flag, "clearance": _positive(LONGEST), "position_tol": _positive(LEAD),
+            "orientation_tol": lambda value, name: positive(angle(value, name, 0.25), name),
+            "panel": partial(fields, needed={}, optional=PLACED), "parking": partial(fields, needed={}, optional=stand),
+        }  # fmt: skip
+        top = fields(content, "", {"task": list_of(anything, 1, MOST_TASKS)}, optional)
+        placed = {"xyz": np.zeros(3), "normal": -np.eye(3)[0], "up": np.eye(3)[2], **top.get("panel", {})}
+        z, g = placed["normal"], np.eye(4)
+        across = np.cross(placed["up"], z)
+        if np.linalg.norm(across) < 1e-6:
+            raise InputError("panel: normal and up are parallel: of a panel that lies flat, say which side is up")
+        x = across / np.linalg.norm(across)
+        g[:3, :3], g[:3, 3] = np.stack([x, np.cross(z, x), z], axis=-1), placed["xyz"]
     tasks: dict[str, PanelTask] = {}
-    for i, table in enumerate(tables):
+    for i, table in enumerate(top["task"]):
         with inside(file, f"task {i + 1}"):
-            task = _task(require_mapping(table, "a task", '{ name = "key A" }'), unit)
+            task = _task(table, angle)
             if task.name in tasks:
                 raise InputError(f"name: another task is already called {task.name!r}; give each its own name")
             tasks[task.name] = task
-    return Panel(tuple(tasks.values()), **found, clearance=clearance, tolerances=met)
+    more = {name: placed[name] for name in ("size", "gap") if name in placed} | top.get("parking", {})
+    tolerances: dict[str, float] = {name: top[name] for name in ("position_tol", "orientation_tol") if name in top}
+    return Panel(tuple(tasks.values()), g, tolerances=tolerances, clearance=top.get("clearance", 0.05), **more)
 
 
-def _placed(table: Mapping[str, Any]) -> dict[str, Any]:
-    only(table, ("xyz", "normal", "up", "size", "gap"))
-    given = {"xyz": [0.0] * 3, "normal": [-1.0, 0.0, 0.0], "up": [0.0, 0.0, 1.0], **table}
-    z, up = (as_direction(vector(given[name], name), name) for name in ("normal", "up"))
-    across, g = np.cross(up, z), np.eye(4)
-    if np.linalg.norm(across) < 1e-6:
-        raise InputError("normal and up must not be parallel: of a panel that lies flat, say which side is up")
-    x = across / np.linalg.norm(across)
-    g[:3, :3], g[:3, 3] = np.stack([x, np.cross(z, x), z], axis=-1), _lengths(given, "xyz")
-    size = _lengths(table, "size") if "size" in table else None
-    if size is not None and not (size > 0.0).all():
-        raise InputError(f"size must be width, height and depth above 0; got {shown(table['size'])}")
-    return {"pose": g, "size": size, "gap": _length(table, "gap", 0.03)}
-
-
-def _parking(table: Mapping[str, Any], unit: float) -> dict[str, Any]:
-    only(table, ("x", "y", "yaw", "z"))
-    found: dict[str, Any] = {"z": _length(table, "z", 0.0)}
-    for name in ("x", "y", "yaw"):
-        value = table.get(name, 0.0)
-        ends = value if isinstance(value, list) else [value, value]
-        if len(ends) != 2:
-            raise InputError(f"{name} must be a number or a range [least, greatest]; got {shown(value)}")
-        lower, upper = (_angle(end, name, unit) if name == "yaw" else _length({name: end}, name) for end in ends)
-        if lower > upper:
-            raise InputError(f"{name} must be a range [least, greatest], and {shown(value)} is empty: swap its ends")
-        found[name] = lower, upper
-    return found
-
-
-def _task(table: Mapping[str, Any], unit: float) -> PanelTask:
-    if missing := [name for name in TASK if name not in table]:
-        raise InputError(f"it lacks {listed(missing)}: a task has a name, a kind and xyz")
-    name, kind = as_label(table["name"]), require_choice(table["kind"], KINDS, "kind")
+def _task(value: Any, angle: Callable[..., float]) -> PanelTask:
+    kind = one_of(tuple(KINDS))(value.get("kind") if isinstance(value, dict) else value, "kind")
     sense, hold, back = KINDS[kind]
-    needed = ("travel",) if sense else ("angle", *{"screw": ("lead",), "flip": ("axis",)}.get(kind, ()))
-    only(table, (*TASK, "direction", "hold", "back", *needed, *(() if sense else ("axis", "point"))))
-    if not name.strip() or (missing := [each for each in needed if each not in table]):
-        raise InputError(f"a {kind} lacks {listed(missing) if name.strip() else 'a name'}")
-    direction = as_direction(vector({"direction": [0.0, 0.0, -1.0], **table}["direction"], "direction"), "direction")
-    place = _lengths(table, "xyz")
+    needed: dict[str, Check] = {"name": word, "kind": word, "xyz": _three(_length)}
+    optional: dict[str, Check] = {"direction": _direction, "hold": one_of(CONSTRAINED), "back": flag}
     if sense:
-        travel = as_positive(_length(table, "travel", most=LONGEST), "travel")
-        twist = np.concatenate([sense * travel * direction, np.zeros(3)])
+        needed["travel"] = _positive(LONGEST)
     else:
-        angle = _angle(table["angle"], "angle", unit, TURNS if kind == "screw" else 1.0)
-        if not angle:
+        optional |= {"axis": _direction, "point": _three(_length)}
+        turns = TURNS if kind == "screw" else 1.0
+        needed["angle"] = lambda value, name: angle(value, name, turns)
+        if kind == "screw":
+            needed["lead"] = partial(_length, most=LEAD)
+        if kind == "flip":
+            needed["axis"] = _direction
+    table = fields(value, f"a {kind}", needed, optional)
+    place, direction = table["xyz"], table.get("direction", -np.eye(3)[2])
+    if sense:
+        twist = np.concatenate([sense * table["travel"] * direction, np.zeros(3)])
+    else:
+        axis, point = table.get("axis", direction), table.get("point", place)
+        pitch = table.get("lead", 0.0) / (2.0 * np.pi)
+        twist = table["angle"] * np.concatenate([np.cross(point, axis) + pitch * axis, axis])
+        if not table["angle"]:
             raise InputError(f"angle must not be 0: by how far to {kind}")
-        axis = as_direction(vector(table["axis"], "axis"), "axis") if "axis" in table else direction
-        point = _lengths(table, "point") if "point" in table else place
-        pitch = _length(table, "lead", 0.0, LEAD) / (2.0 * np.pi)
-        twist = angle * np.concatenate([np.cross(point, axis) + pitch * axis, axis])
-    held: Any = require_choice(table.get("hold", hold), CONSTRAINED, "hold")
-    if held != "pose" and np.abs((screws.exp(twist) - np.eye(4)) @ np.append(place, 1.0)).max() < 1e-9:
+    hold = table.get("hold", hold)
+    if hold != "pose" and np.abs((screws.exp(twist) - np.eye(4)) @ np.append(place, 1.0)).max() < 1e-9:
         raise InputError('the tool stays where it is: give a point on the axis of the lever, or hold = "pose"')
-    return PanelTask(name, kind, place, direction, twist, held, flag(table.get("back", back), "back"))
+    return PanelTask(as_label(table["name"]), kind, place, direction, twist, hold, table.get("back", back))
 
 
-def _length(table: Mapping[str, Any], name: str, default: float = 0.0, most: float = FAR) -> float:
-    if abs(metres := number(table.get(name, default), name)) > most:
+def _length(value: Any, name: str, most: float = FAR) -> float:
+    if abs(metres := number(value, name)) > most:
         raise InputError(f"{name} is {metres:g} m, and at most {most:g} m are allowed: lengths are in metres")
     return metres
 
 
-def _lengths(table: Mapping[str, Any], name: str) -> Array:
-    return np.array([_length({name: value}, name) for value in vector(table[name], name).tolist()])
+def _positive(most: float) -> Check:
+    return lambda value, name: positive(_length(value, name, most), name)
 
 
-def _angle(value: Any, name: str, unit: float, turns: float = 1.0) -> float:
-    angle = number(value, name) * unit
+def _three(check: Check) -> Check:
+    return lambda value, name: np.array(list_of(check, 3, 3)(value, name))
+
+
+def _direction(value: Any, name: str) -> Array:
+    return as_direction(vector(value, name), name)
+
+
+PLACED: dict[str, Check] = {
+    "xyz": _three(_length), "normal": _direction, "up": _direction, "size": _three(_positive(FAR)), "gap": _length,
+}  # fmt: skip
+"""The entries of [panel]."""
+
+
+def _range(check: Check) -> Check:
+    """The check of a number, or of a range [least, greatest]."""
+
+    def ends(value: Any, name: str) -> tuple[float, float]:
+        lower, upper = list_of(check, 2, 2)(value if isinstance(value, list) else [value, value], name)
+        if lower > upper:
+            raise InputError(f"{name} must be a range [least, greatest], and {shown(value)} is empty: swap its ends")
+        return lower, upper
+
+    return ends
+
+
+def _angle(degrees: bool, value: Any, name: str, turns: float = 1.0) -> float:
+    angle = number(value, name) * (np.pi / 180.0 if degrees else 1.0)
     if abs(angle) > turns * 2.0 * np.pi * (1.0 + 1e-9):
-        said, help_ = ("°", "") if unit != 1.0 else (" radians", "; for degrees write degrees = true at the top")
-        raise InputError(f"{name} is {value:g}{said}, and at most {turns:g} turns are allowed{help_}")
+        given, help_ = ("°", "") if degrees else (" radians", "; for degrees write degrees = true at the top")
+        raise InputError(f"{name} is {value:g}{given}, and at most {turns:g} turns are allowed{help_}")
     return angle

@@ -14,7 +14,7 @@ from ..arm.arm import Arm, require_arm
 from ..checking.doctor.numbers import check_inertias
 from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED
 from ..planning import Trajectory
-from ..support.checks import LARGEST_ARRAY, Array, as_not_negative, as_positive, as_whole
+from ..support.checks import LARGEST_ARRAY, Array, as_not_negative, as_whole
 from ..support.display import Brief
 from ..support.errors import InputError, listed
 
@@ -42,18 +42,6 @@ class Needs(NamedTuple):
     speed: Array
     power: Array
     share: Array
-
-
-class Cubes(NamedTuple):
-    """Cubes that hold the tool, with their centres (k, 3) [m], and the numbers of `states` (k,) in them.
-
-    `least` and `greatest` (k,) [kg] are those of their payloads. Another posture may hold less or more.
-    """
-
-    centres: Array
-    states: NDArray[np.int_]
-    least: Array
-    greatest: Array
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -93,22 +81,6 @@ class Payload(Brief):
         values = np.abs([efforts, self.speeds, efforts * self.speeds])
         effort, speed, power = values.reshape(3, -1, len(self.names)).max(axis=1)
         return Needs(self.names, effort, speed, power, effort / self.limits)
-
-    def in_cubes(self, voxel: float) -> Cubes:
-        """The payload over space: the least and the greatest of the states in each cube of side `voxel` [m].
-
-        Centres are multiples of `voxel` in base axes, as in `reach_map`. NaN is unknown. InputError for a side
-        beyond the farthest coordinate of the tool, or below a thousandth of it.
-        """
-        side = as_positive(voxel, "voxel")
-        p = self.arm.fk(self.theta)[..., :3, 3].reshape(-1, 3)
-        if not 1e-3 * (far := float(np.abs(p).max())) <= side <= (far or np.inf):
-            raise InputError(f"voxel must be from {1e-3 * far:.2g} to {far:.2g}; got {side:g}: lengths are in metres")
-        index, which, count = np.unique(np.floor(p / side + 0.5), axis=0, return_inverse=True, return_counts=True)
-        least, greatest = np.full(len(index), np.nan), np.full(len(index), np.nan)
-        np.fmin.at(least, which.ravel(), self.mass.ravel())
-        np.fmax.at(greatest, which.ravel(), self.mass.ravel())
-        return Cubes(side * index, count, least, greatest)
 
 
 def payload(

@@ -72,7 +72,14 @@ class Actuators:
             raise InputError(f"{k} actuators need {k} units and ticks_per_turn; got {len(self.units)}, {ticks.shape}")
         object.__setattr__(self, "ticks_per_turn", ticks)
         for name, unit, count in zip(self.names, self.units, ticks, strict=True):
-            _require_countable(name, unit, count)
+            if unit not in UNITS:
+                raise InputError(f"actuator {name!r} counts in {unit!r}; allowed: {', '.join(UNITS)}")
+            if not (np.isnan(count) or 0 < count < np.inf):
+                raise InputError(f"actuator {name!r}: ticks_per_turn must be positive; got {count:g}")
+            if unit == "tick" and np.isnan(count):
+                raise InputError(f"actuator {name!r} counts in ticks: give its ticks_per_turn")
+            if unit in LINEAR_UNITS and not np.isnan(count):
+                raise InputError(f"actuator {name!r} counts in {unit} and makes no turns: leave out ticks_per_turn")
         if self.limits.lower.size not in (0, k):
             raise InputError(f"limits of {k} actuators must be those of {k} motors; got {self.limits.lower.size}")
         if self.limits.lower.size != k:
@@ -146,7 +153,7 @@ class Actuators:
     def motion_limits(self, joints: JointLimits | None = None) -> MotionLimits:
         """Return the motors' limits for commanding velocities, with those of the n joints if given.
 
-        Make it once; call its `velocity_scale` and `within` in every cycle.
+        Make it once; call its `within` in every cycle.
         """
         if joints is None:
             return MotionLimits(self.names, self.G, self.offset, self.limits)
@@ -204,17 +211,6 @@ class Actuators:
 
     def _motors(self, values: ArrayLike, name: str) -> Array:
         return as_theta(values, len(self.names), name, self.names)
-
-
-def _require_countable(name: str, unit: str, ticks: float) -> None:
-    if unit not in UNITS:
-        raise InputError(f"actuator {name!r} counts in {unit!r}; allowed: {', '.join(UNITS)}")
-    if not (np.isnan(ticks) or 0 < ticks < np.inf):
-        raise InputError(f"actuator {name!r}: ticks_per_turn must be positive; got {ticks:g}")
-    if unit == "tick" and np.isnan(ticks):
-        raise InputError(f"actuator {name!r} counts in ticks: give its ticks_per_turn")
-    if unit in LINEAR_UNITS and not np.isnan(ticks):
-        raise InputError(f"actuator {name!r} counts in {unit} and makes no turns: leave out its ticks_per_turn")
 
 
 def _factors(G: Array, axis: int) -> Array:

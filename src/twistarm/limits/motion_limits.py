@@ -58,12 +58,6 @@ class MotionLimits(Brief):
         per_limit = frozen(1.0 / np.stack([self.limits.velocity, self.limits.acceleration]))
         object.__setattr__(self, "_per_limit", per_limit)
 
-    def velocity_scale(self, theta_dot: Array) -> float:
-        """Return the largest s in (0, 1] with |C (s theta_dot)| ≤ the velocity limits; theta_dot (n,) [rad/s
-        or m/s].
-        """
-        return 1.0 / max(1.0, float((np.abs(self.C @ theta_dot) * self._per_limit[0]).max()))
-
     def within(self, theta: Array, theta_dot: Array, previous_theta_dot: Array, dt: float) -> Allowed:
         """The command for the next dt [s] instead of theta_dot (n,), after previous_theta_dot (n,).
 

@@ -6,9 +6,9 @@ import hashlib
 import io
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import closing, nullcontext, suppress
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -82,51 +82,48 @@ class Sweep:
             done += 1
             yield first, found
             tell(done / total)
+        own = nullcontext(executor) if executor is not None else ThreadPoolExecutor(threads)
+        with own as pool, closing(self._results(pool, left)) as results:
+            while done < total:
+                try:
+                    first, arrays = next(results)
+                except TwistarmError:
+                    raise
+                except Exception as error:  # an executor may raise anything
+                    why = one_line(f"{type(error).__name__}: {error}".removesuffix(": "), 2 * SHOWN)
+                    go_on = "give a folder to resume from" if kept is None else f"the same call goes on in {kept}"
+                    left_off = f"{done} of {total} chunks are done; {go_on}"
+                    raise InputError(f"the executor failed ({why}); {left_off}") from error
+                if kept is not None:
+                    file = io.BytesIO()
+                    np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
+                    write_whole(self._file(kept, first), file.getvalue())
+                done += 1
+                yield first, arrays
+                tell(done / total)
+
+    def _results(self, pool: Executor, left: list[int]) -> Generator[tuple[int, Arrays], None, None]:
+        """The chunks that begin at these items, as they are done."""
         rest, waiting = iter(left), dict[Future[Arrays], int]()
-        with nullcontext(executor) if executor is not None else ThreadPoolExecutor(threads) as pool:
-            try:
-                while done < total:
-                    with _worded(done, total, kept):
-                        for first in islice(rest, AHEAD - len(waiting)):
-                            end = min(first + self.size, self.count)
-                            waiting[pool.submit(self.work, self.data, first, end)] = first
-                        finished = wait(waiting, return_when=FIRST_COMPLETED).done
-                    # Keep what is done before a failure ends the sweep.
-                    for future in sorted(finished, key=lambda each: each.cancelled() or each.exception() is not None):
-                        with _worded(done, total, kept):
-                            first, arrays = waiting.pop(future), future.result()
-                        if kept is not None:
-                            write_whole(self._file(kept, first), _packed(arrays))
-                        done += 1
-                        yield first, arrays
-                        tell(done / total)
-            finally:
-                for future in waiting:
-                    future.cancel()
+        try:
+            while True:
+                for first in islice(rest, AHEAD - len(waiting)):
+                    end = min(first + self.size, self.count)
+                    waiting[pool.submit(self.work, self.data, first, end)] = first
+                if not waiting:
+                    return
+                finished = wait(waiting, return_when=FIRST_COMPLETED).done
+                # What is done comes before a failure, which ends the sweep.
+                for future in sorted(finished, key=lambda each: each.cancelled() or each.exception() is not None):
+                    yield waiting.pop(future), future.result()
+        finally:
+            for future in waiting:
+                future.cancel()
 
     def _file(self, folder: Path, first: int) -> Path:
         asked = [self.work.__qualname__, self.count, self.size, twistarm.__version__, self.identity]
         digest = hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
         return folder / f"{digest}-{first:012d}.npz"
-
-
-@contextmanager
-def _worded(done: int, count: int, folder: Path | None) -> Iterator[None]:
-    """Word what an executor raises, which may be anything."""
-    try:
-        yield
-    except TwistarmError:
-        raise
-    except Exception as error:
-        why = one_line(f"{type(error).__name__}: {error}".removesuffix(": "), 2 * SHOWN)
-        go_on = "give a folder to resume from" if folder is None else f"the same call goes on in {folder}"
-        raise InputError(f"the executor failed ({why}); {done} of {count} chunks are done; {go_on}") from error
-
-
-def _packed(arrays: Arrays) -> bytes:
-    file = io.BytesIO()
-    np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
-    return file.getvalue()
 
 
 def _read(path: Path) -> Arrays | None:

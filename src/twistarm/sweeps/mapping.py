@@ -17,12 +17,12 @@ from numpy.typing import ArrayLike, NDArray
 from ..arm.arm import Arm, require_arm
 from ..arm.baking import text_of
 from ..ik import Approach, Position, reachable, solve_ik_batch
+from ..ik.reach_ball import reach_ball
 from ..support.checks import Array, as_direction, as_positive, as_whole, require_choice
 from ..support.errors import InputError
 from ..theory.manipulability import scaled_jacobian
 from .chunks import Arrays, Sweep
-from .grid import Grid, sphere
-from .voxel_map import ReachMap, digest_of
+from .voxel_map import Grid, ReachMap, digest_of
 
 if TYPE_CHECKING:
     from ..collision import Scene
@@ -31,6 +31,9 @@ AROUND = tuple(each for each in product((-1.0, 0.0, 1.0), repeat=3) if any(each)
 """The 26 directions to the neighbours of a cube."""
 
 MOST_DIRECTIONS = 10_000
+
+MOST_BYTES = 2e9
+"""Memory of the largest map: of each cube a byte for each direction, and 12 more."""
 
 CHUNK = 4096
 """Targets of a chunk. Fewer make more files, and more a longer wait at Ctrl-C."""
@@ -80,7 +83,7 @@ def reach_map(
         The `ReachMap`, the same bits on any number of workers.
 
     Raises:
-        InputError: An argument cannot be used, the cubes need more memory than there is, or the executor failed.
+        InputError: An argument cannot be used, there are too many cubes, or the executor failed.
         TwistarmError: The arm is not in the compiled core.
     """
     side, towards = as_positive(voxel, "voxel"), _directions(directions)
@@ -97,7 +100,10 @@ def reach_map(
     if side > radius:
         raise InputError(f"voxel must be at most the arm's reach, {radius:.3g} m; got {side:g}: lengths are in metres")
     grid, each = Grid.about(centre, radius, side), max(len(towards), 1)
-    _require_memory(grid, each + 12)
+    if grid.count * (each + 12) > MOST_BYTES:
+        fits = side * (grid.count * (each + 12) / MOST_BYTES) ** (1 / 3)
+        many = f"{grid.count:,} cubes, too many for {MOST_BYTES / 1e9:g} GB of memory"
+        raise InputError(f"a voxel of {side:g} m makes {many}; a voxel of {1.1 * fits:.2g} m fits")
     settings = {"method": method, "samples": count, "scene": "" if scene is None else repr(scene)}
     sweep = Sweep(
         _by_ik if by_ik else _by_fk,
@@ -130,21 +136,10 @@ def _directions(given: Any) -> Array:
     return units
 
 
-def _require_memory(grid: Grid, per_cube: int) -> None:
-    """InputError if the map needs more memory than there is, with the voxel size that fits."""
-    try:
-        with open("/proc/meminfo", encoding="ascii") as file:
-            there = next(1024 * int(line.split()[1]) for line in file if line.startswith("MemAvailable"))
-    except (OSError, StopIteration):  # not Linux
-        there = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    need = grid.count * per_cube
-    if need > there:
-        fits = 1.02 * grid.voxel * (need / there) ** (1 / 3)
-        step = 10.0 ** (np.floor(np.log10(fits)) - 1)
-        raise InputError(
-            f"a voxel of {grid.voxel:g} m makes {grid.count:,} cubes, which take {need / 1e9:,.1f} GB of memory, and "
-            f"{there / 1e9:,.1f} GB are free; a voxel of {np.ceil(fits / step) * step:.2g} m fits"
-        )
+def sphere(arm: Arm) -> tuple[Array, float]:
+    """The centre (3,) and radius [m] of a sphere that the tool's origin never leaves, slides without limits by ±1 m."""
+    _, centre, radius = reach_ball(arm, Position([0.0] * 3), arm.sampling_bounds)
+    return centre, radius
 
 
 @lru_cache(maxsize=2)

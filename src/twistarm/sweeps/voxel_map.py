@@ -1,4 +1,4 @@
-"""`ReachMap`: the share of tool directions that an arm reaches in each cube of space."""
+"""`ReachMap`: the share of tool directions that an arm reaches in each cube of a grid."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import json
 import os
 from dataclasses import dataclass
 from itertools import product
+from math import prod
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,7 +20,6 @@ from ..support.checks import Array, as_number, as_vector, as_whole, require_choi
 from ..support.errors import InputError, missing_extra, one_line, shown
 from ..support.files import as_path, open_regular, write_whole
 from ..theory.screws import exp
-from .grid import Grid
 
 FORMAT = "twistarm reach map 1"
 
@@ -27,6 +27,41 @@ MOST_PLACES, FARTHEST = 10**7, 1e6
 """Places of the base that are tried, and the distance [m] of a target that is a mistake in the units."""
 
 ARRAYS = ("directions", "counts", "manipulability", "margin")
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Cubes of side `voxel` [m] along the base's axes. The cube of index i (3,) has its centre at (lower + i) voxel."""
+
+    voxel: float
+    lower: tuple[int, ...]
+    shape: tuple[int, ...]
+
+    @classmethod
+    def about(cls, centre: Array, radius: float, voxel: float) -> Grid:
+        """The smallest grid that holds a sphere."""
+        lower, upper = (np.floor((centre + end) / voxel + 0.5) for end in (-radius, radius))
+        return cls(voxel, tuple(map(int, lower)), tuple(map(int, upper - lower + 1)))
+
+    @property
+    def count(self) -> int:
+        """The number of cubes."""
+        return prod(self.shape)
+
+    def centres(self, cells: NDArray[np.int64]) -> Array:
+        """The centres (k, 3) [m] of cubes by their numbers (k,), z fastest."""
+        return np.array(self.voxel * (np.column_stack(np.unravel_index(cells, self.shape)) + self.lower))
+
+    def cells(self, p: Array) -> NDArray[np.int64]:
+        """The numbers (...) of the cubes that hold points (..., 3) [m]; −1 outside the grid."""
+        index = np.floor(p / self.voxel + 0.5) - self.lower
+        inside = np.logical_and.reduce((index >= 0) & (index < self.shape), axis=-1)
+        plain = np.where(inside[..., None], index, 0).astype(np.int64)
+        return np.where(inside, np.ravel_multi_index(tuple(np.moveaxis(plain, -1, 0)), self.shape), -1)
+
+    def along(self, axis: int) -> Array:
+        """The centres [m] along an axis."""
+        return np.array(self.voxel * np.arange(self.lower[axis], self.lower[axis] + self.shape[axis]))
 
 
 class BasePoses(NamedTuple):
@@ -160,18 +195,6 @@ class ReachMap:
             raise InputError(f"cannot read {name}: {error.strerror or error}") from error
         except Exception as error:  # of zipfile, zlib, NumPy and its tokenizer, json: of any kind in a damaged file
             raise InputError(f"{name} is no reach map ({one_line(str(error), 80)}); save writes one") from error
-
-    def to_ply(self, path: str | os.PathLike[str]) -> Path:
-        """Write the centres of the reached cubes and their share as a binary PLY cloud, the greener the more."""
-        cells = np.flatnonzero(self.counts)
-        kinds = dict.fromkeys(("x", "y", "z", "share"), "<f4") | dict.fromkeys(("red", "green", "blue"), "u1")
-        vertices = np.zeros(len(cells), dtype=list(kinds.items()))
-        vertices["x"], vertices["y"], vertices["z"] = self.grid.centres(cells).T
-        vertices["share"] = self.share.reshape(-1)[cells]
-        vertices["green"], vertices["red"] = 255 * vertices["share"], 255 * (1 - vertices["share"])
-        lines = (f"property {'uchar' if kind == 'u1' else 'float'} {name}\n" for name, kind in kinds.items())
-        head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(cells)}\n{''.join(lines)}end_header\n"
-        return write_whole(path, head.encode() + vertices.tobytes())
 
     def to_png(self, path: str | os.PathLike[str]) -> Path:
         """Write a picture of the slices across x, y and z in which most is reached. Returns the path.

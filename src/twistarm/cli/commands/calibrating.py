@@ -1,4 +1,4 @@
-"""`calibrate`: the arm's axes and zeros from measurements of its tool."""
+"""`wiring` and `calibrate`: an arm's motors, axes and zeros against a log of measurements."""
 
 from __future__ import annotations
 
@@ -11,22 +11,32 @@ import numpy as np
 import typer
 
 from ...arm.arm import Arm
-from ...calibration import Calibration, corrected_urdf
+from ...calibration import Calibration, Residual, WiringReport, check_wiring, corrected_urdf
 from ...calibration import calibrate as fit
 from ...calibration.calibration import amount
 from ...support.errors import InputError
 from ..numbers import LENGTH, quantity, typed_number, whole
-from ..options import ArmArgument, Avoid, answers, avoided
-from ..output import Outputs, entries
-from ..tables import Column, Table
+from ..options import ArmArgument, Avoid, Json, answers, avoided
+from ..output import Outputs, entries, plain
+from ..tables import Column, Table, number
 from .viewing import Page
-from .wiring import OrientationNoise
 
+Log = Annotated[
+    Path, typer.Argument(metavar="LOG", help="CSV: a column per motor, x, y, z [m], and qx, qy, qz, qw if measured.")
+]
+PositionNoise = Annotated[float, quantity("m", "Standard deviation of the measured positions.")]
+OrientationNoise = Annotated[float, quantity("rad", "Standard deviation of the measured orientations [°].")]
+BasePositionNoise = Annotated[
+    float | None, quantity("m", "Standard deviation of the base's own position; 0 if exactly known.", zero=True)
+]
+BaseOrientationNoise = Annotated[
+    float | None,
+    quantity("rad", "Standard deviation of the base's own orientation [°]; 0 if exactly known.", zero=True),
+]
 Logs = Annotated[
     list[Path],
     typer.Argument(metavar="LOG…", help="CSV: a column per joint, then x, y, z, or point, plane, wire and length."),
 ]
-Noise = Annotated[float, quantity("m", "Standard deviation of the measured positions.")]
 HeldBase = Annotated[bool, typer.Option("--base-held", help="Positions are in the base frame; do not fit it.")]
 HeldTool = Annotated[bool, typer.Option("--tool-held", help="The measured point is the tip; do not fit it.")]
 Distance = Annotated[
@@ -34,7 +44,6 @@ Distance = Annotated[
 ]
 DistanceNoise = Annotated[float, quantity("m", "Standard deviation of the known distances.")]
 Scales = Annotated[bool, typer.Option("--scales", help="Fit a scale of each joint too.")]
-Eccentricity = Annotated[bool, typer.Option("--eccentricity", help="Fit eccentric gears too.")]
 Next = Annotated[int, whole(0, 1000, "Name N configurations to measure next.", "--next")]
 Written = Annotated[
     Outputs,
@@ -49,18 +58,68 @@ Written = Annotated[
 View = Annotated[bool, typer.Option("--view", help="Show the residuals in the browser, magnified, until Ctrl-C.")]
 
 
+def wiring(
+    source: ArmArgument,
+    log: Log,
+    out: Json,
+    position_noise: PositionNoise = 0.002,
+    orientation_noise: OrientationNoise = 1.0,
+    base_position_noise: BasePositionNoise = None,
+    base_orientation_noise: BaseOrientationNoise = None,
+) -> int:
+    """Check signs, ratios and zeros of the motors against logged counts and measured tool positions."""
+    arm = source.load()
+    noise: dict[str, Any] = {
+        "position_noise": position_noise, "orientation_noise": orientation_noise,
+        "base_position_noise": base_position_noise, "base_orientation_noise": base_orientation_noise,
+    }  # fmt: skip
+    report = check_wiring(arm, log, **noise)
+    before, after = _residual(report.before), _residual(report.after)
+    rows = "1 row" if report.rows == 1 else f"{report.rows} rows"
+    faults = [each for each in report.motors if each.verdict != "sound" and each.what]
+    lines = [
+        f"{rows}; measured against computed: {before} as the arm.toml says, {after} as found here",
+        *(f"{motor.name}: {'; '.join(filter(None, (motor.what, motor.remedy)))}" for motor in faults),
+        f"{report.verdict}: {report.what}",
+    ]
+    out.show(plain(report) | {"ok": report.ok}, _motors_table(arm, report), *lines)
+    return 0 if report.ok else 1
+
+
+def _motors_table(arm: Arm, report: WiringReport) -> Table:
+    motors, units = report.motors, dict(zip(arm.joint_names, arm.units, strict=True))
+    # A question mark: the fault may be another motor's.
+    verdicts = [
+        ", ".join(motor.faults) + "?" * (motor.verdict == "possible fault") or motor.verdict for motor in motors
+    ]
+    times = [
+        f"{number(motor.scale)} ± {f'{motor.scale_std:.1g}' if np.isfinite(motor.scale_std) else '?'}"
+        for motor in motors
+    ]
+    added = [
+        ", ".join(f"{joint} {amount(x, units[joint])}" for joint, x in motor.joint_offset.items()) for motor in motors
+    ]
+    named = {"motor": [motor.name for motor in motors], "verdict": verdicts, "readings times": times}
+    columns = [Column(head, each) for head, each in (named | {"added to the joints": added}).items()]
+    return Table(f"{report.arm}: its motors, and what fits the log", columns)
+
+
+def _residual(residual: Residual) -> str:
+    position = f"{1000 * residual.position:.1f} mm"
+    return position if residual.rotation is None else f"{position} and {np.degrees(residual.rotation):.2f}°"
+
+
 def calibrate(
     source: ArmArgument,
     logs: Logs,
     outputs: Written,
-    position_noise: Noise = 1e-4,
+    position_noise: PositionNoise = 1e-4,
     orientation_noise: OrientationNoise = 0.06,
     base_held: HeldBase = False,
     tool_held: HeldTool = False,
     distance: Distance = None,
     distance_noise: DistanceNoise = 1e-4,
     scales: Scales = False,
-    eccentricity: Eccentricity = False,
     next_postures: Next = 0,
     avoid: Avoid = None,
     view: View = False,
@@ -78,11 +137,9 @@ def calibrate(
         distances=dict(_distance(said) for said in distance or ()),
         distance_noise=distance_noise,
         scales=scales,
-        eccentricity=eccentricity,
     )
     more = found.next_postures(next_postures, scene=avoided(arm, avoid)) if next_postures else np.empty((0, arm.n))
-    answer = replace(outputs, files=())
-    answer.show(_as_json(found) | {"next": more}, *_parts(found, arm, more))
+    replace(outputs, files=()).show(_as_json(found) | {"next": more}, *_parts(found, arm, more))
     contents: dict[str, Callable[[], str | bytes]] = {
         "urdf": lambda: corrected_urdf(found, zeros=not apart, here=outputs.force),
         "toml": lambda: _toml(found.require(here=outputs.force)),
@@ -107,27 +164,9 @@ def _distance(said: str) -> tuple[tuple[str, str], float]:
 
 
 def _parts(found: Calibration, arm: Arm, more: Any) -> Iterator[Table | str]:
-    """What people read."""
-    unseen: dict[str, list[str]] = {}
-    for one in found.estimates:
-        if one.of_joint and not one.seen:
-            unseen.setdefault(one.parameter.owner, []).append(one.parameter.what)
-    held = "; ".join(f"{owner} {', '.join(what)}" for owner, what in unseen.items()) or "none"
+    """What people read: the corrections, where to measure next, the errors, and what is odd."""
+    held = "; ".join(str(one.parameter) for one in found.estimates if one.of_joint and not one.seen) or "none"
     yield f"held at 0, because others explain them in this log: {held}"
-    yield from _tables(found, arm, more)
-    if found.outliers:
-        yield f"rows that do not fit: {', '.join(found.problem.log.label[row - 1] for row in found.outliers)}"
-    for warning in found.warnings:
-        if warning not in found.faults:
-            yield f"warning: {warning}"
-    if found.confirmed_here and found.expected > 2.0 * found.held_out:
-        said = f"elsewhere in reach expect {1000 * found.expected:.2g} mm"
-        yield f"warning: {said}: measure at other configurations, as --next names them"
-    here = "confirmed only where the log was taken (--force writes it)" if found.confirmed_here else "not confirmed"
-    yield "confirmed" if found.confirmed else f"{here}: {found.why_not}"
-
-
-def _tables(found: Calibration, arm: Arm, more: Any) -> Iterator[Table]:
     every, sound = found.estimates, not found.faults
     columns = [
         Column("joint", [one.parameter.owner for one in every], key="owner"),
@@ -139,23 +178,24 @@ def _tables(found: Calibration, arm: Arm, more: Any) -> Iterator[Table]:
     ]
     rows = [i for i, one in enumerate(every) if one.of_joint and one.seen and sound]
     yield Table(f"{arm.name}: its corrections", columns, key="estimates", rows=rows)
-    if not sound:
-        return
-    names, thirds = found.by_joint().keys(), np.array(list(found.by_joint().values())).reshape(-1, 3)
-    parts = [Column(name, 1e3 * thirds[:, i], digits=3) for i, name in enumerate(("lower", "middle", "upper"))]
-    yield Table("median error [mm] by thirds of each joint's range", [Column("joint", list(names)), *parts])
-    if len(more):
+    if len(more) and sound:
         joints = (Column(*each) for each in zip(arm.joint_names, more.T, arm.units, strict=True))
         yield Table("to measure next", [Column("", range(1, len(more) + 1)), *joints])
-    errors = (
-        ("all rows", found.before.mean(), found.after.mean()),
-        ("rows left out", found.held_out_before, found.held_out),
-        ("a fifth left out at one end", found.block_before, found.block),
-    )
-    columns = [Column("", [name for name, _, _ in errors])]
-    for i, name in enumerate(("base and tool alone", "corrected"), 1):
-        columns.append(Column(name, [1e3 * float(each[i]) for each in errors], digits=3))
-    yield Table("mean error [mm]", columns)
+    if sound:
+        names = ["all rows", "rows left out", "a fifth left out at one end"]
+        before = [float(found.before.mean()), found.held_out_before, found.block_before]
+        after = [float(found.after.mean()), found.held_out, found.block]
+        errors = {"base and tool alone": before, "corrected": after}
+        means = [Column(name, [1e3 * metres for metres in each], digits=3) for name, each in errors.items()]
+        yield Table("mean error [mm]", [Column("", names), *means])
+    if found.outliers:
+        yield f"rows that do not fit: {', '.join(found.problem.log.label[row - 1] for row in found.outliers)}"
+    yield from (f"warning: {warning}" for warning in found.warnings if warning not in found.faults)
+    if found.confirmed_here and found.expected > 2.0 * found.held_out:
+        far = f"elsewhere in reach expect {1000 * found.expected:.2g} mm"
+        yield f"warning: {far}: measure at other configurations, as --next names them"
+    here = "confirmed only where the log was taken (--force writes it)" if found.confirmed_here else "not confirmed"
+    yield "confirmed" if found.confirmed else f"{here}: {found.why_not}"
 
 
 def _toml(found: Calibration) -> str:
@@ -164,7 +204,6 @@ def _toml(found: Calibration) -> str:
 
 
 def _as_json(found: Calibration) -> dict[str, Any]:
-    names = "base tool expected held_out held_out_before block block_before confirmed confirmed_here outliers"
-    said = {"arm": found.arm.name, "warnings": found.warnings, "by_joint": found.by_joint()}
+    names = "base tool expected held_out held_out_before block block_before confirmed confirmed_here outliers warnings"
     means = {"before": float(found.before.mean()), "after": float(found.after.mean())}
-    return said | means | entries(found, names)
+    return {"arm": found.arm.name} | means | entries(found, names)

@@ -1,59 +1,75 @@
-"""`payload` and `designs`: what an arm holds, and arms side by side."""
+"""Questions before an arm is built: `payload`, `reach`, `panel`, and `designs` side by side."""
 
 from __future__ import annotations
 
-from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 import typer
 
-from ...arm.arm import Arm
-from ...design import Cubes, Needs, Payload, compare_designs, load_panel
+from ...design import Needs, PanelReport, Payload, best_parking, check_panel, compare_designs, load_panel
 from ...design import payload as payload_of
 from ...support.checks import Array
 from ...support.csv_lines import csv_text
 from ...support.errors import InputError
+from ...sweeps import ReachMap, reach_map
+from ...theory.rotations import to_rpy
 from ..asked_motion import motion_of_file
-from ..numbers import quantity
-from ..options import Answer, ArmArgument, CsvAnswer, Source, Theta
-from ..output import note, plain, progress_bar, warn
-from ..tables import Column, Table, joint_heads, number, outside, shown, theta_typed, units
+from ..numbers import PLACE, numbers, parse_numbers, quantity, whole
+from ..options import Answer, ArmArgument, Avoid, CsvAnswer, Source, Theta, answers, avoided
+from ..output import STDOUT, Outputs, note, plain, progress_bar, warn
+from ..tables import Column, Table, joint_heads, number, outside, quantity_text, theta_typed, unit_text
 from ..targets import Directions, Positions, Rpys, typed_targets
 from .arms import joints_table
+from .motion import MOTION_KINDS, MaxTime, Step, Unwrap, motion_texts
 
 Motion = Annotated[Path | None, typer.Option(metavar="FILE", help="Along a motion: *.csv, *.json, *.yaml or *.toml.")]
-Panel = Annotated[Path | None, typer.Option(metavar="FILE", help="Which share of a panel.toml each arm does.")]
+PanelOption = Annotated[Path | None, typer.Option(metavar="FILE", help="Which share of a panel.toml each arm does.")]
 Mass = Annotated[float, quantity("kg", "A wanted payload: what each joint and motor needs for it.", zero=True)]
-Voxel = Annotated[float | None, quantity("m", "-o writes the payload over space, in cubes of this side.")]
-SAMPLES = 200_000
-"""Random configurations of a map of the payload: four seconds."""
+
+KINDS = {"npz": (".npz",), "png": (".png",)}
+
+WORDS: dict[str, Any] = {"down": "down", "position": "position", "26": 26}
+
+MapFiles = Annotated[
+    Outputs, answers("output force json", KINDS, output="The map to *.npz, slices to *.png; repeat it."),
+]  # fmt: skip
+Voxel = Annotated[float, quantity("m", "Side of a cube.")]
+Towards = Annotated[
+    str, typer.Option(metavar="WHICH", help="down, position (in any orientation), 26 (all around) or 'X Y Z'.")
+]
+Method = Annotated[str, typer.Option(metavar="ik|fk", help="ik is exact; fk, by random configurations, a first look.")]
+Resume = Annotated[Path | None, typer.Option(metavar="FOLDER", help="Keep what is done there, and go on from it.")]
+Workers = Annotated[int | None, whole(1, 1024, "Threads; else one per processor.")]
+
+PanelFile = Annotated[Path, typer.Argument(metavar="PANEL", help="A panel.toml with tasks, and where to park.")]
+BasePose = Annotated[
+    Any, numbers("m m rad", PLACE, "Check x, y [m] and yaw [°, or rad with --rad] instead of a search.")
+]
+Speed = Annotated[float | None, quantity("m/s", "The tool goes no faster in the motion of -o.")]
+MotionFiles = Annotated[
+    Outputs,
+    answers(
+        "output force rad json",
+        MOTION_KINDS,
+        output="One motion through all tasks that are done, as plan writes it; repeat it.",
+    ),
+]
 
 
-def payload(
-    source: ArmArgument,
-    out: CsvAnswer,
-    theta: Theta = None,
-    motion: Motion = None,
-    mass: Mass = 0.0,
-    voxel: Voxel = None,
-) -> int:
+def payload(source: ArmArgument, out: CsvAnswer, theta: Theta = None, motion: Motion = None, mass: Mass = 0.0) -> int:
     """Show the greatest mass at the tool anywhere inside the limits, at --theta, or along --motion."""
     arm = source.load()
     if motion is not None and theta is not None:
         raise InputError("--motion has its own configurations: leave out --theta")
-    if voxel is not None and (motion is not None or theta is not None):
-        raise InputError("--voxel maps random configurations: leave out --theta and --motion")
     x: Any = None if theta is None else theta.of(arm)
     for words in [] if x is None else outside(arm, x, out.radians):
         warn(words)
-    x = arm.random_theta(0, SAMPLES) if voxel else x
     found = payload_of(arm, x if motion is None else motion_of_file(arm, motion)[1])
     needs, x = found.needs(mass), found.theta.reshape(-1, arm.n)
     by = [found.names[row] if row >= 0 else "nothing" for row in found.limiting.ravel()]
     worst = found.worst
-    cubes = None if voxel is None else found.in_cubes(voxel)
     for each in found.notes:
         note(each)
     data = {
@@ -65,7 +81,7 @@ def payload(
         data,
         _needs_table(found, needs, mass),
         *_sentences(found, by[worst], out.radians),
-        files={"csv": lambda: _csv(found, x, by) if cubes is None else _cubes_csv(cubes)},
+        files={"csv": lambda: _csv(found, x, by)},
     )
     return int(np.isnan(found.mass).any() or (needs.share > 1.0).any())
 
@@ -110,11 +126,6 @@ def _csv(found: Payload, theta: Array, by: list[str]) -> str:
     return csv_text(heads, ([*row, name] for row, name in zip(rows, by, strict=True)))
 
 
-def _cubes_csv(cubes: Cubes) -> str:
-    heads = ["x [m]", "y [m]", "z [m]", "configurations", "least payload [kg]", "greatest payload [kg]"]
-    return csv_text(heads, ([*p.round(9), *rest] for p, *rest in zip(*cubes, strict=True)))
-
-
 NUMBERS = {
     "reach [m]": "reach", "farthest [m]": "farthest", "volume [m³]": "volume", "condition, median": "condition",
     "near-singular, share": "singular", "least payload [kg]": "payload", "median payload [kg]": "median_payload",
@@ -130,9 +141,9 @@ def designs(
     xyz: Positions = None,
     rpy: Rpys = None,
     direction: Directions = None,
-    panel: Panel = None,
+    panel: PanelOption = None,
 ) -> None:
-    """Compare arms: reach, dexterity, payload, mass, joint ranges, the time of a motion through --xyz, a --panel."""
+    """Compare arms: reach, dexterity, payload, mass, the time of a motion through --xyz, the share of a --panel."""
     targets = typed_targets(xyz or (), rpy or (), direction or ())
     if len(targets) == 1:
         raise InputError("a motion leads from one --xyz to another: give two or more, or none")
@@ -143,16 +154,134 @@ def designs(
     for each in found:
         for why in each.notes:
             note(f"{each.name}: {why}")
-    ranges = list(zip_longest(*(_ranges(arm, out.radians) for arm in arms), fillvalue=""))
-    columns = [Column("", [*NUMBERS, *(f"joint {i}" for i in range(1, len(ranges) + 1))])]
-    for each, its in zip(found, zip(*ranges, strict=True), strict=True):
-        columns.append(Column(each.name, [*(number(getattr(each, name), 3) for name in NUMBERS.values()), *its]))
-    records = [plain(each) | joints_table(each.arm).entries() for each in found]
-    out.show({"designs": records}, Table("", columns))
+    columns = [Column(one.name, [number(getattr(one, name), 3) for name in NUMBERS.values()]) for one in found]
+    records = [plain(one) | joints_table(one.arm).entries() for one in found]
+    out.show({"designs": records}, Table("", [Column("", list(NUMBERS)), *columns]))
 
 
-def _ranges(arm: Arm, radians: bool) -> list[str]:
-    """The range of each joint with its unit, or that it has no limits."""
-    ends = (shown(arm, x, radians) for x in (arm.limits.lower, arm.limits.upper))
-    rows = zip(*ends, units(arm, radians), strict=True)
-    return ["no limits" if low == high == "−" else f"{low} … {high} {unit}" for low, high, unit in rows]
+def reach(
+    source: ArmArgument,
+    out: MapFiles,
+    voxel: Voxel = 0.05,
+    directions: Towards = "down",
+    avoid: Avoid = None,
+    method: Method = "ik",
+    resume: Resume = None,
+    workers: Workers = None,
+) -> int:
+    """Map where the arm brings its tool, and in which directions; -o writes the map as .npz or .png."""
+    arm = source.load()
+    if any(name == STDOUT for _, name in out.files):
+        raise InputError("a map is no text for standard output: -o takes a file that ends in .npz or .png")
+    try:
+        towards = WORDS[directions] if directions in WORDS else parse_numbers(directions, "1 1 1", "--directions")
+    except InputError as error:
+        allowed = f"{', '.join(WORDS)} or three numbers, as in '0 0 -1'"
+        raise InputError(f"--directions takes {allowed}; got {directions!r}") from error
+    how: dict[str, Any] = {"method": method, "scene": avoided(arm, avoid), "workers": workers, "folder": resume}
+    with progress_bar("reach") as progress:
+        found = reach_map(arm, voxel, towards, **how, progress=progress)
+    for kind, name in out.files:
+        {"npz": found.save, "png": found.to_png}[kind](name)
+    figures = _figures(found)
+    columns = [
+        Column("", [name.replace("_", " ") for name in figures]),
+        Column("", [" ".join(map(number, np.ravel(value))) for value, _ in figures.values()]),
+        Column("unit", [unit for _, unit in figures.values()]),
+    ]
+    nothing = "nothing is reached in these directions; --directions position leaves them free"
+    out.show(
+        {"arm": arm, "frame": found.frame, "voxel": voxel, "directions": found.directions}
+        | {name: value for name, (value, _) in figures.items()},
+        Table(f"{arm.name}: reach in the frame {found.frame}, cubes of {voxel:g} m", columns),
+        *([] if found.counts.any() else [nothing]),
+        written=[name for _, name in out.files],
+    )
+    return 0 if found.counts.any() else 1
+
+
+def _figures(found: ReachMap) -> dict[str, tuple[Any, str]]:
+    """The figures of a map with their units."""
+    grid, cells = found.grid, np.flatnonzero(found.counts)
+    figures: dict[str, tuple[Any, str]] = {
+        "cubes": (grid.count, ""), "reached": (len(cells), ""), "volume": (found.volume, "m³"),
+    }  # fmt: skip
+    if not len(cells):
+        return figures
+    if len(found.directions) > 1:
+        figures["volume_in_all_directions"] = np.count_nonzero(found.share == 1.0) * grid.voxel**3, "m³"
+    centres = np.round(grid.centres(cells), 9)
+    share, measure, margin = (x.reshape(-1)[cells] for x in (found.share, found.manipulability, found.margin))
+    i = np.lexsort((measure, share))[-1]
+    return figures | {
+        "lowest_x_y_z": (centres.min(axis=0), "m"), "highest_x_y_z": (centres.max(axis=0), "m"),
+        "best_at_x_y_z": (centres[i], "m"), "best_share": (share[i], ""),
+        "best_manipulability": (measure[i], ""), "best_margin": (margin[i], "rad or m"),
+    }  # fmt: skip
+
+
+def panel(
+    source: ArmArgument,
+    file: PanelFile,
+    out: MotionFiles,
+    base_pose: BasePose = None,
+    avoid: Avoid = None,
+    linear_speed: Speed = None,
+    unwrap: Unwrap = False,
+    max_time: MaxTime = 5.0,
+    dt: Step = 0.01,
+) -> int:
+    """Tell which tasks of a panel the arm does, why it fails at others, and where the rover parks best."""
+    arm = source.load()
+    rad = out.radians
+    asked = load_panel(file)
+    scene = avoided(arm, avoid)
+    with progress_bar("tasks") as progress:
+        if base_pose is None:
+            found = best_parking(arm, asked, scene, progress)
+        else:
+            x, y, yaw = base_pose.tolist()
+            found = check_panel(arm, asked, asked.base_at(x, y, yaw), scene, progress)
+    x, y, z = found.base[:3, 3].tolist()
+    yaw = float(to_rpy(found.base[:3, :3])[2])
+    done, count = len(found.done), len(found.results)
+    typed = " ".join([quantity_text(x, "m", rad), quantity_text(y, "m", rad), quantity_text(yaw, "rad", rad, 6)])
+    missed = [f"{each.task.name}, {each.code}: {each.why}" for each in found.results if each.code != "done"]
+    sentence = f'{done} of {count} tasks are done with the arm\'s base at --base-pose "{typed}"' + " --rad" * rad
+    written: list[str] = []
+    try:
+        if out.files and not found.done:
+            note("no task is done, so no motion is written")
+        elif out.files:
+            with progress_bar("planning") as progress:
+                motion = found.motion(linear_speed=linear_speed, unwrap=unwrap, max_time=max_time, progress=progress)
+            for each in motion.notes:
+                note(each, radians=rad)
+            written = out.write(motion_texts(arm, motion, out, dt))
+    finally:  # the answer is good where the motion fails
+        data = {"arm": arm, "done": done, "share": done / count, "base": {"x": x, "y": y, "z": z, "yaw": yaw}}
+        out.show(data | {"places": found.places}, _tasks_table(found, rad), *missed, sentence, written=written)
+    return int(done < count)
+
+
+def _tasks_table(found: PanelReport, radians: bool) -> Table:
+    results = found.results
+    unit_of = dict(zip(found.arm.joint_names, found.arm.units, strict=True))
+    nearest = []
+    for each in results:
+        unit = unit_of.get(each.joint, "")
+        margin = f"{each.joint} {quantity_text(each.margin, unit, radians)} {unit_text(unit, radians)}"
+        nearest.append(margin if each.code == "done" else "")
+    millimetres = [number(1e3 * each.clearance, 1) if each.code == "done" else "" for each in results]
+    columns = [
+        Column("task", [each.task.name for each in results]),
+        Column("kind", [each.task.kind for each in results]),
+        Column("code", [each.code for each in results]),
+        Column("why", [each.why for each in results], people=False),
+        Column("nearest limit", [each.joint for each in results], text=nearest, key="joint"),
+        Column("margin", [each.margin for each in results], people=False),
+        Column("condition", [each.condition for each in results], digits=1),
+        Column("clearance", [each.clearance for each in results], "mm", text=millimetres),
+        Column("theta", [each.theta[:1] for each in results], people=False),
+    ]
+    return Table(f"{found.arm.name}: tasks of the panel", columns, "tasks")

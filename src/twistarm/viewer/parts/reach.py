@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...arm.arm import Arm
 from ...support.checks import Array
 from ...sweeps import ReachMap, reach_map
-from ...sweeps.grid import sphere
+from ...sweeps.mapping import sphere
 from ..protocol.jobs import Job, Progress
 from ..protocol.messages import Message, packed
 from .part import Part, Show
