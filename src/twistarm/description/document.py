@@ -16,7 +16,7 @@ from xml.parsers import expat
 from ..support.errors import DescriptionError, InputError
 from ..support.fields import number_in
 from ..support.files import as_path, read_bounded, why_no_file
-from .findings import Findings, Place, finding, refusal, refused
+from .findings import Finding, Place, finding, refusal, refused
 from .packages import PackageIndex
 
 LARGEST = 1e9
@@ -51,7 +51,7 @@ class Reading:
     packages: PackageIndex
     lines: dict[ET.Element, int] = field(default_factory=dict)
     show_lines: bool = True
-    findings: Findings = field(default_factory=Findings)
+    findings: list[Finding] = field(default_factory=list)
 
     def place(self, element: ET.Element | None = None) -> Place:
         """The place of an element: file, line, tag and name. Without an element, the file."""
@@ -71,7 +71,7 @@ class Reading:
     def note(self, code: str, at: Place | ET.Element | None, what: str, remedy: str, *, repaired: bool = False) -> None:
         """Add a finding about an element, another place, or the file as a whole."""
         place = at if isinstance(at, Place) else self.place(at)
-        self.findings.take([finding(code, place, what, remedy, repaired=repaired)])
+        self.findings.append(finding(code, place, what, remedy, repaired=repaired))
 
     def error(self, element: ET.Element, code: str, what: str, remedy: str = "") -> DescriptionError:
         """The error for an element that cannot be repaired."""
@@ -79,8 +79,8 @@ class Reading:
 
     def require_usable(self) -> None:
         """Raise DescriptionError if anything noted so far is an error."""
-        if any(noted.severity == "error" for noted in self.findings.kept):
-            raise refused(self.findings.told(self.place()))
+        if any(noted.severity == "error" for noted in self.findings):
+            raise refused(self.findings)
 
 
 _NOTED: ContextVar[set[Path] | None] = ContextVar("noted", default=None)
