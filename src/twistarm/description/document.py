@@ -121,14 +121,15 @@ def read_text(path: Path, most: int = MAX_BYTES) -> str:
     try:
         data = read_bounded(path, most)
     except (OSError, ValueError) as error:
-        told, place = str(getattr(error, "strerror", None) or error), Place(str(path))
-        number = getattr(error, "errno", None)
-        if number == errno.EFBIG:
-            raise refusal("file-unreadable", place, told, "is it the right file?") from error
-        if number == errno.EINVAL:
-            raise refusal("file-unreadable", place, told, "give a file") from error
-        remedy = "is the path right?" if number == errno.ENOENT else "check the disk and the file's permissions"
-        raise refusal("file-unreadable", place, f"cannot be read: {told}", remedy) from error
+        told, number = str(getattr(error, "strerror", None) or error), getattr(error, "errno", None)
+        what = told if number in (errno.EFBIG, errno.EINVAL) else f"cannot be read: {told}"
+        remedies = {
+            errno.EFBIG: "is it the right file?",
+            errno.EINVAL: "give a file",
+            errno.ENOENT: "is the path right?",
+        }
+        remedy = remedies.get(number or 0, "check the disk and the file's permissions")
+        raise refusal("file-unreadable", Place(str(path)), what, remedy) from error
     return decoded(data)
 
 
@@ -156,6 +157,9 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
     open_tags: list[str] = []
     parts = 0
 
+    def refused_here(what: str, remedy: str) -> DescriptionError:
+        return refusal("xml-malformed", replace(reading.whole, line=parser.CurrentLineNumber), what, remedy)
+
     def start(tag: str, attributes: dict[str, str]) -> None:
         nonlocal parts
         open_tags.append(tag)
@@ -163,9 +167,7 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
         if parts > MAX_PARTS:
             raise _too_many(reading)
         if len(open_tags) > MAX_NESTING:
-            place = replace(reading.whole, line=parser.CurrentLineNumber)
-            what = f"elements are nested more than {MAX_NESTING} deep"
-            raise refusal("xml-malformed", place, what, "is it a robot's description?")
+            raise refused_here(f"elements are nested more than {MAX_NESTING} deep", "is it a robot's description?")
         reading.lines[builder.start(tag, attributes)] = parser.CurrentLineNumber
 
     def end(tag: str) -> None:
@@ -173,9 +175,7 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
         builder.end(tag)
 
     def refuse(name: str, *_: object) -> None:
-        place = replace(reading.whole, line=parser.CurrentLineNumber)
-        what = f"a document type (<!DOCTYPE {name}>) is not allowed"
-        raise refusal("xml-malformed", place, what, "remove it")
+        raise refused_here(f"a document type (<!DOCTYPE {name}>) is not allowed", "remove it")
 
     parser.StartElementHandler = start
     parser.EndElementHandler = end
