@@ -25,8 +25,7 @@ from .geometry import Geometries, read_origin
 from .inertial import INERTIA, drop_unusable_inertials
 from .packages import package_index
 from .planar import split_planar_joints
-from .spelling import note_unread_words
-from .structure import check_structure, end_of, root_links
+from .structure import check_structure, end_of, note_unread_words, root_links
 from .tree import Description, Joint, JointType, Link, Mimic
 
 MOST_TURNED = 6.3
@@ -71,7 +70,7 @@ def read_description(
     else:
         noted = tuple(not_used(package, file) for package in ignore_packages)
         text, reading = read_text(file), Reading(file, packages)
-    reading.findings.take(noted)
+    reading.findings += noted
     if may_be_mjcf(text) and (root := parse_xml(text, reading)).tag == "mujoco":
         from .mjcf.translation import translated  # most programs read none
 
@@ -132,7 +131,7 @@ def build_description(text: str, reading: Reading) -> Description:
         joints=joints,
         text=text,
         repaired=ET.tostring(robot, encoding="unicode"),
-        findings=reading.findings.told(reading.place()),
+        findings=tuple(reading.findings),
     )
 
 
@@ -150,7 +149,7 @@ def _try_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint | N
     try:
         return _read_joint(element, reading, rates)
     except DescriptionError as error:
-        reading.findings.take(error.findings)
+        reading.findings += error.findings
         return None
 
 

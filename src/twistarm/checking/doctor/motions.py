@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from ...arm.abilities import Abilities
 from ...arm.almost_exact import (
     ALMOST_ANGLE,
     EXACT_ANGLE,
@@ -31,7 +32,7 @@ from ...support.checks import Array
 from ...support.directions import axis_in_words, direction_in_words
 from ...support.errors import listed, one_line
 from ...support.messages import Argument, Text, plural
-from .abilities import TOL, Abilities
+from ...theory.manipulability import scaled_jacobian
 from .numbers import OTHER, SHOWN, grouped
 
 LONGEST_REACH = 20.0
@@ -46,6 +47,9 @@ POOR = 100.0
 NO_MOTION = 1e-9
 """A column of the Jacobian this small [m/reach, rad] is zero but for rounding."""
 
+ABOUT = 1.0 - 1e-6
+"""Cosine from which on a rotation is about an axis."""
+
 OUT = 0.1
 """How far out [m] the tool of the snippet is."""
 
@@ -55,8 +59,8 @@ SAMPLES, OFTEN = 100, 0.8
 MOST_BODIES = 100
 """The most bodies to check: their pairs take 1 s. A robot with more is left out."""
 
-KINDS, WORDS = 4, 3
-"""Kinds of almost exact axes, and rounded angles for each exact one, named before the rest is counted."""
+KINDS, WORDS = 4, 6
+"""Kinds of almost exact axes, and rounded angles, named before the rest is counted."""
 
 
 def place_of(arm: Arm) -> Place:
@@ -173,18 +177,17 @@ def _instead_of_a_pose(able: Abilities, tool_axis: Array) -> str:
     nearest = "solve_ik gives the nearest to any other pose and says what is missing"
     if able.position < 3:
         return nearest
-    # Whether the free rotations usually turn the axis of an `Approach` in both directions across it.
-    pointed = able.R @ tool_axis
-    turning = np.cross(np.swapaxes(able.free, 1, 2), pointed[:, None, :])
-    if able.turning == 2 and np.median(np.linalg.svd(turning, compute_uv=False)[:, 1]) > TOL:
+    # Two free rotations turn the axis of an `Approach` in both directions across it, unless one is about it.
+    if able.turning == 2 and np.linalg.norm(able.turned_tool @ tool_axis) < ABOUT:
         axis = direction_in_words(tool_axis, "tool")
         return f"ask for an Approach: a position and where the tool points, by {axis}; {nearest}"
     return f"ask for a Position; {nearest}"
 
 
-def check_without_effect(arm: Arm, able: Abilities) -> Iterator[Finding]:
+def check_without_effect(arm: Arm) -> Iterator[Finding]:
     """Coordinates with a zero column of the Jacobian everywhere."""
-    sizes = np.abs(able.body).max(axis=(0, 1))
+    J = scaled_jacobian(arm.body_jacobian(arm.random_theta(0, SAMPLES)), arm.prismatic, arm.reach)
+    sizes = np.abs(J).max(axis=(0, 1))
     for name, size in zip(arm.joint_names, sizes, strict=True):
         if size <= NO_MOTION:
             what = f"joint {name!r} does not move the tool at any configuration: what it turns is turned back"
@@ -250,22 +253,20 @@ def check_axes(arm: Arm) -> Iterator[Finding]:
 
 
 def _rewriting(arm: Arm) -> str:
-    """The rounded angles in the chain's origins, each once and without its sign, and their exact text."""
-    rounded: dict[str, list[str]] = {}
+    """The rounded angles in the chain's origins, each once and without its sign."""
+    words: list[str] = []
     if arm.description is not None:
         chain = {joint.name for joint in arm.description.chain(arm.base, arm.tip_link)}
         joints = SourceText(arm.description.text).robot.findall("joint")
         origins = [joint.find("origin") for joint in joints if joint.get("name") in chain]
-        words = [word for origin in origins if origin is not None for word in origin.get("rpy", "").split()]
-        for word in dict.fromkeys(word.lstrip("+-") for word in words):
-            exact = round(float(word) / (math.pi / 2)) * (math.pi / 2)
-            if EXACT_ANGLE < abs(float(word) - exact) < ALMOST_ANGLE:
-                rounded.setdefault(f"{exact!r}" if exact else "0", []).append(word)
+        words = [
+            word.lstrip("+-") for origin in origins if origin is not None for word in origin.get("rpy", "").split()
+        ]
+    rounded = [word for word in words if EXACT_ANGLE < abs(math.remainder(float(word), math.pi / 2)) < ALMOST_ANGLE]
     if not rounded:
         return "if the drawing says so, write the chain's origins and axes with 16 digits"
-    return (
-        f"write {'; '.join(f'{exact} for {_first(words, WORDS)}' for exact, words in rounded.items())} in <origin rpy>"
-    )
+    given = _first(list(dict.fromkeys(rounded)), WORDS)
+    return f"write multiples of {math.pi / 2!r} for {given} in <origin rpy>"
 
 
 # -- collisions --------------------------------------------------------------------------------------------------------

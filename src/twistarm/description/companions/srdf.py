@@ -174,7 +174,7 @@ def _semantics(text: str, reading: Reading) -> Semantics:
         checked_pairs=frozenset(pair(*both) for both in pairs(robot, "enable_collisions", "link1", "link2")),
         passive_joints=names(robot, "passive_joint"),
         virtual_joints=names(robot, "virtual_joint"),
-        findings=tuple(reading.findings.kept),
+        findings=tuple(reading.findings),
     )
 
 

@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from ...limits.actuators import Actuators
-from ...support.c_text import c_number, c_string, c_strings, identifier_of
 from ...support.checks import Array, as_flag
-from ...support.templates import filled
+from ...support.code_text import c_number, c_string, c_strings, filled, identifier_of
 from ..piecewise import derivative, rescaled
 from ..trajectory import Trajectory, motors_of, require_motors
 from .motor_values import counted
