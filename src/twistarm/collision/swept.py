@@ -194,7 +194,7 @@ class NearPairs(Checker):
         maybe = np.flatnonzero(seen[1] < self.speeds @ (np.abs(theta - seen[0]) + reach))
         if not len(maybe):
             return Near(maybe, np.empty(0), np.empty((0, len(theta))))
-        found = self.measured(theta, maybe)
+        found = self._measured(self._placed(theta), maybe)
         close = found.distances < self.least[maybe] + LOOK + self.speeds[maybe] @ reach
         return found if close.all() else Near(maybe[close], found.distances[close], found.approach[close])
 
@@ -209,17 +209,8 @@ class NearPairs(Checker):
         gaps[close] = self._measured(data, close).distances
         return gaps
 
-    def measured(self, theta: Array, pairs: Indices) -> Near:
-        """These pairs (k,) at theta (n,)."""
-        return self._measured(self._placed(theta), pairs)
-
     def distances_of(self, theta: Array, pairs: Indices) -> list[float]:
-        """The distances [m] of these pairs (k,) at theta (n,), without their directions.
-
-        Args:
-            theta: The configuration (n,).
-            pairs: Which pairs.
-        """
+        """The distances [m] of these pairs (k,) at theta (n,), without their directions."""
         geometry, pin = self._own()[1], self._pin
         pin.updateGeometryPlacements(
             self._model.model, self._model.data, self._geometry, geometry, self._model.q(theta)
