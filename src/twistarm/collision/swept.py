@@ -194,7 +194,7 @@ class NearPairs(Checker):
         maybe = np.flatnonzero(seen[1] < self.speeds @ (np.abs(theta - seen[0]) + reach))
         if not len(maybe):
             return Near(maybe, np.empty(0), np.empty((0, len(theta))))
-        found = self._measured(self._placed(theta), maybe)
+        found = self.measured(theta, maybe)
         close = found.distances < self.least[maybe] + LOOK + self.speeds[maybe] @ reach
         return found if close.all() else Near(maybe[close], found.distances[close], found.approach[close])
 
@@ -208,6 +208,10 @@ class NearPairs(Checker):
         close = np.flatnonzero(gaps < self.least + 4.0 * LOOK)
         gaps[close] = self._measured(data, close).distances
         return gaps
+
+    def measured(self, theta: Array, pairs: Indices) -> Near:
+        """These pairs (k,) at theta (n,)."""
+        return self._measured(self._placed(theta), pairs)
 
     def distances_of(self, theta: Array, pairs: Indices) -> list[float]:
         """The distances [m] of these pairs (k,) at theta (n,), without their directions."""
