@@ -79,9 +79,8 @@ def test_every_rounded_angle_is_named_as_it_is_written(tmp_path: Path) -> None:
         text = text.replace('rpy="0 0 0"', f'rpy="{word} 0 {word}"', 1)
         mended = mended.replace('rpy="0 0 0"', f'rpy="{instead} 0 {instead}"', 1)
     (said,) = [one for one in diagnose(write(tmp_path, text)) if one.code == "axes-almost-exact"]
-    assert said.remedy.startswith(
-        f"write {math.pi / 2!r} for 1.5708, 1.57079; 0 for 1.44901112074e-7, 3.2047474e-07 in <origin rpy>"
-    )
+    assert "1.5708, 1.57079, 1.44901112074e-7, 3.2047474e-07" in said.remedy
+    assert repr(math.pi / 2) in said.remedy
     assert "axes-almost-exact" not in codes(write(tmp_path, mended))
 
 

@@ -30,58 +30,45 @@ def repaired(folder: Path, text: str, name: str = "arm.urdf") -> tuple[str, Repa
     return made.text, made
 
 
+MESH = '<visual><geometry><mesh filename="$(find our_arm)/x.stl" scale="0.001"/></geometry></visual>'
+BODY = '<inertial><mass value="1kg"/></inertial>'
+STILL = joint("f", "tool0", "x", kind="fixed", inside='<axis xyz="0 0 0"/>')
+
+
+def on_upper(inside: str) -> str:
+    return two_joints().replace('<link name="upper"/>', f'<link name="upper">{inside}</link>')
+
+
 REPAIRS = {
-    "an axis is normalised": (
-        two_joints(inside='<axis xyz="0 0 2"/>'),
-        ['<axis xyz="0.0 0.0 1.0"/>'],
-        ["joint 'a': axis 0 0 2 normalised"],
-    ),
+    "an axis is normalised": (two_joints(inside='<axis xyz="0 0 2"/>'), ['<axis xyz="0.0 0.0 1.0"/>'], 1),
     "a hinge without bounds is continuous": (
         two_joints(inside='<limit velocity="2" effort="3"/>'),
         ['<joint name="a" type="continuous">', '<limit velocity="2" effort="3"/>'],
-        ["joint 'a': revolute without bounds made continuous, as twistarm reads it"],
+        1,
     ),
     "rates that are missing or negative become 0": (
         two_joints(inside='<limit lower="-1" upper="1" effort="-1"/>'),
         ['<limit lower="-1" upper="1" effort="0" velocity="0"/>'],
-        [
-            "joint 'a': velocity absent made 0, which is read as not given",
-            "joint 'a': effort -1 made 0, which is read as not given",
-        ],
+        2,
     ),
     "a zero axis on a fixed joint goes": (
-        robot(joint("a", "base_link", "tool0"), joint("f", "tool0", "x", kind="fixed", inside='<axis xyz="0 0 0"/>'),
-              links=("base_link", "tool0", "x")),
+        robot(joint("a", "base_link", "tool0"), STILL, links=("base_link", "tool0", "x")),
         ['<origin xyz="0 0 0.5" rpy="0 0 0"/></joint></robot>'],
-        ["joint 'f': the axis '0 0 0' of a fixed joint taken out"],
+        1,
     ),
     "find becomes package": (
-        two_joints().replace(
-            '<link name="upper"/>',
-            '<link name="upper"><visual><geometry><mesh filename="$(find our_arm)/x.stl" scale="0.001"/></geometry>'
-            "</visual></link>",
-        ),
-        ['<mesh filename="package://our_arm/x.stl" scale="0.001 0.001 0.001"/>'],
-        [
-            "mesh path '$(find our_arm)/x.stl' made 'package://our_arm/x.stl'",
-            "mesh scale '0.001' made '0.001 0.001 0.001'",
-        ],
+        on_upper(MESH), ['<mesh filename="package://our_arm/x.stl" scale="0.001 0.001 0.001"/>'], 2
     ),
-    "an inertia that is none goes": (
-        two_joints().replace(
-            '<link name="upper"/>', '<link name="upper"><inertial><mass value="1kg"/></inertial></link>'
-        ),
-        ['<link name="upper"></link>'],
-        ["link 'upper': its <inertial> lacks <mass> or <inertia>; taken out"],
-    ),
+    "an inertia that is none goes": (on_upper(BODY), ['<link name="upper"></link>'], 1),
 }  # fmt: skip
+"""A description, what its copy holds, and the number of changes."""
 
 
 @pytest.mark.parametrize("case", REPAIRS)
 def test_safe_repairs(case: str, tmp_path: Path) -> None:
-    text, there, changes = REPAIRS[case]
+    text, there, count = REPAIRS[case]
     copy, made = repaired(tmp_path, text)
-    assert list(made.changes) == changes
+    assert len(made.changes) == count
     assert all(part in copy for part in there)
     assert made.complaint == ""
     assert pinocchio.buildModelFromXML(copy).nq >= 1
@@ -149,33 +136,29 @@ def test_a_slide_without_bounds_is_left_to_its_owner(tmp_path: Path) -> None:
 
 
 def test_the_original_is_never_touched(tmp_path: Path) -> None:
-    path = write(tmp_path, two_joints(inside='<axis xyz="0 0 2"/>'))
+    text = two_joints(inside='<axis xyz="0 0 2"/>')
+    path = write(tmp_path, text)
     (tmp_path / "link.urdf").symlink_to(path)
-    description = read_description(path)
-    for name in ("arm.urdf", "link.urdf"):
-        with pytest.raises(InputError, match="is the description itself, which stays unchanged: give another name"):
-            repair(description, tmp_path / name)
-    for name in ("copy.xacro", "copy.urdf.xacro", "arm.toml", "copy"):
-        with pytest.raises(InputError, match=r"the repaired copy is plain URDF: name it \*\.urdf"):
-            repair(description, tmp_path / name)
-    assert path.read_text() == two_joints(inside='<axis xyz="0 0 2"/>')
+    for name in ("arm.urdf", "link.urdf", "copy.xacro", "copy.urdf.xacro", "arm.toml", "copy"):
+        with pytest.raises(InputError, match=r"arm\.urdf|link\.urdf|\*\.urdf"):
+            repair(read_description(path), tmp_path / name)
+    assert path.read_text() == text
     assert sorted(file.name for file in tmp_path.iterdir()) == ["arm.urdf", "link.urdf"]
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "culprit"),
     [
-        ('xyz="0 0 0.5"', 'xyz="0 0 0.6"', "its links stand 0.1 off"),
-        ('lower="-1"', 'lower="-2"', "joint 'a' has another lower"),
-        ('name="upper"', 'name="uper"', "its links are others"),
-        ('type="revolute"', 'type="prismatic"', "joint 'a' has another type"),
+        ('xyz="0 0 0.5"', 'xyz="0 0 0.6"', "0.1"),
+        ('lower="-1"', 'lower="-2"', "lower"),
+        ('name="upper"', 'name="uper"', "links"),
+        ('type="revolute"', 'type="prismatic"', "type"),
     ],
 )
-def test_a_copy_that_is_another_robot_would_be_seen(old: str, new: str, said: str, tmp_path: Path) -> None:
+def test_a_copy_that_is_another_robot_would_be_seen(old: str, new: str, culprit: str, tmp_path: Path) -> None:
     one = read_description(write(tmp_path, two_joints()))
     text = two_joints().replace(old, new, 1).replace('link="upper"', 'link="uper"' if "uper" in new else 'link="upper"')
-    other = read_description(write(tmp_path, text, "other.urdf"))
-    assert difference(one, other) == said
+    assert culprit in difference(one, read_description(write(tmp_path, text, "other.urdf")))
 
 
 def test_an_element_goes_with_the_line_it_stands_on_alone() -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from finding_cases import CASES, FAULTS, Case
 from twistarm import diagnose, load_arm
-from twistarm.description.findings import CODES, MOST_OF_A_KIND, Finding, Findings, Place, codes_page, finding
+from twistarm.description.findings import CODES, Finding, codes_page
 from twistarm.support.errors import ComparisonError, DescriptionError
 from urdf_text import two_joints, write
 
@@ -86,11 +86,3 @@ def raising(error: Exception) -> Callable[[object], None]:
 
 def test_the_list_in_docs_is_the_list_in_the_code() -> None:
     assert DOCS.read_text("utf-8") == codes_page(), "write it anew: twistarm doctor --codes > docs/findings.md"
-
-
-def test_of_one_code_the_first_are_told_and_all_are_counted() -> None:
-    noted, place = Findings(), Place("arm.urdf")
-    noted.take(finding("name-unusable", place, f"{k}", "") for k in range(MOST_OF_A_KIND + 50))
-    noted.take([finding("not-a-tree", place, "a circle", "")])
-    told = [one.what for one in noted.told(place)]
-    assert told == [*map(str, range(MOST_OF_A_KIND)), "a circle", "the same is so 50 times more"]

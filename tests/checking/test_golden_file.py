@@ -164,43 +164,31 @@ def turning(folder: Path, base: str, tool: str = "0.1 0.05 0", **rpy: str) -> Ar
     return load_arm(write(folder, robot(*parts, mount, links=links)))
 
 
-def about_y(angle: float) -> np.ndarray:
-    return np.array([[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]])
+@pytest.mark.parametrize("base", ["0 0 0.2", "1 -2 0.7"])
+@pytest.mark.parametrize("lifted", [0.0, 0.03])
+def test_what_a_turned_origin_carries(base: str, lifted: float, tmp_path: Path) -> None:
+    """Joint b's own axis stays, and c's turns about b by 0.3 rad, wherever the base is.
+
+    c's axis goes through (0, 0, 0.1) beyond b and is nearest the tool at (0.3, 0, 0.1). A tool that is lifted on its
+    mount does not just ride on c: its own motion is a change.
+    """
+    freeze(turning(tmp_path, base), tmp_path / "g.json")
+    now = turning(tmp_path, base, tool=f"0.1 0.05 {lifted}", b="0 0.3 0")
+    R = np.array([[np.cos(0.3), 0, np.sin(0.3)], [0, 1, 0], [-np.sin(0.3), 0, np.cos(0.3)]])
+    at = np.array([0.3, 0.0, 0.1])
+    moved = R @ at - at
+    if lifted:  # then c has turned by the least motion: its line's distance from where it was nearest
+        gap = R @ [0.0, 0.0, 0.1] - at
+        moved = gap - R[:, 0] * (R[:, 0] @ gap)
+    tool = R @ [0.3, 0.05, 0.1 + lifted] - [0.3, 0.05, 0.1]
+    expected = ["c 17.2° y", f"c {told(moved)}", f"tool0 {told(tool)}", "tool0 17.2° y"]
+    assert said(compare(now, tmp_path / "g.json").changes, expected if lifted else expected[:2])
 
 
 def told(shift: np.ndarray) -> str:
     """A displacement as the words give it."""
     unit = shift / np.linalg.norm(shift)
     return f"{1e3 * np.linalg.norm(shift):.4g} mm along ({', '.join(f'{x:.2f}' for x in unit)})"
-
-
-@pytest.mark.parametrize("base", ["0 0 0.2", "1 -2 0.7"])
-def test_what_a_turned_origin_carries_is_told_wherever_the_base_is(base: str, tmp_path: Path) -> None:
-    """Joint b's own axis stays; c's axis nearest the tool is (0.3, 0, 0.1) off b, and turns about b by 0.3 rad."""
-    freeze(turning(tmp_path, base), tmp_path / "g.json")
-    at = np.array([0.3, 0.0, 0.1])
-    expected = told(about_y(0.3) @ at - at)
-    assert compare(turning(tmp_path, base, b="0 0.3 0"), tmp_path / "g.json").changes == (
-        "joint c turned by 17.2° about y",
-        f"joint c moved {expected} where it is nearest the tool",
-    )
-
-
-@pytest.mark.parametrize("base", ["0 0 0.2", "1 -2 0.7"])
-def test_a_tool_that_does_not_just_ride_is_told_by_its_own_motion(base: str, tmp_path: Path) -> None:
-    freeze(turning(tmp_path, base), tmp_path / "g.json")
-    then, now = np.array([0.3, 0.05, 0.1]), about_y(0.3) @ [0.3, 0.05, 0.13]
-    difference = compare(turning(tmp_path, base, tool="0.1 0.05 0.03", b="0 0.3 0"), tmp_path / "g.json")
-    assert difference.changes[0] == "joint c turned by 17.2° about y"
-    # The line c through (0, 0, 0.1) beyond b, turned about b: its distance from where the tool was nearest to it.
-    R, at = about_y(0.3), np.array([0.3, 0.0, 0.1])
-    gap = R @ [0.0, 0.0, 0.1] - at
-    across = gap - R[:, 0] * (R[:, 0] @ gap)
-    assert difference.changes[1] == f"joint c moved {told(across)} where it is nearest the tool"
-    assert difference.changes[2:] == (
-        f"tool tool0 moved {told(now - then)} in all",
-        "tool tool0 turned by 17.2° about y in all",
-    )
 
 
 MOTORS = """source = "arm.urdf"

@@ -70,7 +70,7 @@ def test_a_line_is_planned_to_a_typed_position(capsys: Capture) -> None:
 @pytest.mark.parametrize(
     ("text", "culprit"),
     [
-        ("", "no segment"),
+        ("", "'segment'"),
         ("[[segment]\n", "TOML"),
         ("[[segment]]\njont = 'ready'", "'jont'"),
         ("[[segment]]\nline = { xyz = [1, 2] }", "xyz"),

@@ -72,23 +72,14 @@ def tiny(inside: str) -> str:
 
 
 REFUSED = {
-    "a group without a name": (tiny('<group><joint name="a"/></group>'), "arm.srdf:2: group: it has no name=; add"),
-    "a group twice": (tiny('<group name="g"/><group name="g"/>'), "arm.srdf:2: group 'g': a group of this"),
-    "groups without end": (
-        tiny("".join(f'<group name="g{i}"/>' for i in range(201))),
-        "it has 201 elements <group>; allowed are",
-    ),
-    "another root": ("<sdf/>", "its root element is <sdf>; is it an SRDF file?"),
-    "no name": ("<robot/>", "arm.srdf:1: robot: it has no name="),
-    "a document type": ("<!DOCTYPE r [<!ENTITY a 'b'>]><robot name='t'/>", "a document type (<!DOCTYPE r>)"),
-    "more silent links than any robot has": (
-        tiny('<disable_default_collisions link="l"/>' * 201),
-        "it has 201 elements <disable_default_collisions>; allowed are 200",
-    ),
-    "too large": (
-        "<robot name='t'>" + " " * 1_000_000 + "</robot>",
-        "it has 1,000,024 bytes; at most 1,000,000 are read",
-    ),
+    "a group without a name": (tiny('<group><joint name="a"/></group>'), "arm.srdf:2: group"),
+    "a group twice": (tiny('<group name="g"/><group name="g"/>'), "arm.srdf:2: group 'g'"),
+    "groups without end": (tiny("".join(f'<group name="g{i}"/>' for i in range(201))), "201 elements <group>"),
+    "another root": ("<sdf/>", "<sdf>"),
+    "no name": ("<robot/>", "arm.srdf:1: robot"),
+    "a document type": ("<!DOCTYPE r [<!ENTITY a 'b'>]><robot name='t'/>", "<!DOCTYPE r>"),
+    "silent links": (tiny('<disable_default_collisions link="l"/>' * 201), "201 elements <disable_default_collisions>"),
+    "too large": ("<robot name='t'>" + " " * 1_000_000 + "</robot>", "1,000,024 bytes"),
 }
 
 

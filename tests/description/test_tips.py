@@ -8,7 +8,7 @@ import pytest
 
 from skeletons import skeleton
 from twistarm import DescriptionError, load_arm
-from twistarm.description.tips.choice import SHOWN, candidates, choose_ends, note_choice
+from twistarm.description.tips.choice import SHOWN, choose_ends, note_choice
 from twistarm.description.tree import Description
 from twistarm.description.urdf import read_description
 from urdf_text import write
@@ -113,7 +113,6 @@ def test_the_tip_is_the_link_that_a_person_would_name(case: str, tmp_path: Path)
     choice = choose_ends(description)
     assert (choice.base, choice.tip) == (description.root, tip)
     assert tip not in choice.others
-    assert candidates(description)[0] == tip, "and the likeliest of those listed where one must be named"
 
 
 @pytest.mark.parametrize("case", ROVERS)
@@ -129,14 +128,12 @@ def test_on_a_rover_the_arm_is_taken_from_its_own_first_link(case: str, tmp_path
 @pytest.mark.parametrize("case", ASKED)
 def test_what_is_equal_is_asked(case: str, tmp_path: Path) -> None:
     text, equal = ASKED[case]
-    description = described(text, tmp_path)
     with pytest.raises(DescriptionError) as caught:
-        choose_ends(description)
+        choose_ends(described(text, tmp_path))
     (asked,) = caught.value.findings
     assert asked.code == "no-tip"
     assert all(repr(link) in asked.what for link in equal)
-    assert candidates(description)[: len(equal)] == equal
-    assert candidates(description)[0] in asked.remedy
+    assert not equal or repr(equal[0]) in asked.remedy
 
 
 def test_without_a_moving_joint_there_is_nothing_to_ask(tmp_path: Path) -> None:
@@ -151,9 +148,9 @@ def test_what_does_not_turn_against_each_other_is_no_pair_of_fingers(tmp_path: P
     assert choose_ends(read_description(write(tmp_path, text))).tip == "l6"
     before, joint, after = text.partition('<joint name="to l8"')
     path = write(tmp_path, before + joint + after.replace('axis xyz="0 0 1"', 'axis xyz="1 0 0"', 1))
-    with pytest.raises(DescriptionError):
+    with pytest.raises(DescriptionError) as caught:
         choose_ends(read_description(path))
-    assert candidates(read_description(path))[:2] == ("l7", "l8")
+    assert "'l7'" in caught.value.findings[0].remedy
 
 
 def test_with_a_base_the_tip_is_looked_for_beyond_it(tmp_path: Path) -> None:
@@ -179,9 +176,9 @@ def test_without_a_choice_there_is_no_finding(text: str, tmp_path: Path) -> None
 
 
 def test_of_many_candidates_the_likeliest_are_listed(tmp_path: Path) -> None:
-    legs = " | ".join(f"R> c{i} R> f{i}" for i in range(20))
-    description = described(f"body [R> a R> b R> c | {legs} | R> d R> e R> f]", tmp_path)
-    assert candidates(description)[:3] == ("c", "f", "f0")
+    arms = " | ".join(f"R> a{i} R> b{i}" for i in range(20))
     with pytest.raises(DescriptionError) as caught:
-        choose_ends(description)
-    assert caught.value.findings[0].what.count("joints)") == SHOWN
+        choose_ends(described(f"body [{arms} | R> d R> e R> f]", tmp_path))
+    (asked,) = caught.value.findings
+    assert asked.what.count("joints)") == SHOWN
+    assert "'f'" in asked.remedy

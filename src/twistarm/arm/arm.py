@@ -42,12 +42,15 @@ from . import engine
 from .almost_exact import almost_exact, rounding_of
 from .configurations import Configurations, theta_by_joint, usual_ready
 from .pinocchio_model import PinocchioModel, why_no_pinocchio
-from .ready_pose.merit import RANK_SAMPLES, Mechanism
+from .ready_pose.merit import Mechanism
 from .ready_pose.overlaps import overlapping_links
 from .ready_pose.search import round_configuration
 from .roll_axis import roll_axis
 
 NOTHING: Mapping[str, float] = MappingProxyType({})
+
+RANK_SAMPLES = 16
+"""Random configurations that show the rank of an arm. Almost every one has it."""
 
 
 class Coupling(NamedTuple):
@@ -199,7 +202,7 @@ class Arm:
         if self.description is not None and not why_no_pinocchio():
             places = self.pinocchio, self.description, self.base, self.moving_names[0], self.reach
             overlapping = overlapping_links(*places, self.disabled_collisions)
-        return frozen(round_configuration(self._mechanism, self.limits, self.sampling_bounds, overlapping))
+        return frozen(round_configuration(self._mechanism, self.sampling_bounds, overlapping))
 
     @property
     def _mechanism(self) -> Mechanism:

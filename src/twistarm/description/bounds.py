@@ -23,7 +23,6 @@ WIDE = 1e9
 """The number for "no limit" in a URDF, whose readers refuse infinity. Read as infinity, like any more."""
 
 LIMIT_NAMES = ("lower", "upper", "velocity", "effort")
-LATER_NAMES = ("acceleration", "deceleration", "jerk")
 SOFT_NAMES = ("soft_lower_limit", "soft_upper_limit")
 
 MOST_SHOWN = 12
@@ -56,7 +55,7 @@ def read_axis(element: ET.Element, kind: str, reading: Reading) -> tuple[Array, 
 
 def limit_numbers(element: ET.Element, reading: Reading) -> dict[str, float]:
     """The numbers that the joint's `<limit>` gives."""
-    return _numbers(element, "limit", (*LIMIT_NAMES, *LATER_NAMES), reading)
+    return _numbers(element, "limit", (*LIMIT_NAMES, "acceleration", "deceleration", "jerk"), reading)
 
 
 def read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], reading: Reading) -> Bounds:

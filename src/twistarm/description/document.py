@@ -16,7 +16,7 @@ from xml.parsers import expat
 from ..support.errors import DescriptionError, InputError
 from ..support.fields import number_in
 from ..support.files import as_path, read_bounded, why_no_file
-from .findings import Findings, Place, finding, refusal, refused
+from .findings import Finding, Place, finding, refusal, refused
 from .packages import PackageIndex
 
 LARGEST = 1e9
@@ -51,7 +51,7 @@ class Reading:
     packages: PackageIndex
     lines: dict[ET.Element, int] = field(default_factory=dict)
     show_lines: bool = True
-    findings: Findings = field(default_factory=Findings)
+    findings: list[Finding] = field(default_factory=list)
 
     def place(self, element: ET.Element | None = None) -> Place:
         """The place of an element: file, line, tag and name. Without an element, the file."""
@@ -71,7 +71,7 @@ class Reading:
     def note(self, code: str, at: Place | ET.Element | None, what: str, remedy: str, *, repaired: bool = False) -> None:
         """Add a finding about an element, another place, or the file as a whole."""
         place = at if isinstance(at, Place) else self.place(at)
-        self.findings.take([finding(code, place, what, remedy, repaired=repaired)])
+        self.findings.append(finding(code, place, what, remedy, repaired=repaired))
 
     def error(self, element: ET.Element, code: str, what: str, remedy: str = "") -> DescriptionError:
         """The error for an element that cannot be repaired."""
@@ -79,8 +79,8 @@ class Reading:
 
     def require_usable(self) -> None:
         """Raise DescriptionError if anything noted so far is an error."""
-        if any(noted.severity == "error" for noted in self.findings.kept):
-            raise refused(self.findings.told(self.place()))
+        if any(noted.severity == "error" for noted in self.findings):
+            raise refused(self.findings)
 
 
 _NOTED: ContextVar[set[Path] | None] = ContextVar("noted", default=None)
@@ -121,14 +121,15 @@ def read_text(path: Path, most: int = MAX_BYTES) -> str:
     try:
         data = read_bounded(path, most)
     except (OSError, ValueError) as error:
-        told, place = str(getattr(error, "strerror", None) or error), Place(str(path))
-        number = getattr(error, "errno", None)
-        if number == errno.EFBIG:
-            raise refusal("file-unreadable", place, told, "is it the right file?") from error
-        if number == errno.EINVAL:
-            raise refusal("file-unreadable", place, told, "give a file") from error
-        remedy = "is the path right?" if number == errno.ENOENT else "check the disk and the file's permissions"
-        raise refusal("file-unreadable", place, f"cannot be read: {told}", remedy) from error
+        told, number = str(getattr(error, "strerror", None) or error), getattr(error, "errno", None)
+        what = told if number in (errno.EFBIG, errno.EINVAL) else f"cannot be read: {told}"
+        remedies = {
+            errno.EFBIG: "is it the right file?",
+            errno.EINVAL: "give a file",
+            errno.ENOENT: "is the path right?",
+        }
+        remedy = remedies.get(number or 0, "check the disk and the file's permissions")
+        raise refusal("file-unreadable", Place(str(path)), what, remedy) from error
     return decoded(data)
 
 
@@ -156,6 +157,9 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
     open_tags: list[str] = []
     parts = 0
 
+    def refused_here(what: str, remedy: str) -> DescriptionError:
+        return refusal("xml-malformed", replace(reading.whole, line=parser.CurrentLineNumber), what, remedy)
+
     def start(tag: str, attributes: dict[str, str]) -> None:
         nonlocal parts
         open_tags.append(tag)
@@ -163,9 +167,7 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
         if parts > MAX_PARTS:
             raise _too_many(reading)
         if len(open_tags) > MAX_NESTING:
-            place = replace(reading.whole, line=parser.CurrentLineNumber)
-            what = f"elements are nested more than {MAX_NESTING} deep"
-            raise refusal("xml-malformed", place, what, "is it a robot's description?")
+            raise refused_here(f"elements are nested more than {MAX_NESTING} deep", "is it a robot's description?")
         reading.lines[builder.start(tag, attributes)] = parser.CurrentLineNumber
 
     def end(tag: str) -> None:
@@ -173,9 +175,7 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
         builder.end(tag)
 
     def refuse(name: str, *_: object) -> None:
-        place = replace(reading.whole, line=parser.CurrentLineNumber)
-        what = f"a document type (<!DOCTYPE {name}>) is not allowed"
-        raise refusal("xml-malformed", place, what, "remove it")
+        raise refused_here(f"a document type (<!DOCTYPE {name}>) is not allowed", "remove it")
 
     parser.StartElementHandler = start
     parser.EndElementHandler = end

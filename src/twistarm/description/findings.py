@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from ..support.errors import DescriptionError, one_line
@@ -101,9 +100,6 @@ CODES: dict[str, Code] = {
 """Every code a finding may carry. `docs/findings.md` is made from this table."""
 
 
-MOST_OF_A_KIND = 100
-"""Most findings of one code. A generated file may have one in every element."""
-
 LONGEST_PLACE, LONGEST_WHAT = 300, 1000
 """Characters: names in a description may have thousands."""
 
@@ -147,28 +143,6 @@ class Finding:
         """Severity, place, what and remedy in one message."""
         parts = {"severity": self.severity, "place": self.place, "what": self.what, "remedy": self.remedy}
         return Text("{severity}: {place}: {what} ({remedy})", **parts)
-
-
-@dataclass
-class Findings:
-    """The findings of a reading. It counts all, and keeps the first of each code."""
-
-    kept: list[Finding] = field(default_factory=list)
-    _counts: Counter[str] = field(default_factory=Counter)
-
-    def take(self, findings: Iterable[Finding]) -> None:
-        """Add some."""
-        for one in findings:
-            self._counts[one.code] += 1
-            if self._counts[one.code] <= MOST_OF_A_KIND:
-                self.kept.append(one)
-
-    def told(self, place: Place) -> tuple[Finding, ...]:
-        """The kept findings, and for each code with more their number, at `place`."""
-        more = {code: count - MOST_OF_A_KIND for code, count in self._counts.items() if count > MOST_OF_A_KIND}
-        remedy = "correct the listed ones: this may cure the others too"
-        rest = (finding(code, place, f"the same is so {many} times more", remedy) for code, many in more.items())
-        return (*self.kept, *rest)
 
 
 def finding(code: str, place: Place, what: str, remedy: str, *, repaired: bool = False) -> Finding:

@@ -62,15 +62,17 @@ def drop_unusable_inertials(robot: ET.Element, reading: Reading) -> None:
     for link in robot.findall("link"):
         first = link.find("inertial")
         link[:] = [child for child in link if child.tag != "inertial" or child is first]
-        for inertial in link.findall("inertial"):
-            problem = inertial_problem(inertial)
-            if problem:
-                link.remove(inertial)
-                what = f"its <inertial> {problem}; the link counts as massless"
-                remedy = "write mass in kg and the six inertias in kg m² as plain numbers"
-                reading.note("inertial-unusable", link, what, remedy, repaired=True)
-            else:
-                _write_plainly(inertial)
+        if first is None:
+            continue
+        if problem := inertial_problem(first):
+            link.remove(first)
+            what = f"its <inertial> {problem}; the link counts as massless"
+            remedy = "write mass in kg and the six inertias in kg m² as plain numbers"
+            reading.note("inertial-unusable", link, what, remedy, repaired=True)
+        # Pinocchio takes a number with space around it for zero, and all six if one is missing.
+        for element in (*first.findall("mass"), *first.findall("inertia")):
+            for name in ("value",) if element.tag == "mass" else INERTIA:
+                element.set(name, element.get(name, "0").strip())
 
 
 def inertial_problem(inertial: ET.Element) -> str:
@@ -86,10 +88,3 @@ def inertial_problem(inertial: ET.Element) -> str:
     except ValueError as error:
         return f"is malformed ({error})"
     return f"has the negative mass {value:g}" if value < 0 else ""
-
-
-def _write_plainly(inertial: ET.Element) -> None:
-    """Write numbers without space and all six inertias, because Pinocchio else takes them for zero."""
-    for element in (*inertial.findall("mass"), *inertial.findall("inertia")):
-        for name in ("value",) if element.tag == "mass" else INERTIA:
-            element.set(name, element.get(name, "0").strip())

@@ -42,8 +42,15 @@ def split_planar_joints(robot: ET.Element, reading: Reading) -> dict[str, str]:
             normal, _ = read_axis(joint, "planar", reading)
         except DescriptionError:
             continue
-        _note_limits(joint, reading)
-        names = _coordinates(joint, joints, reading)
+        names = coordinate_names(joint.get("name", ""))
+        if given := [name for limit in joint.findall("limit") for name in limit.attrib]:
+            what = f"its <limit> gives {', '.join(given)}, one number for slides and turn alike; taken as unbounded"
+            reading.note("limits-adjusted", joint, what, f"give limits of {', '.join(names)} in arm.toml")
+        if clash := joints.intersection(names):
+            what = f"its coordinates are named {', '.join(names)}, and there is a joint {min(clash)!r} already"
+            raise reading.error(joint, "name-unusable", what, "rename one")
+        joints.discard(joint.get("name", ""))
+        joints.update(names)
         between = [free_name(f"{name}_link", links) for name in names[:2]]
         made[joint] = _parts(joint, names, between, plane_axes(normal))
         new_links = [ET.Element("link", name=name) for name in between]
@@ -53,18 +60,6 @@ def split_planar_joints(robot: ET.Element, reading: Reading) -> dict[str, str]:
         robot.extend(new_links)
     robot[:] = [part for element in robot for part in made.get(element, [element])]
     return whole
-
-
-def _coordinates(joint: ET.Element, taken: set[str], reading: Reading) -> tuple[str, str, str]:
-    """The names of the three joints. They replace the joint's name in `taken`."""
-    names = coordinate_names(joint.get("name", ""))
-    for name in names:
-        if name in taken:
-            what = f"its coordinates are named {', '.join(names)}, and there is a joint {name!r} already"
-            raise reading.error(joint, "name-unusable", what, "rename one")
-    taken.discard(joint.get("name", ""))
-    taken.update(names)
-    return names
 
 
 def _parts(joint: ET.Element, names: tuple[str, str, str], between: list[str], axes: Array) -> list[ET.Element]:
@@ -92,14 +87,6 @@ def free_name(name: str, taken: set[str]) -> str:
         name += "_"
     taken.add(name)
     return name
-
-
-def _note_limits(joint: ET.Element, reading: Reading) -> None:
-    given = [name for limit in joint.findall("limit") for name in limit.attrib]
-    if given:
-        names = ", ".join(coordinate_names(joint.get("name", "")))
-        what = f"its <limit> gives {', '.join(given)}, one number for slides and turn alike; taken as unbounded"
-        reading.note("limits-adjusted", joint, what, f"give limits of {names} in arm.toml")
 
 
 def _refuse_mimics(robot: ET.Element, planar: set[str], reading: Reading) -> None:

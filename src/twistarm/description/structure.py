@@ -1,9 +1,13 @@
-"""Checks that a description is a tree: one root, each link defined once and reached once."""
+"""Checks of a URDF's elements: a tree with one root, each link defined and reached once, and words that nobody reads.
+
+As in urdfdom, an attribute of a later version of URDF counts from that version on.
+"""
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections import Counter
+from difflib import get_close_matches
 
 from ..support.errors import closest, listed
 from .document import Reading
@@ -11,7 +15,6 @@ from .findings import refusal
 
 MAX_LINKS_DEEP = 1000
 """Longest chain of links. Pinocchio's parser overflows its stack at some 4,000."""
-
 
 MAX_PARTS = {"link": 4_000, "joint": 4_000, "visual": 10_000, "collision": 10_000}
 """The largest robots have some 150 links and 300 shapes, a whole cell a few thousand. Pinocchio compares each name with
@@ -23,46 +26,66 @@ MAX_NAME = 500
 MOST_HINTS = 10
 """Most mistakes with a closest name. Each search goes through all names."""
 
+VERSIONS = ("1.0", "1.1", "1.2")
+
+LATER = {"quat_xyzw": "1.1", "acceleration": "1.2", "deceleration": "1.2", "jerk": "1.2"}
+"""Attributes of later versions, with their version."""
+
+ATTRIBUTES = {
+    "origin": ("xyz", "rpy", "quat_xyzw"),
+    "axis": ("xyz",),
+    "limit": ("lower", "upper", "velocity", "effort", "acceleration", "deceleration", "jerk"),
+    "mimic": ("joint", "multiplier", "offset"),
+    "parent": ("link",),
+    "child": ("link",),
+}
+"""Elements of a joint that the kinematics depends on, with their attributes."""
+
+SIMILAR = 0.75
+"""Similarity of a word and its misspelling: `orgin` is one, `physics` belongs to another tool."""
+
 
 def check_structure(robot: ET.Element, reading: Reading) -> None:
     """Raise DescriptionError unless the description is a tree of named links and joints."""
     links, joints = robot.findall("link"), robot.findall("joint")
-    _check_counts(robot, reading)
+    counts = Counter(element.tag for element in (*robot, *(shape for link in links for shape in link)))
+    for tag, most in MAX_PARTS.items():
+        if counts[tag] > most:
+            what = f"it has {counts[tag]:,} elements <{tag}>; at most {most:,} are read"
+            raise refusal("too-large", reading.whole, what, "is it a whole scene? leave out all but the robot")
     if not links:
         raise refusal("no-robot", reading.whole, "it has no links", "is it a robot description?")
     for elements in (links, joints):
         _check_names(elements, reading)
     names = {link.get("name", "") for link in links}
+    movers: dict[str, ET.Element] = {}
     for joint in joints:
         for end in ("parent", "child"):
             _check_end(joint, end, names, reading)
     reading.require_usable()
-    _check_parents(joints, reading)
+    for joint in joints:
+        child = end_of(joint, "child")
+        if child in movers:
+            what = f"link {child!r} has two parents: joint {movers[child].get('name')!r} moves it too"
+            reading.note("not-a-tree", joint, what, "remove one joint")
+        movers[child] = joint
     reading.require_usable()
     _check_connected(robot, reading)
 
 
-def _check_counts(robot: ET.Element, reading: Reading) -> None:
-    counts = Counter(element.tag for element in robot if element.tag in MAX_PARTS)
-    counts.update(shape.tag for link in robot.findall("link") for shape in link if shape.tag in MAX_PARTS)
-    for tag, most in MAX_PARTS.items():
-        if counts[tag] > most:
-            what = f"it has {counts[tag]:,} elements <{tag}>; at most {most:,} are read"
-            raise refusal("too-large", reading.whole, what, "is it a whole scene? leave out all but the robot")
-
-
 def _check_names(elements: list[ET.Element], reading: Reading) -> None:
     for element in elements:
-        if not element.get("name"):
+        name = element.get("name", "")
+        if not name:
             reading.note("name-unusable", element, "it has no name", "every link and joint needs one")
-        elif len(element.get("name", "")) > MAX_NAME:
-            what = f"its name has {len(element.get('name', '')):,} characters; at most {MAX_NAME} are read"
+        elif len(name) > MAX_NAME:
+            what = f"its name has {len(name):,} characters; at most {MAX_NAME} are read"
             reading.note("name-unusable", element, what, "shorten it")
-    counts = Counter(element.get("name") for element in elements)
-    last = {element.get("name"): element for element in elements}
-    for name, count in counts.items():
-        if name and count > 1:
-            reading.note("name-unusable", last[name], f"the name is used by {count} {last[name].tag}s", "rename one")
+    counts = Counter(element.get("name", "") for element in elements)
+    for name, element in {element.get("name", ""): element for element in elements}.items():
+        if name and counts[name] > 1:
+            what = f"the name is used by {counts[name]} {element.tag}s"
+            reading.note("name-unusable", element, what, "rename one")
 
 
 def _check_end(joint: ET.Element, end: str, names: set[str], reading: Reading) -> None:
@@ -71,19 +94,9 @@ def _check_end(joint: ET.Element, end: str, names: set[str], reading: Reading) -
     if not link:
         reading.note("not-a-tree", joint, f"it has no <{end} link=…>", f"name its {end} link")
     elif link not in names:
-        hint = closest(link, names) if len(reading.findings.kept) < MOST_HINTS else ""
+        hint = closest(link, names) if len(reading.findings) < MOST_HINTS else ""
         remedy = f"define it, or correct the name{hint}"
         reading.note("not-a-tree", joint, f"its {end} link {link!r} is not defined", remedy)
-
-
-def _check_parents(joints: list[ET.Element], reading: Reading) -> None:
-    first: dict[str, ET.Element] = {}
-    for joint in joints:
-        child = end_of(joint, "child")
-        if child in first:
-            what = f"link {child!r} has two parents: joint {first[child].get('name')!r} moves it too"
-            reading.note("not-a-tree", joint, what, "remove one joint")
-        first[child] = joint
 
 
 def end_of(joint: ET.Element, end: str) -> str:
@@ -99,15 +112,14 @@ def root_links(robot: ET.Element) -> list[str]:
 
 def _check_connected(robot: ET.Element, reading: Reading) -> None:
     """Check for one root, no cycle, and a depth that Pinocchio can read."""
-    roots = root_links(robot)
-    if len(roots) > 1:
-        what = f"{len(roots)} root links: {listed(roots)}"
+    level = root_links(robot)
+    if len(level) > 1:
+        what = f"{len(level)} root links: {listed(level)}"
         raise refusal("not-a-tree", reading.whole, what, "a robot has one: join them with fixed joints")
     children: dict[str, list[str]] = {}
     for joint in robot.findall("joint"):
         children.setdefault(end_of(joint, "parent"), []).append(end_of(joint, "child"))
     reached: set[str] = set()
-    level = roots
     depth = 0
     while level:
         depth += 1
@@ -116,7 +128,47 @@ def _check_connected(robot: ET.Element, reading: Reading) -> None:
             raise refusal("too-large", reading.whole, what, "is it generated?")
         reached.update(level)
         level = [child for link in level for child in children.get(link, [])]
-    cyclic = [link.get("name", "") for link in robot.findall("link") if link.get("name") not in reached]
+    cyclic = [name for link in robot.findall("link") if (name := link.get("name", "")) not in reached]
     if cyclic:
         what = f"the joints of {listed(cyclic)} form a cycle"
         raise refusal("not-a-tree", reading.whole, what, "a URDF is a tree: remove one of its joints")
+
+
+def note_unread_words(robot: ET.Element, reading: Reading) -> None:
+    """Note words that no reader of URDF reads in a joint's origin, axis, limits and mimic.
+
+    These are unknown attributes, elements with nearly a name of `ATTRIBUTES`, second elements of a kind (the first
+    counts), an `<axis>` without numbers, which is then x, and attributes that the robot's version does not have. The
+    latter are removed, and the version itself if Pinocchio does not need it. An unknown version is read as the newest.
+    """
+    written = robot.attrib.pop("version", "1.0")
+    version = written if written in VERSIONS else VERSIONS[-1]
+    if written not in VERSIONS:
+        what = f"URDF version {written!r} is not known here; it is read as the newest, and other readers refuse it"
+        reading.note("word-unread", None, what, f"write one of {', '.join(VERSIONS)}")
+    for name, since in LATER.items():
+        tag = "origin" if name == "quat_xyzw" else "limit"
+        those = [element for element in robot.iter(tag) if name in element.attrib]
+        if those and version < since:
+            what = f"{name}= in {len(those)} <{tag}> is not read: URDF {written} does not have it"
+            reading.note("word-unread", None, what, f'write <robot version="{since}"> if it is meant')
+            for element in those:
+                del element.attrib[name]
+        elif those and tag == "origin":
+            robot.set("version", since)
+    for joint in robot.findall("joint"):
+        tags = [element.tag for element in joint]
+        for tag in dict.fromkeys(tags):
+            if tag in ATTRIBUTES and tags.count(tag) > 1:
+                what = f"it has {tags.count(tag)} <{tag}> elements; only the first is read"
+                reading.note("word-unread", joint, what, "keep the one that is meant")
+            elif tag not in ATTRIBUTES and get_close_matches(tag.casefold(), ATTRIBUTES, 1, SIMILAR):
+                remedy = f"correct the name{closest(tag, ATTRIBUTES)}"
+                reading.note("word-unread", joint, f"its <{tag}> means nothing and is not read", remedy)
+        for element in joint:
+            known = ATTRIBUTES.get(element.tag, ())
+            for name in (name for name in element.attrib if known and name not in known and ":" not in name):
+                what = f"{name}= in its <{element.tag}> means nothing and is not read"
+                reading.note("word-unread", joint, what, f"its attributes are {listed(known)}{closest(name, known)}")
+            if element.tag == "axis" and "xyz" not in element.attrib and joint.get("type") not in ("fixed", "floating"):
+                reading.note("word-unread", joint, "its <axis> has no xyz=; taken as 1 0 0", 'write <axis xyz="…"/>')

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
@@ -147,21 +148,26 @@ class Description:
             raise unknown_name(what, link, self.links, within=self.name, listing=listing)
         return link
 
+    @cached_property
+    def joint_to(self) -> Mapping[str, Joint]:
+        """The joint that moves each link but the root."""
+        return {joint.child: joint for joint in self.joints.values()}
+
+    def inward(self, link: str) -> list[str]:
+        """The link and those above it, up to the root."""
+        path = [link]
+        while path[-1] in self.joint_to:
+            path.append(self.joint_to[path[-1]].parent)
+        return path
+
     def chain(self, base: str, tip: str) -> tuple[Joint, ...]:
         """The joints from `base` out to `tip`, in this order, fixed ones included."""
-        parents = {joint.child: joint for joint in self.joints.values()}
-        path: list[Joint] = []
-        link = tip
-        while link != base:
-            joint = parents.get(link)
-            if joint is None:
-                above = [joint.parent for joint in path]
-                what = f"base {base!r} is no ancestor of tip {tip!r}"
-                remedy = f"a base must be one of {listed(above) if above else 'no link: the tip is the root'}"
-                raise refusal("no-chain", self.place(), what, remedy)
-            path.append(joint)
-            link = joint.parent
-        return tuple(reversed(path))
+        path = self.inward(tip)
+        if base not in path:
+            what = f"base {base!r} is no ancestor of tip {tip!r}"
+            remedy = f"a base must be one of {listed(path[1:]) if path[1:] else 'no link: the tip is the root'}"
+            raise refusal("no-chain", self.place(), what, remedy)
+        return tuple(self.joint_to[link] for link in reversed(path[: path.index(base)]))
 
     def link_poses(self, values: Mapping[str, Array | float]) -> dict[str, Array]:
         """Pose of every link in the root frame, {link: g (..., 4, 4)}; joints without a value are at 0."""

@@ -25,8 +25,7 @@ from .geometry import Geometries, read_origin
 from .inertial import INERTIA, drop_unusable_inertials
 from .packages import package_index
 from .planar import split_planar_joints
-from .spelling import note_unread_words, settle_version
-from .structure import check_structure, end_of, root_links
+from .structure import check_structure, end_of, note_unread_words, root_links
 from .tree import Description, Joint, JointType, Link, Mimic
 
 MOST_TURNED = 6.3
@@ -71,24 +70,19 @@ def read_description(
     else:
         noted = tuple(not_used(package, file) for package in ignore_packages)
         text, reading = read_text(file), Reading(file, packages)
-    reading.findings.take(noted)
+    reading.findings += noted
     if may_be_mjcf(text) and (root := parse_xml(text, reading)).tag == "mujoco":
-        return _of_mjcf(root, reading)
+        from .mjcf.translation import translated  # most programs read none
+
+        urdf, semantics, gravity = translated(root, reading)
+        description = build_description(urdf, replace(reading, show_lines=False, lines={}))
+        return replace(description, semantics=semantics, gravity=gravity)
     return build_description(text, reading)
 
 
 def may_be_mjcf(text: str) -> bool:
     """Whether a text may be an MJCF. A URDF may hold settings for MuJoCo in such an element too."""
     return _MJCF.search(text) is not None
-
-
-def _of_mjcf(root: ET.Element, reading: Reading) -> Description:
-    """The tree of an MJCF, read as the URDF that it is translated to."""
-    from .mjcf.translation import translated  # most programs read none
-
-    urdf, semantics, gravity = translated(root, reading)
-    description = build_description(urdf, replace(reading, show_lines=False, lines={}))
-    return replace(description, semantics=semantics, gravity=gravity)
 
 
 def _require_links(text: str, file: Path) -> None:
@@ -106,17 +100,24 @@ def build_description(text: str, reading: Reading) -> Description:
     if robot.tag != "robot":
         what = f"its root element is <{robot.tag}>, not <robot> or <mujoco>"
         raise refusal("no-robot", reading.whole, what, "is it a robot's description?")
-    _name_robot(robot, reading)
+    if not robot.get("name"):  # which Pinocchio refuses
+        robot.set("name", reading.path.stem)
+        what = f"the <robot> has no name; called {reading.path.stem!r} after the file"
+        reading.note("word-unread", None, what, 'write <robot name="…">', repaired=True)
     check_structure(robot, reading)
-    settle_version(robot, reading)
     note_unread_words(robot, reading)
     parts = split_planar_joints(robot, reading)
     geometries = Geometries(robot, reading)
-    links = {element.get("name", ""): _read_link(element, geometries, reading) for element in robot.findall("link")}
+    links = [
+        Link(link.get("name", ""), geometries.of(link, "visual"), geometries.of(link, "collision"), reading.line(link))
+        for link in robot.findall("link")
+    ]
     geometries.note_odd()
     _note_copies(reading)
     rates: Rates = {}
-    joints = _read_joints(robot, reading, rates)
+    read = [_try_joint(element, reading, rates) for element in robot.findall("joint")]
+    reading.require_usable()  # one error reports all unusable joints
+    joints = {joint.name: joint for joint in read if joint is not None}
     joints |= {name: replace(joints[name], part_of=whole) for name, whole in parts.items()}
     note_softened(joints.values(), reading)
     _note_missing_rates(joints.values(), rates, reading)
@@ -126,11 +127,11 @@ def build_description(text: str, reading: Reading) -> Description:
         name=robot.get("name", ""),
         path=reading.path,
         root=root_links(robot)[0],
-        links=links,
+        links={link.name: link for link in links},
         joints=joints,
         text=text,
         repaired=ET.tostring(robot, encoding="unicode"),
-        findings=reading.findings.told(reading.place()),
+        findings=tuple(reading.findings),
     )
 
 
@@ -144,35 +145,11 @@ def _note_copies(reading: Reading) -> None:
         reading.note("package-without-manifest", None, what, remedy)
 
 
-def _name_robot(robot: ET.Element, reading: Reading) -> None:
-    """Name a robot without a name, which Pinocchio refuses, after the file."""
-    if not robot.get("name"):
-        robot.set("name", reading.path.stem)
-        what = f"the <robot> has no name; called {reading.path.stem!r} after the file"
-        reading.note("word-unread", None, what, 'write <robot name="…">', repaired=True)
-
-
-def _read_link(element: ET.Element, geometries: Geometries, reading: Reading) -> Link:
-    return Link(
-        name=element.get("name", ""),
-        visuals=geometries.of(element, "visual"),
-        collisions=geometries.of(element, "collision"),
-        line=reading.line(element),
-    )
-
-
-def _read_joints(robot: ET.Element, reading: Reading, rates: Rates) -> dict[str, Joint]:
-    """Every joint by its name. One error reports all unusable joints."""
-    joints = [_try_joint(element, reading, rates) for element in robot.findall("joint")]
-    reading.require_usable()
-    return {joint.name: joint for joint in joints if joint is not None}
-
-
 def _try_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint | None:
     try:
         return _read_joint(element, reading, rates)
     except DescriptionError as error:
-        reading.findings.take(error.findings)
+        reading.findings += error.findings
         return None
 
 

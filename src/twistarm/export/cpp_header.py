@@ -15,10 +15,9 @@ from ..control.servo.bounds import bounds_of
 from ..ik import AnyTarget, Approach, Pose, Position
 from ..ik.closed_form.compiled import ClosedFormParameters
 from ..ik.closed_form.methods import method_for
-from ..support.c_text import c_number, c_string, c_strings, cpp_number, cpp_numbers, identifier_of
 from ..support.checks import Array
+from ..support.code_text import c_number, c_string, c_strings, cpp_number, cpp_numbers, filled, identifier_of
 from ..support.errors import TwistarmError
-from ..support.templates import filled
 
 TEMPLATES = Path(__file__).with_name("templates")
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -13,24 +14,41 @@ import numpy as np
 from ..arm.arm import Arm
 from ..description.companions.toml_entries import parse_toml
 from ..ik.targets import Approach, Pose, Position, TolerancedPose
-from ..support.checks import as_not_negative, as_positive, as_reals, as_theta, require_choice, require_mapping
+from ..support.checks import Array, as_theta
 from ..support.errors import InputError, listed, shown
-from ..support.fields import flag, inside, number, only, vector
+from ..support.fields import (
+    Check,
+    anything,
+    fields,
+    flag,
+    inside,
+    list_of,
+    number,
+    numbers,
+    one_of,
+    only,
+    positive,
+    table_of,
+    vector,
+    word,
+)
 from ..support.files import as_path
 from ..theory.rotations import from_quaternion_wxyz, from_rpy
 from .motion import LAWS
 from .segments import ArcMove, Dwell, FreeMove, Goal, JointMove, LineMove, ScrewMove, Segment
 
-SHARED = ("linear_speed", "angular_speed", "position_tol", "orientation_tol")
-"""What holds for every segment that does not say it itself."""
+GO_WITH = {"tool_axis": ("direction",), "tolerance": ("rpy", "quaternion_wxyz"), "frame": ("tolerance",)}
+"""Entries of a target that have no meaning without one of the others."""
 
-TOP_LEVEL = ("start", "kind", "degrees", *SHARED, "unwrap", "scene", "limits", "segment")
-KINDS = ("joint", "free", "line", "screw", "arc", "dwell")
-OPTIONS = ("blend", "velocity_scaling", *SHARED, "label")
-GOAL = ("xyz", "rpy", "quaternion_wxyz", "direction", "tool_axis", "tolerance", "frame")
-
-ANGLES = ("rpy", "angle", "angular_speed", "orientation_tol")
-"""Entries in degrees where the file says so."""
+KINDS: Mapping[str, Callable[..., Segment]] = {
+    "joint": JointMove,
+    "free": FreeMove,
+    "line": LineMove,
+    "screw": ScrewMove,
+    "arc": ArcMove,
+    "dwell": Dwell,
+}
+"""The moves to a goal, and the stay."""
 
 
 @dataclass(frozen=True)
@@ -67,170 +85,128 @@ def load_motion(path: str | os.PathLike[str], arm: Arm) -> MotionFile:
         DescriptionError: The file cannot be read or is no TOML.
     """
     file = as_path(path)
-    return _Reader(file, parse_toml(file, "a motion.toml"), arm).motion()
+    content = parse_toml(file, "a motion.toml")
+    with inside(file, "at the top"):
+        angle = np.pi / 180.0 if flag(content.get("degrees", False), "degrees") else 1.0
+        reader = _Reader(arm, angle)
+        top = fields(content, "", {"segment": list_of(anything, 1)}, reader.top)
+        arm.limits.with_(top.get("limits", {}), arm.joint_names)  # says what is wrong with them
+    segments = []
+    for i, entry in enumerate(top.pop("segment")):
+        with inside(file, f"segment {i + 1}"):
+            segments.append(reader.segment(entry))
+    top.pop("degrees", None)
+    if "scene" in top:
+        top["scene"] = file.parent / top["scene"]
+    return MotionFile(tuple(segments), **top)
 
 
 class _Reader:
-    def __init__(self, file: Path, content: Mapping[str, Any], arm: Arm) -> None:
-        self.file, self.content, self.arm = file, content, arm
-        self.angle = 1.0
+    """The formats of a motion.toml for an arm, with angles in units of `angle` [rad]."""
 
-    def motion(self) -> MotionFile:
-        with inside(self.file, "at the top"):
-            only(self.content, TOP_LEVEL)
-            if flag(self.content.get("degrees", False), "degrees"):
-                self.angle = np.pi / 180.0
-            limits = require_mapping(self.content.get("limits", {}), "limits", "{ acceleration = 3.0 }")
-            self.arm.limits.with_(limits, self.arm.joint_names)  # says what is wrong with them
-            kind = require_choice(self.content["kind"], LAWS, "kind") if "kind" in self.content else None
-            start = self._start(self.content["start"]) if "start" in self.content else None
-            whole = {
-                name: as_positive(self._number(self.content, name), name) for name in SHARED if name in self.content
-            }
-            unwrap = flag(self.content.get("unwrap", False), "unwrap")
-            scene = self._scene(self.content["scene"]) if "scene" in self.content else None
-            entries = self.content.get("segment", [])
-            if not isinstance(entries, list) or not entries:
-                raise InputError(f"there is no segment: write [[segment]] and under it one of {', '.join(KINDS)}")
-        segments = []
-        for i, entry in enumerate(entries):
-            with inside(self.file, f"segment {i + 1}"):
-                segments.append(self._segment(entry))
-        return MotionFile(tuple(segments), start, kind, limits, **whole, unwrap=unwrap, scene=scene)
+    def __init__(self, arm: Arm, angle: float) -> None:
+        self.arm, self.angle = arm, angle
+        speeds: dict[str, Check] = {
+            "linear_speed": positive,
+            "angular_speed": lambda value, name: angle * positive(value, name),
+            "position_tol": positive,
+            "orientation_tol": lambda value, name: angle * positive(value, name),
+        }
+        self.top: dict[str, Check] = {
+            "degrees": flag,
+            "start": self._start,
+            "kind": one_of(tuple(LAWS)),
+            "limits": table_of(anything),
+            "unwrap": flag,
+            "scene": word,
+            **speeds,
+        }
+        self.options: dict[str, Check] = {"blend": number, "velocity_scaling": number, "label": anything, **speeds}
+        about: dict[str, Check] = {"axis": vector, "angle": lambda value, name: angle * number(value, name)}
+        constrain: dict[str, Check] = {"constrain": anything}
+        # The moves without a goal: what makes them, what they need and what they may have.
+        self.ways: dict[str, list[tuple[Callable[..., Segment], dict[str, Check], dict[str, Check]]]] = {
+            "line": [(LineMove.by, {"by": vector}, {"frame": anything, **constrain})],
+            "screw": [(ScrewMove.about, about | {"point": vector}, {"pitch": number, **constrain})],
+            "arc": [
+                (ArcMove.about, about | {"centre": vector}, {"turn": anything, **constrain}),
+                (ArcMove, {"via": self._via, "to": self._goal}, {}),
+            ],
+        }
+        self.target: dict[str, Check] = {
+            "rpy": lambda value, name: from_rpy(angle * vector(value, name)),
+            "quaternion_wxyz": lambda value, _: from_quaternion_wxyz(value),
+            "direction": vector,
+            "tool_axis": vector,
+            "tolerance": self._tolerance,
+            "frame": anything,
+        }
 
-    def _segment(self, entry: Any) -> Segment:
-        table = require_mapping(entry, "a segment", '{ line = "ready" }')
-        only(table, (*KINDS, *OPTIONS))
+    def segment(self, entry: Any) -> Segment:
+        table = fields(entry, "", {}, dict.fromkeys(KINDS, anything) | self.options)
         kinds = [kind for kind in KINDS if kind in table]
         if len(kinds) != 1:
             raise InputError(f"it needs one of {', '.join(KINDS)}; got {listed(kinds) or 'none of them'}")
-        options = {
-            name: table[name] if name == "label" else self._number(table, name) for name in OPTIONS if name in table
-        }
-        make: Callable[[Any, dict[str, Any]], Segment] = getattr(self, f"_{kinds[0]}")
-        return make(table[kinds[0]], options)
-
-    def _joint(self, value: Any, options: dict[str, Any]) -> Segment:
-        return JointMove(self._goal(value), **options)
-
-    def _free(self, value: Any, options: dict[str, Any]) -> Segment:
-        return FreeMove(self._goal(value), **options)
-
-    def _line(self, value: Any, options: dict[str, Any]) -> Segment:
-        if table := _described(value, ("by",), ("frame", "constrain")):
-            return LineMove.by(vector(table["by"], "by"), **_present(table, "frame", "constrain"), **options)
-        return LineMove(self._goal(value), **options)
-
-    def _screw(self, value: Any, options: dict[str, Any]) -> Segment:
-        if table := _described(value, ("axis", "point", "angle"), ("pitch", "constrain")):
-            axis, point = (vector(table[name], name) for name in ("axis", "point"))
-            angle = self._number(table, "angle")
-            pitch = self._number(table, "pitch") if "pitch" in table else 0.0
-            return ScrewMove.about(axis, point, angle, pitch, **_present(table, "constrain"), **options)
-        return ScrewMove(self._goal(value), **options)
-
-    def _arc(self, value: Any, options: dict[str, Any]) -> Segment:
-        if table := _described(value, ("axis", "centre", "angle"), ("turn", "constrain")):
-            axis, centre = (vector(table[name], name) for name in ("axis", "centre"))
-            angle = self._number(table, "angle")
-            return ArcMove.about(axis, centre, angle, **_present(table, "turn", "constrain"), **options)
-        through = _described(value, ("via", "to"), ())
-        if through is None:
+        (kind,) = kinds
+        value = table.pop(kind)
+        if kind == "dwell":
+            only(table, ("label",))
+            return Dwell(number(value, kind, least=0.0), **table)
+        for make, needed, others in self.ways.get(kind, ()):
+            if isinstance(value, dict) and value.keys() & {*needed, *others}:
+                way = fields(value, kind, needed, others)
+                first = way.pop("by", None)  # whose name in Python is `offset`
+                return make(**way, **table) if first is None else make(first, **way, **table)
+        if kind == "arc":
             raise InputError(f"arc takes via and to, or axis, centre and angle; got {shown(value)}")
-        via = through["via"]
-        middle = self._target(via) if isinstance(via, dict) else vector(via, "via")
-        return ArcMove(middle, self._goal(through["to"]), **options)
+        return KINDS[kind](self._goal(value, kind), **table)
 
-    def _dwell(self, value: Any, options: dict[str, Any]) -> Segment:
-        only(options, ("label",))
-        return Dwell(as_not_negative(self._number({"dwell": value}, "dwell"), "dwell"), **options)
+    def _via(self, value: Any, name: str) -> Goal:
+        return self._target(value, name) if isinstance(value, dict) else vector(value, name)
 
-    def _scene(self, value: Any) -> Path:
-        if not isinstance(value, str) or not value:
-            raise InputError(f'scene must name a file, such as "scene.toml"; got {shown(value)}')
-        return self.file.parent / value
-
-    def _start(self, value: Any) -> Goal:
+    def _start(self, value: Any, name: str) -> Goal:
         """Read a configuration; a target is refused."""
         if isinstance(value, dict) and "xyz" in value:
             raise InputError("start must be a configuration: a pose's name, the joints' values or { joint = value, … }")
-        start = self._goal(value)
+        start = self._goal(value, name)
         self.arm.theta_from(start, name="start")  # type: ignore[arg-type]  # names every joint
         return start
 
-    def _goal(self, value: Any) -> Goal:
+    def _goal(self, value: Any, name: str) -> Goal:
         """Read a goal: a configuration's name, its numbers, {joint: value}, or a target by xyz."""
+        names = self.arm.joint_names
         if isinstance(value, str):
             self.arm.theta_from(value)  # says which there are
             return value
-        per_joint = np.array([self.angle if unit == "rad" else 1.0 for unit in self.arm.units])
+        sizes = np.array([self.angle if unit == "rad" else 1.0 for unit in self.arm.units])
         if isinstance(value, list):
-            return as_theta(value, self.arm.n, "a configuration", self.arm.joint_names) * per_joint
+            return as_theta(value, self.arm.n, "a configuration", names) * sizes
         if not isinstance(value, dict) or not value:
             raise InputError(f'a goal is "ready", {{ elbow = 0.5 }} or {{ xyz = [0.5, 0.0, 0.6] }}; got {shown(value)}')
-        only(value, (*self.arm.joint_names, *GOAL))
-        joints = [name for name in value if name in self.arm.joint_names]
-        if not joints:
-            return self._target(value)
-        if len(joints) < len(value):
-            raise InputError(f"a goal is a target or values of joints, not both; got {listed(value)}")
-        factors = dict(zip(self.arm.joint_names, per_joint.tolist(), strict=True))
-        return {joint: number(each, joint) * factors[joint] for joint, each in value.items()}
+        if "xyz" in value or not value.keys() & {*names}:
+            return self._target(value, name)
+        only(value, names)
+        return {joint: number(each, joint) * sizes[names.index(joint)] for joint, each in value.items()}
 
-    def _target(self, table: Mapping[str, Any]) -> Pose | Position | Approach | TolerancedPose:
-        only(table, GOAL)
-        if "xyz" not in table:
-            raise InputError(f"xyz is missing beside {listed(table)}: a target says where the tool is to be")
-        p = vector(table["xyz"], "xyz")
-        turned = [name for name in ("rpy", "quaternion_wxyz", "direction") if name in table]
+    def _target(self, value: Any, name: str) -> Pose | Position | Approach | TolerancedPose:
+        table = fields(value, name, {"xyz": vector}, self.target)
+        turned = [each for each in ("rpy", "quaternion_wxyz", "direction") if each in table]
         if len(turned) > 1:
             which = " or ".join(turned)
             raise InputError(f"give {which}, not both: a whole orientation, or only where the tool points")
-        _needs(table, "tool_axis", ("direction",))
-        _needs(table, "tolerance", ("rpy", "quaternion_wxyz"))
-        _needs(table, "frame", ("tolerance",))
+        for one, others in GO_WITH.items():
+            if one in table and not table.keys() & {*others}:
+                raise InputError(f"{one} goes with {' or '.join(others)}, and it is missing beside it")
         if "direction" in table:
-            tool_axis = vector(table["tool_axis"], "tool_axis") if "tool_axis" in table else None
-            return Approach(p, vector(table["direction"], "direction"), tool_axis)
+            return Approach(table["xyz"], table["direction"], table.get("tool_axis"))
         if not turned:
-            return Position(p)
+            return Position(table["xyz"])
         g = np.eye(4)
-        g[:3, 3] = p
-        if "rpy" in table:
-            g[:3, :3] = from_rpy(self.angle * vector(table["rpy"], "rpy"))
-        else:
-            g[:3, :3] = from_quaternion_wxyz(table["quaternion_wxyz"])
+        g[:3, 3], g[:3, :3] = table["xyz"], table[turned[0]]
         if "tolerance" not in table:
             return Pose(g)
-        tolerance = as_reals(table["tolerance"], "tolerance")
-        if tolerance.shape != (6,):
-            raise InputError(
-                "tolerance must be six numbers, along x, y and z and about them, inf where it is free; "
-                f"got {shown(table['tolerance'])}"
-            )
-        return TolerancedPose(g, tolerance * np.repeat([1.0, self.angle], 3), table.get("frame", "target"))
+        return TolerancedPose(g, table["tolerance"], table.get("frame", "target"))
 
-    def _number(self, table: Mapping[str, Any], name: str) -> float:
-        return number(table[name], name) * (self.angle if name in ANGLES else 1.0)
-
-
-def _described(value: Any, needed: Sequence[str], others: Sequence[str]) -> Mapping[str, Any] | None:
-    """The table of a move without a goal: all of `needed`, and any of `others`."""
-    if not isinstance(value, dict) or not set(value) & {*needed, *others}:
-        return None
-    only(value, (*needed, *others))
-    if missing := [name for name in needed if name not in value]:
-        raise InputError(
-            f"{' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing beside {listed(value)}"
-        )
-    return value
-
-
-def _present(table: Mapping[str, Any], *names: str) -> dict[str, Any]:
-    return {name: table[name] for name in names if name in table}
-
-
-def _needs(table: Mapping[str, Any], name: str, others: Sequence[str]) -> None:
-    """Refuse an entry that has no meaning without one of the `others`."""
-    if name in table and not set(others) & set(table):
-        raise InputError(f"{name} goes with {' or '.join(others)}, and it is missing beside it")
+    def _tolerance(self, value: Any, name: str) -> Array:
+        six = numbers(value, f"{name}, along x, y and z and about them, inf where it is free,", 6, least=0.0, most=inf)
+        return np.array(six) * np.repeat([1.0, self.angle], 3)

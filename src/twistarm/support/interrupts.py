@@ -1,12 +1,16 @@
-"""Ctrl-C, `kill` and a closed terminal, which end the program alike."""
+"""Ends: Ctrl-C, `kill` and a closed terminal, which end the program alike, and objects that close what they opened."""
 
 from __future__ import annotations
 
 import signal
 import threading
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from types import FrameType
+from typing import TypeVar
+
+C = TypeVar("C", bound="Closeable")
 
 SIGNALS = tuple(signal.Signals[name] for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
@@ -17,7 +21,7 @@ USUAL = (signal.SIG_DFL, signal.default_int_handler)
 def ended_like_ctrl_c() -> Iterator[list[int]]:
     """Let a closed terminal and `kill` act as Ctrl-C does: by KeyboardInterrupt with the signal's name.
 
-    The cursor then comes back, the arm comes to rest, the poses are kept and no part of a file is left. The context
+    The cursor then comes back, the arm comes to rest, and no part of a file is left. The context
     gives the list of the signals that were sent. The code that handles the interruption ends the process by `end_by`.
 
     Only signals with their usual effect are taken, and they get it back after the context. An ignored signal stays
@@ -91,3 +95,17 @@ def interruptible() -> Iterator[None]:
             signal.signal(number, handler)
         if caught:
             raise caught[0]
+
+
+class Closeable(ABC):
+    """A context manager that is closed at the end of its block."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Give back what was opened. Harmless when repeated."""
+
+    def __enter__(self: C) -> C:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()

@@ -16,9 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, as_number, as_vector, require_choice
-from ..support.errors import InputError, one_line
+from ..support.errors import InputError, missing_extra, one_line
 from ..support.files import as_path, open_regular, write_whole
-from ..support.pictures import empty_figure, png_of
 
 FORMAT = "twistarm reach map 1"
 
@@ -160,7 +159,11 @@ class ReachMap:
 
         Raises MissingExtraError without matplotlib.
         """
-        figure, half = empty_figure("a picture of a map", figsize=(12, 4.2)), 0.5 * self.grid.voxel
+        try:
+            from matplotlib.figure import Figure
+        except ImportError as error:
+            raise missing_extra("a picture of a map", "matplotlib", "guide") from error
+        figure, half = Figure(layout="constrained", figsize=(12, 4.2)), 0.5 * self.grid.voxel
         for k, ax in enumerate(figure.subplots(1, 3)):
             across, up = (i for i in range(3) if i != k)
             at = float(self.grid.along(k)[self.counts.sum(axis=(across, up), dtype=np.int64).argmax()])
@@ -170,7 +173,9 @@ class ReachMap:
             ax.set(title=f"{'xyz'[k]} = {at:.3g} m", xlabel=f"{'xyz'[across]} [m]", ylabel=f"{'xyz'[up]} [m]")
         figure.colorbar(drawn, ax=figure.axes, label="directions reached [%]")
         figure.suptitle(f"{self.name}: reach in the frame {self.frame}", parse_math=False)
-        return write_whole(path, png_of(figure))
+        file = io.BytesIO()
+        figure.savefig(file, format="png")
+        return write_whole(path, file.getvalue())
 
 
 def digest_of(arm: Arm) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...description.companions.companion_files import files_beside
+from ...description.companions.srdf import files_beside
 from ...description.companions.toml_entries import toml_key, toml_text
 from ...description.document import existing_file
 from ...description.expansion.expand import expand_xacro, is_xacro

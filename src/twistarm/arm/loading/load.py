@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,8 +15,7 @@ from ...description import catalog
 from ...description.chain import walk_chain
 from ...description.companions.arm_file import ArmSpecification, Tool, read_arm_file, read_table_file
 from ...description.companions.arm_group import ArmGroup, arm_groups
-from ...description.companions.companion_files import path_from, srdf_beside
-from ...description.companions.srdf import note_names, read_srdf
+from ...description.companions.srdf import note_names, path_from, read_srdf, srdf_beside
 from ...description.document import Reading
 from ...description.findings import Finding, Place, finding, refusal
 from ...description.packages import PackageIndex, package_names, variable_names
@@ -144,16 +144,11 @@ def _baked_arm(path: Path, wishes: Mapping[str, Any], changes: Changes | None) -
         return arm
     specification = ArmSpecification(path, str(path))
     limits, noted = fitted_limits(arm.limits, arm.joint_names, specification, changes, arm.moving_names)
-    return _within(replace(arm, limits=limits, findings=tuple(noted), known_ready=None), path.name)
-
-
-def _within(arm: Arm, file: str) -> Arm:
-    """The arm without the named poses outside its limits."""
-    states = {name: theta for name, theta in arm.named_states.items() if arm.limits.contains(theta)}
+    states = {name: theta for name, theta in arm.named_states.items() if limits.contains(theta)}
     what, remedy = "it lies outside the limits that were given; it is left out", "correct them, where the arm needs it"
-    places = [Place(file, None, "named_states", name) for name in arm.named_states if name not in states]
-    left_out = [finding("outside-limits", place, what, remedy) for place in places]
-    return replace(arm, named_states=states, findings=(*arm.findings, *left_out))
+    places = [Place(path.name, None, "named_states", name) for name in arm.named_states if name not in states]
+    noted = (*noted, *(finding("outside-limits", place, what, remedy) for place in places))
+    return replace(arm, limits=limits, named_states=states, findings=noted, known_ready=None)
 
 
 def specify(
@@ -255,23 +250,16 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
         file, (_, base, tip) = entry
         share = file.parents[len(Path(entry[1].file).parts) + 1]
         return ArmSpecification(file, text, name=text, base=base, tip=tip, package_dirs=(share,))
-    why = why_no_file(path)
+    why, near = why_no_file(path), ""
     if why != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
-        near = closest(path.name, _names_beside(path))
+        with suppress(OSError, ValueError):
+            near = closest(path.name, [each.name for each in path.parent.iterdir()])
         remedy = f"give a URDF, xacro or MJCF file, a DH table, an arm.toml or an arm of the catalogue{near}"
         raise refusal("file-unreadable", Place(text[:200]), why, remedy)
     names = available_arms()
     raise UnknownNameError(
         f"no arm {text!r} in the catalogue, nor a file of that name{closest(text, names)} (arms: {', '.join(names)})"
     )
-
-
-def _names_beside(path: Path) -> list[str]:
-    """The files in the folder of `path`; none if there is no such folder."""
-    try:
-        return [each.name for each in path.parent.iterdir()]
-    except (OSError, ValueError):
-        return []
 
 
 def assemble(description: Description, specification: ArmSpecification, changes: Changes) -> Arm:
@@ -343,7 +331,10 @@ def _ends(
 def _with_what_is_said(
     arm: Arm, specification: ArmSpecification, semantics: Semantics | None, group: ArmGroup | None
 ) -> Arm:
-    """The arm with its actuators and the arm.toml's poses, and the states and disabled pairs of the SRDF."""
+    """The arm with its actuators and the arm.toml's poses, and the states and disabled pairs of the SRDF.
+
+    A finding names the `ready` pose, unless the arm.toml has a pose `ready`.
+    """
     poses, posing = fitted_poses(arm, specification)
     actuators, driving = fitted_actuators(arm, specification)
     arm = replace(arm, named_states=poses, actuators=actuators, findings=(*arm.findings, *posing, *driving))
@@ -359,11 +350,6 @@ def _with_what_is_said(
         found = finding("srdf-found", Place(semantics.path.name), what, remedy)
         findings = (*arm.findings, found, *stating)
         arm = replace(arm, named_states={**states, **poses}, disabled_collisions=pairs, findings=findings)
-    return _with_ready_said(arm, specification, semantics)
-
-
-def _with_ready_said(arm: Arm, specification: ArmSpecification, semantics: Semantics | None) -> Arm:
-    """The arm with a finding that names its `ready` pose, unless the arm.toml has a pose `ready`."""
     name = arm.ready_name
     own = name in specification.poses
     if name is None or (own and name == "ready"):

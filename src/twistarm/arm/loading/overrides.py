@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from ...description.companions.arm_file import ArmSpecification, Motor
 from ...description.companions.joint_limits import read_joint_limits
 from ...description.coupling import Affine
 from ...description.findings import Finding, Place, finding, refusal
-from ...description.semantics import GroupState, Semantics
+from ...description.semantics import Semantics
 from ...limits.actuators import Actuators
 from ...limits.joint_limits import JointLimits, by_field
 from ...support.checks import Array
@@ -42,15 +43,13 @@ def fitted_limits(
     and of those off a requested chain are left out.
     """
     noted: tuple[Finding, ...] = ()
-    joints, locked = tuple(joints), specification.locked_joints
-    beyond = set(joints).difference(names) if specification.other_chain else set()
-    own = {joint: its for joint, its in specification.limits.items() if joint not in locked and joint not in beyond}
+    joints = tuple(joints)
+    left_out = {*specification.locked_joints, *(set(joints).difference(names) if specification.other_chain else ())}
+    own = {joint: its for joint, its in specification.limits.items() if joint not in left_out}
     if specification.joint_limits is not None:
         limits, noted = read_joint_limits(specification.joint_limits).onto(limits, names, joints)
-    try:
+    with _in_the_arm_file(specification):
         limits = limits.with_(by_field(own), names)
-    except (ValueError, LookupError) as error:
-        raise refusal("companion-unusable", Place(specification.source), str(error)) from error
     if isinstance(changes, (str, os.PathLike)):
         limits, more = read_joint_limits(changes).onto(limits, names, joints)
         return limits, (*noted, *more)
@@ -61,6 +60,16 @@ def fitted_limits(
     return changes, noted
 
 
+@contextmanager
+def _in_the_arm_file(specification: ArmSpecification, entry: str = "") -> Iterator[None]:
+    """Errors about names and values as those of the arm.toml, and of its `entry`."""
+    try:
+        yield
+    except (ValueError, LookupError) as error:
+        what = f"{entry}: {error}" if entry else str(error)
+        raise refusal("companion-unusable", Place(specification.source), what) from error
+
+
 def fitted_poses(arm: Arm, specification: ArmSpecification) -> tuple[dict[str, Array], list[Finding]]:
     """The arm.toml's poses, complete and inside the limits; DescriptionError otherwise.
 
@@ -68,51 +77,21 @@ def fitted_poses(arm: Arm, specification: ArmSpecification) -> tuple[dict[str, A
     """
     poses: dict[str, Array] = {}
     noted: list[Finding] = []
-    for name, values in specification.poses.items():
-        reason = _contradiction(values, specification.locked_joints) or _of_another_chain(values, arm, specification)
-        if reason:
-            place = Place(specification.source, None, "pose", name)
-            noted.append(finding("companion-doubtful", place, f"{reason}; it is left out", "nothing, if that is meant"))
-        else:
-            poses[name] = _pose(arm, name, values, specification)
-    return poses, noted
-
-
-def _pose(arm: Arm, name: str, values: Mapping[str, float], specification: ArmSpecification) -> Array:
-    place = Place(specification.source)
     skipped = set(specification.locked_joints)
     if specification.other_chain and arm.description is not None:
         skipped |= set(arm.description.joints) - set(arm.joint_names)
-    try:
-        theta = arm.theta_from({joint: value for joint, value in values.items() if joint not in skipped})
-    except (ValueError, LookupError) as error:
-        raise refusal("companion-unusable", place, f"poses.{name}: {error}") from error
-    if outside := _outside(arm, theta, 0.0):
-        raise refusal("companion-unusable", place, f"poses.{name}: {outside}", "correct it or the limits")
-    return theta
-
-
-def _outside(arm: Arm, theta: Array, tol: float) -> str:
-    """The joint of theta (n,) that is farthest outside its limits, in words; empty if all are within `tol`."""
-    lower, upper = arm.limits.lower, arm.limits.upper
-    beyond = np.maximum(lower - theta, theta - upper)
-    i = int(np.argmax(beyond))
-    if beyond[i] <= tol:
-        return ""
-    return f"{arm.joint_names[i]} = {theta[i]:g} lies outside its limits [{lower[i]:g}, {upper[i]:g}]"
-
-
-def _contradiction(values: Mapping[str, float], locked_joints: Mapping[str, float]) -> str:
-    """Why a pose cannot be taken with these joints locked; empty if it can."""
-    for joint, value in locked_joints.items():
-        if abs(values.get(joint, value) - value) > LOCK_TOL:
-            return f"it puts {joint} elsewhere than where it is locked"
-    return ""
-
-
-def _of_another_chain(values: Mapping[str, float], arm: Arm, specification: ArmSpecification) -> str:
-    missing = [name for name in arm.joint_names if name not in values]
-    return f"it says nothing of {listed(missing)}" if specification.other_chain and missing else ""
+    for name, values in specification.poses.items():
+        code, reason = _unfit(arm, values, specification.locked_joints, 0.0)
+        if code == "companion-doubtful" or (code == "companion-not-used" and specification.other_chain):
+            place = Place(specification.source, None, "pose", name)
+            noted.append(finding("companion-doubtful", place, f"{reason}; it is left out", "nothing, if that is meant"))
+            continue
+        with _in_the_arm_file(specification, f"poses.{name}"):
+            poses[name] = arm.theta_from({joint: value for joint, value in values.items() if joint not in skipped})
+        if reason:
+            what, remedy = f"poses.{name}: {reason}", "correct it or the limits"
+            raise refusal("companion-unusable", Place(specification.source), what, remedy)
+    return poses, noted
 
 
 def fitted_states(
@@ -126,32 +105,31 @@ def fitted_states(
     states: dict[str, Array] = {}
     noted: list[Finding] = []
     for state in sorted(semantics.states, key=lambda state: state.group != group):
-        given = [name for name in arm.joint_names if name in state.values]
-        if not given or state.name in states:
+        if state.name in states or not any(name in state.values for name in arm.joint_names):
             continue
-        code, reason = _unfit(arm, state, locked_joints)
+        code, reason = _unfit(arm, state.values, locked_joints, STATE_TOL)
         if reason:
             place = Place(semantics.path.name, None, "group_state", state.name)
             noted.append(finding(code, place, f"{reason}; it is left out", "correct it, where the arm needs it"))
         else:
-            states[state.name] = np.clip(_theta(arm, state), arm.limits.lower, arm.limits.upper)
+            theta = np.array([state.values[name] for name in arm.joint_names])
+            states[state.name] = np.clip(theta, arm.limits.lower, arm.limits.upper)
     return states, noted
 
 
-def _unfit(arm: Arm, state: GroupState, locked_joints: Mapping[str, float]) -> tuple[str, str]:
-    """Code and reason why a state does not fit this arm; empty if it does."""
-    missing = [name for name in arm.joint_names if name not in state.values]
-    if missing:
+def _unfit(arm: Arm, values: Mapping[str, float], locked_joints: Mapping[str, float], tol: float) -> tuple[str, str]:
+    """Code and reason why a pose or state does not fit this arm; empty if it does."""
+    for joint, value in locked_joints.items():
+        if abs(values.get(joint, value) - value) > LOCK_TOL:
+            return "companion-doubtful", f"it puts {joint} elsewhere than where it is locked"
+    if missing := [name for name in arm.joint_names if name not in values]:
         return "companion-not-used", f"it says nothing of {listed(missing)}"
-    contradiction = _contradiction(state.values, locked_joints)
-    if contradiction:
-        return "companion-doubtful", contradiction
-    outside = _outside(arm, _theta(arm, state), STATE_TOL)
-    return ("outside-limits", outside) if outside else ("", "")
-
-
-def _theta(arm: Arm, state: GroupState) -> Array:
-    return arm.theta_from({name: state.values[name] for name in arm.joint_names})
+    bounds = zip(arm.joint_names, arm.limits.lower, arm.limits.upper, strict=True)
+    beyond = {(name, low, high): max(low - values[name], values[name] - high) for name, low, high in bounds}
+    (name, low, high), worst = max(beyond.items(), key=lambda item: item[1], default=(("", 0.0, 0.0), 0.0))
+    if worst > tol:
+        return "outside-limits", f"{name} = {values[name]:g} lies outside its limits [{low:g}, {high:g}]"
+    return "", ""
 
 
 def fitted_actuators(arm: Arm, specification: ArmSpecification) -> tuple[Actuators | None, list[Finding]]:
@@ -175,13 +153,11 @@ def fitted_actuators(arm: Arm, specification: ArmSpecification) -> tuple[Actuato
             what = f"actuators.{motor.name}.ratio: no joint {joint!r} in {arm.name}{closest(joint, names)}"
             remedy = f"its joints, base to tip: {listed(names)}"
             raise refusal("companion-unusable", Place(specification.source), what, remedy)
-    return _actuators(motors, arm, specification) if motors else None, noted
-
-
-def _actuators(motors: list[Motor], arm: Arm, specification: ArmSpecification) -> Actuators:
+    if not motors:
+        return None, noted
     rows, names = [_row(motor, arm) for motor in motors], tuple(motor.name for motor in motors)
-    try:
-        return Actuators(
+    with _in_the_arm_file(specification):
+        actuators = Actuators(
             names=names,
             joint_names=arm.joint_names,
             G=np.array([row for row, _ in rows]),
@@ -190,8 +166,7 @@ def _actuators(motors: list[Motor], arm: Arm, specification: ArmSpecification) -
             ticks_per_turn=np.array([np.nan if m.ticks_per_turn is None else m.ticks_per_turn for m in motors]),
             limits=JointLimits.unbounded(len(motors)).with_(by_field({m.name: m.limits for m in motors}), names),
         )
-    except InputError as error:
-        raise refusal("companion-unusable", Place(specification.source), str(error)) from error
+    return actuators, noted
 
 
 def _affine(joint: str, arm: Arm) -> Affine | None:

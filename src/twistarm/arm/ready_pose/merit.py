@@ -1,4 +1,4 @@
-"""The merit of configurations: a sum of penalties, 0 at best, for a singularity, the bounds, and the stance.
+"""The merit of configurations: a table of costs for a singularity and for the stance of the arm.
 
 The stance is the arm drawn as a line from axis to axis: above its base plane, tool in front, elbow up.
 """
@@ -14,29 +14,36 @@ from ...support.checks import Array
 from ...theory import poe
 from ...theory.manipulability import scaled_jacobian
 from ...theory.rotations import cross
-from .grid import Grid, Rows
 
-CLEAR, LIFTED, HANGING, AHEAD, ARCHED = 0.05, 0.15, 0.2, 0.3, 0.1
-"""Shares of the arm's size: corners above the base plane, the tool above it, the tool at most below the shoulder, the
-tool before the first axis, the elbow above the line from shoulder to tool. A lower share has a cost."""
+WANTED = {
+    "agility": (0.0, 1.5),
+    "facing": (1.0, 0.5),
+    "distance": (0.3, 5.0),
+    "flatness": (0.0, 2.0),
+    "hand down": (0.0, 1.0),
+    "hand forward": (0.0, 1.5),
+    "hand square": (0.0, 0.6),
+    "clearance": (0.05, 8.0),
+    "height": (0.0, 6.0),
+    "arch": (0.1, 6.0),
+    "sag": (0.0, 6.0),
+}
+"""The least value of each measure that costs nothing, and the cost of each unit less. Lengths are shares of the arm's
+size. Agility is log₂ σ_k/σ_1, facing the cosine between the tool's direction and x, distance that of the tool from the
+first axis. Flatness is minus the largest distance of a corner from the vertical plane through both. The hand is the
+last stroke, a unit vector, square if level or vertical. Clearance is the lowest corner above the base plane, height
+that of the tool above `LIFTED` and above `HANGING` below the shoulder. Arch and sag are the highest and the lowest
+corner above the line from shoulder to tool."""
 
-SINKING, DROOPING, CLOSE, TURNED, SIDEWAYS, SAGGING = 8.0, 6.0, 5.0, 0.5, 2.0, 6.0
-"""Costs per arm's size that is missing in these shares, and of facing away from x."""
-
-TOOL_UP, TOOL_BACK, TOOL_ASKEW = 1.0, 1.5, 0.6
-"""Costs of a hand that points straight up, straight back, and neither level nor straight down."""
-
-SLOWED = 1.5
-"""Cost of each doubling of the condition number."""
+LIFTED, HANGING, NEAR_AXIS = 0.15, 0.2, 0.05
+"""Shares of the arm's size: the tool above the base plane, the tool below the shoulder, and the distance from the first
+axis below which a tool faces nowhere."""
 
 SINGULAR, FORBIDDEN = 0.01, 1e3
 """The least σ_k/σ_1 of a regular configuration, and the cost of a singular one, larger than all other costs."""
 
 LOST, HOPELESS = 1e-3, 1e-6
 """The least σ_k/σ_1 that counts towards the rank, because exports round axes, and the least that is told from 0."""
-
-RANK_SAMPLES = 16
-"""Random configurations that show the rank of an arm. Almost every one has it."""
 
 DECIMALS = 6
 """Decimals of compared costs, so that rounding does not choose between equal configurations."""
@@ -54,14 +61,8 @@ class Mechanism:
 
     def regular(self, theta: Array, samples: Array) -> bool:
         """Whether the tool moves in as many directions at theta (n,) as at some of `samples` (N, n)."""
-        motions = self.motions(np.vstack([theta, samples]))
-        ratios = self.conditioning(motions, self.placed(motions)[:, -1])
-        return all(bool((each[0] > SINGULAR).sum() >= (each[1:] > SINGULAR).sum(1).max()) for each in ratios)
-
-    def motions(self, theta: Array) -> Array:
-        """Displacements (N, m + 1, 4, 4) of base and moving joints at theta (N, n)."""
-        still = np.broadcast_to(np.eye(4), (len(theta), 1, 4, 4))
-        return np.concatenate([still, poe.motions(self.screws, theta @ self.A.T)], axis=1)
+        ranks = [(each > SINGULAR).sum(1) for each in self.look(np.vstack([theta, samples]))[1]]
+        return all(bool(rank[0] >= rank[1:].max()) for rank in ranks)
 
     @cached_property
     def corners(self) -> Array:
@@ -78,94 +79,85 @@ class Mechanism:
             corners.append(corner)
         return np.array([*corners, self.tool])
 
-    @cached_property
-    def first(self) -> int:
-        """The corner of the first revolute joint. The corners before it are the mount."""
-        return 1 + int(np.argmax(np.sum(self.screws[3:] ** 2, axis=0) > 0.5))
+    def look(self, theta: Array) -> tuple[Array, list[Array]]:
+        """The corners (N, m + 2, 3) in base axes at theta (N, n), and σ_k/σ_1, descending, of the tool's Jacobian.
 
-    @cached_property
-    def size(self) -> float:
-        """Length of the stretched arm from its first axis to the tool [m]; 1 m for an arm without length."""
-        return float(np.linalg.norm(np.diff(self.corners[self.first :], axis=0), axis=1).sum()) or 1.0
-
-    def placed(self, motions: Array) -> Array:
-        """The corners (N, m + 2, 3) in base axes."""
-        moved = np.concatenate([motions, motions[:, -1:]], axis=1)
-        return np.einsum("nkij,kj->nki", moved[..., :3, :3], self.corners) + moved[..., :3, 3]
-
-    def conditioning(self, motions: Array, tool: Array) -> tuple[Array, ...]:
-        """σ_k/σ_1 (N, k), descending, of the Jacobian of a tool at (N, 3), scaled by the reach.
-
-        Below six joints also of its linear half, because a stretched arm of three still turns in three ways.
+        Metres are measured in the reach. Below six joints the ratios of the linear half follow, because a stretched
+        arm of three still turns in three ways.
         """
-        J = poe.columns(motions[:, 1:], self.screws) @ self.A
-        J[:, :3] += np.swapaxes(cross(np.swapaxes(J[:, 3:], 1, 2), tool[:, None]), 1, 2)
+        moved = poe.motions(self.screws, theta @ self.A.T)
+        still = np.broadcast_to(np.eye(4), (len(theta), 1, 4, 4))
+        each = np.concatenate([still, moved, moved[:, -1:]], axis=1)
+        placed = np.einsum("nkij,kj->nki", each[..., :3, :3], self.corners) + each[..., :3, 3]
+        J = poe.columns(moved, self.screws) @ self.A
+        J[:, :3] += np.swapaxes(cross(np.swapaxes(J[:, 3:], 1, 2), placed[:, -1:]), 1, 2)
         J = scaled_jacobian(J, np.array(self.units) == "m", self.reach)
-        return (_ratios(J),) if J.shape[2] >= 6 else (_ratios(J), _ratios(J[:, :3]))
+        return placed, [_ratios(rows) for rows in ([J] if J.shape[2] >= 6 else [J, J[:, :3]])]
 
 
 def _ratios(J: Array) -> Array:
-    """σ_k/σ_1 of matrices (N, r, n), (N, min(r, n)), none below `HOPELESS`."""
-    transposed = np.swapaxes(J, 1, 2)
-    squares = np.linalg.eigvalsh(J @ transposed if J.shape[2] >= J.shape[1] else transposed @ J)[:, ::-1]
+    """σ_k/σ_1 of matrices (N, r, n), (N, r), none below `HOPELESS`."""
+    squares = np.linalg.eigvalsh(J @ np.swapaxes(J, 1, 2))[:, ::-1]
     return np.sqrt(np.maximum(squares / np.maximum(squares[:, :1], 1e-300), HOPELESS**2))
 
 
 class Merit:
-    """The costs of an arm's configurations on a grid. Some `rows` (N, n) show its rank and which corners it lifts."""
+    """The costs of an arm's configurations. Some `samples` (N, n) show its rank and which corners it lifts."""
 
-    def __init__(self, arm: Mechanism, grid: Grid, rows: Rows) -> None:
-        self.arm, self.grid = arm, grid
-        motions = arm.motions(grid.theta(rows))
-        placed = arm.placed(motions)
-        self._ranks = [int((each > LOST).sum(1).max()) for each in arm.conditioning(motions, placed[:, -1])]
-        self._rising = np.ptp(placed[..., 2], axis=0) > 1e-3 * arm.size
+    def __init__(self, arm: Mechanism, samples: Array) -> None:
+        self._arm = arm
+        placed, ratios = arm.look(samples)
+        self._ranks = [int((each > LOST).sum(1).max()) for each in ratios]
+        # The corners before the first revolute joint are the mount.
+        self._first = 1 + int(np.argmax(np.sum(arm.screws[3:] ** 2, axis=0) > 0.5))
+        strokes = np.diff(arm.corners[self._first :], axis=0)
+        self._size = float(np.linalg.norm(strokes, axis=1).sum()) or 1.0
+        self._rising = np.ptp(placed[..., 2], axis=0) > 1e-3 * self._size
         self._shoulder = max(0, int(np.argmax(self._rising)) - 1)
-        far = np.linalg.norm(arm.corners - arm.corners[-1], axis=-1) > 0.03 * arm.size
+        far = np.linalg.norm(arm.corners - arm.tool, axis=-1) > 0.03 * self._size
         self._wrist = int(np.flatnonzero(far)[-1]) if far.any() else 0
 
-    def costs(self, rows: Rows) -> Array:
-        """Costs (N,) of rows (N, n)."""
-        motions = self.arm.motions(self.grid.theta(rows))
-        placed = self.arm.placed(motions)
-        ratios = zip(self.arm.conditioning(motions, placed[:, -1]), self._ranks, strict=True)
-        least = np.min([each[:, rank - 1] for each, rank in ratios], axis=0)
-        cost: Array = self.grid.costs(rows) - SLOWED * np.log2(least) + FORBIDDEN * (least < SINGULAR)
-        cost += self._front(placed)
-        if self._rising.any():
-            cost += self._heights(placed)
-        return cost.round(DECIMALS)
+    def costs(self, theta: Array) -> Array:
+        """Costs (N,) of theta (N, n)."""
+        placed, ratios = self._arm.look(theta)
+        least = np.min([each[:, rank - 1] for each, rank in zip(ratios, self._ranks, strict=True)], axis=0)
+        measures = {"agility": np.log2(least), **self._front(placed / self._size), **self._heights(placed / self._size)}
+        cost = FORBIDDEN * (least < SINGULAR)
+        for name, measure in measures.items():
+            wanted, price = WANTED[name]
+            cost = cost + price * np.maximum(0.0, wanted - measure)
+        return np.asarray(cost.round(DECIMALS))
 
-    def _front(self, placed: Array) -> Array:
-        """Costs of a tool near the first axis or beside x, of corners beside the plane of the arm, and of the hand.
-
-        The hand is the last stroke. It should point forward, down, or between the two.
-        """
-        size, first = self.arm.size, self.arm.first
-        out = (placed - placed[:, first, None])[..., :2]
+    def _front(self, placed: Array) -> dict[str, Array]:
+        """The measures seen from above, and those of the hand."""
+        out = (placed - placed[:, self._first, None])[..., :2]
         distance = np.linalg.norm(out[:, -1], axis=-1)
         ahead = out[:, -1] / np.maximum(distance, 1e-12)[:, None]
-        ahead[distance < CLEAR * size] = 1.0, 0.0
-        aside = np.abs(out[:, first:, 1] * ahead[:, None, 0] - out[:, first:, 0] * ahead[:, None, 1]).max(-1)
-        cost = CLOSE * np.maximum(0.0, AHEAD - distance / size) + TURNED * (1.0 - ahead[:, 0])
+        ahead[distance < NEAR_AXIS] = 1.0, 0.0
+        aside = out[:, self._first :, 1] * ahead[:, None, 0] - out[:, self._first :, 0] * ahead[:, None, 1]
         hand = placed[:, -1] - placed[:, self._wrist]
         hand = hand / np.maximum(np.linalg.norm(hand, axis=-1, keepdims=True), 1e-12)
-        up, forward = hand[:, 2], np.sum(hand[:, :2] * ahead, axis=-1)
-        askew = np.minimum(np.abs(up), np.linalg.norm(hand[:, :2], axis=-1))
-        cost += TOOL_UP * np.maximum(0.0, up) + TOOL_BACK * np.maximum(0.0, -forward) + TOOL_ASKEW * askew
-        return np.asarray(cost + SIDEWAYS * aside / size)
+        level = np.linalg.norm(hand[:, :2], axis=-1)
+        return {
+            "facing": ahead[:, 0],
+            "distance": distance,
+            "flatness": -np.abs(aside).max(-1),
+            "hand down": -hand[:, 2],
+            "hand forward": np.sum(hand[:, :2] * ahead, axis=-1),
+            "hand square": -np.minimum(np.abs(hand[:, 2]), level),
+        }
 
-    def _heights(self, placed: Array) -> Array:
-        """Costs of low corners, of a low tool, and of corners below the line from shoulder to tool."""
-        z = placed[..., 2] / self.arm.size
-        cost: Array = SINKING * np.maximum(0.0, CLEAR - z[:, self._rising].min(-1))
-        if self._rising[-1]:
-            cost += DROOPING * np.maximum(0.0, np.maximum(LIFTED, z[:, self._shoulder] - HANGING) - z[:, -1])
-        if placed.shape[1] > self._shoulder + 2:
-            start, way = placed[:, self._shoulder], placed[:, -1] - placed[:, self._shoulder]
-            corners = placed[:, self._shoulder + 1 : -1] - start[:, None]
-            square = np.maximum(np.sum(way * way, axis=-1), 1e-12)
-            share = np.clip(np.sum(corners * way[:, None], axis=-1) / square[:, None], 0.0, 1.0)
-            arch = (corners[..., 2] - share * way[:, None, 2]) / self.arm.size
-            cost += SAGGING * (np.maximum(0.0, ARCHED - arch.max(-1)) + np.maximum(0.0, -arch.min(-1)))
-        return cost
+    def _heights(self, placed: Array) -> dict[str, Array]:
+        """The measures of corners and tool above the base plane, and above the line from shoulder to tool."""
+        z, shoulder = placed[..., 2], placed[:, self._shoulder]
+        measures = {}
+        if self._rising.any():
+            measures["clearance"] = z[:, self._rising].min(-1)
+            measures["height"] = z[:, -1] - np.maximum(LIFTED, shoulder[:, 2] - HANGING)
+        if self._rising.any() and placed.shape[1] > self._shoulder + 2:
+            way = placed[:, -1] - shoulder
+            corners = placed[:, self._shoulder + 1 : -1] - shoulder[:, None]
+            share = np.sum(corners * way[:, None], axis=-1) / np.maximum(np.sum(way * way, axis=-1), 1e-12)[:, None]
+            above = corners[..., 2] - np.clip(share, 0.0, 1.0) * way[:, None, 2]
+            measures |= {"arch": above.max(-1), "sag": above.min(-1)}
+        return measures

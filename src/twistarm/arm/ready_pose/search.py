@@ -4,16 +4,31 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 from itertools import islice
 
 import numpy as np
 
-from ...limits.joint_limits import JointLimits
 from ...support.checks import Array
 from ..bodies import Pair
-from .grid import Grid, Rows, grid_of
 from .merit import FORBIDDEN, Mechanism, Merit
+
+Rows = np.ndarray[tuple[int, ...], np.dtype[np.intp]]
+
+STEPS = {"rad": np.radians([15.0, 5.0, 1.0, 0.5, 0.1]), "m": np.array([0.05, 0.01, 0.005, 0.001])}
+"""Steps between values [rad, m]. A coordinate takes the first step that gives it `FEW` values."""
+
+FEW = 5
+
+WINDOW = {"rad": np.pi, "m": 1.0}
+"""The largest distance of a value from the middle of the range, or from 0."""
+
+MARGIN, COMFORT = 0.1, 0.25
+"""Least distance from a bound, and the distance below which nearness costs, as shares of the range."""
+
+BENT, NEAR = 0.25, 1.0
+"""Costs of a coordinate that is not at rest, and of a value at `MARGIN`."""
 
 SAMPLES, KNOWING = 192, 24
 """Number of first configurations, and how many of them show the ranks and the usual overlaps."""
@@ -35,10 +50,7 @@ USUALLY = 0.9
 
 
 def round_configuration(
-    arm: Mechanism,
-    limits: JointLimits,
-    bounds: tuple[Array, Array],
-    overlapping: Callable[[Array], frozenset[Pair]] | None,
+    arm: Mechanism, bounds: tuple[Array, Array], overlapping: Callable[[Array], frozenset[Pair]] | None
 ) -> Array:
     """A configuration (n,) off the bounds, well conditioned, above the base plane with the tool in front.
 
@@ -46,22 +58,69 @@ def round_configuration(
     theta (n,). Pairs that nearly always overlap do not count. `bounds` are finite lower and upper (n,). Products of
     exponentials in NumPy make the result independent of the engine.
     """
-    grid = grid_of(limits, bounds, arm.units)
-    moving = np.flatnonzero((grid.count > 1) & ~_base_turn(arm, grid))
-    rows = _samples(grid, moving)
-    merit = Merit(arm, grid, rows[:KNOWING])
-    free = _free(grid, rows[:KNOWING], overlapping)
+    grid = Grid.of(bounds, arm.units)
+    moving = [i for i in range(len(arm.units)) if grid.first[i] < grid.last[i] and not _is_base_turn(arm, grid, i)]
+    rows = np.tile(grid.rest, (SAMPLES, 1))
+    resting, share = np.random.default_rng(0).random((2, *rows.shape))
+    bent = grid.first + (share * (grid.last - grid.first + 1)).astype(np.intp)
+    rows[1:, moving] = np.where(resting < RESTING, rows, bent)[1:, moving]
+    merit = Merit(arm, grid.theta(rows[:KNOWING]))
+    is_free = _free(grid, rows[:KNOWING], overlapping)
     kept = rows[:0]
     for _ in range(ROUNDS):
-        costs = merit.costs(rows)
+        costs = grid.costs(rows) + merit.costs(grid.theta(rows))
         rows = rows[np.argsort(costs, kind="stable")]
         regular = int((costs < FORBIDDEN).sum()) or len(rows)
-        better = np.array([*islice((row for row in rows[:regular] if free(tuple(row))), KEPT)] or rows[:1])
+        better = np.array([*islice((row for row in rows[:regular] if is_free(tuple(row))), KEPT)] or rows[:1])
         if np.array_equal(better, kept):
             break
         kept = better
         rows = np.unique(np.concatenate([_neighbours(grid, moving, row) for row in kept]), axis=0)[::-1]
     return grid.theta(kept[0])
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Coordinate i takes the values offset + k step with first ≤ k ≤ last, and rests at k = rest. All are (n,).
+
+    A configuration is a row of n numbers k. At rest a coordinate is 0 if that is off its bounds, else near the middle
+    of its range.
+    """
+
+    bounds: tuple[Array, Array]
+    offset: Array
+    step: Array
+    first: Rows
+    last: Rows
+    rest: Rows
+
+    @classmethod
+    def of(cls, bounds: tuple[Array, Array], units: tuple[str, ...]) -> Grid:
+        """The round values inside finite bounds, lower and upper (n,)."""
+        columns = []
+        for lower, upper, unit in zip(*bounds, units, strict=True):
+            low, high = lower + MARGIN * (upper - lower), upper - MARGIN * (upper - lower)
+            middle = 0.0 if low <= 0.0 <= high else 0.5 * (low + high)
+            column = middle, 0.0, 0, 0, 0
+            for step in STEPS[unit]:
+                first = int(np.ceil(max(low, middle - WINDOW[unit]) / step - 1e-9))
+                last = int(np.floor(min(high, middle + WINDOW[unit]) / step + 1e-9))
+                if last - first + 1 >= FEW:
+                    column = 0.0, step, first, last, round(middle / step)
+                    break
+            columns.append(column)
+        return cls(bounds, *map(np.array, zip(*columns, strict=True)))
+
+    def theta(self, rows: Rows) -> Array:
+        """Configurations (..., n) of rows (..., n)."""
+        return np.clip(self.offset + rows * self.step, *self.bounds)
+
+    def costs(self, rows: Rows) -> Array:
+        """The costs of rows (..., n) that are not at rest or near a bound, (...)."""
+        lower, upper = self.bounds
+        theta, span = self.theta(rows), np.where(upper > lower, upper - lower, 1.0)
+        short = np.maximum(0.0, COMFORT - np.minimum(theta - lower, upper - theta) / span)
+        return np.asarray(np.sum(BENT * (rows != self.rest) + NEAR / (COMFORT - MARGIN) * short, axis=-1))
 
 
 def _free(
@@ -75,33 +134,19 @@ def _free(
     return cache(lambda row: overlapping(grid.theta(np.array(row))) <= usual)
 
 
-def _base_turn(arm: Mechanism, grid: Grid) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Marks (n,) the coordinate that turns the whole arm about a vertical axis. Its 0 defines the front."""
-    marks = np.zeros(len(arm.units), dtype=bool)
-    if "rad" in arm.units:
-        first = arm.units.index("rad")
-        axis = arm.screws[3:] @ arm.A[:, first]
-        at_zero = grid.theta(grid.rest)[first] == 0.0
-        marks[first] = at_zero and abs(axis[2]) > VERTICAL * float(np.linalg.norm(axis))
-    return marks
+def _is_base_turn(arm: Mechanism, grid: Grid, i: int) -> bool:
+    """Whether a coordinate is the first turn, about a vertical axis. Its 0 defines the front."""
+    axis = arm.screws[3:] @ arm.A[:, i]
+    first = "rad" in arm.units and arm.units.index("rad") == i
+    return first and grid.theta(grid.rest)[i] == 0.0 and abs(axis[2]) > VERTICAL * float(np.linalg.norm(axis))
 
 
-def _samples(grid: Grid, moving: Rows) -> Rows:
-    """Rest, and seeded rows (N, n) around it that differ in the coordinates `moving`."""
-    numbers = np.random.default_rng(0).random((2, SAMPLES, len(grid.count)))
-    rows = np.where(numbers[0] < RESTING, grid.rest, (numbers[1] * grid.count).astype(np.intp))
-    fixed = np.setdiff1d(np.arange(len(grid.count)), moving)
-    rows[:, fixed] = grid.rest[fixed]
-    rows[0] = grid.rest
-    return rows
-
-
-def _neighbours(grid: Grid, moving: Rows, row: Rows) -> Rows:
+def _neighbours(grid: Grid, moving: list[int], row: Rows) -> Rows:
     """`row` (n,), and rows (N, n) inside the grid with one coordinate of `moving` some steps away, or at rest."""
     rows = [row]
     for i in moving:
         for value in (*(row[i] + stride for stride in STRIDES), grid.rest[i]):
-            if 0 <= value < grid.count[i]:
+            if grid.first[i] <= value <= grid.last[i]:
                 moved = row.copy()
                 moved[i] = value
                 rows.append(moved)

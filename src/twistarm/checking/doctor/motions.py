@@ -55,8 +55,8 @@ SAMPLES, OFTEN = 100, 0.8
 MOST_BODIES = 100
 """The most bodies to check: their pairs take 1 s. A robot with more is left out."""
 
-KINDS, WORDS = 4, 3
-"""Kinds of almost exact axes, and rounded angles for each exact one, named before the rest is counted."""
+KINDS, WORDS = 4, 6
+"""Kinds of almost exact axes, and rounded angles, named before the rest is counted."""
 
 
 def place_of(arm: Arm) -> Place:
@@ -250,22 +250,20 @@ def check_axes(arm: Arm) -> Iterator[Finding]:
 
 
 def _rewriting(arm: Arm) -> str:
-    """The rounded angles in the chain's origins, each once and without its sign, and their exact text."""
-    rounded: dict[str, list[str]] = {}
+    """The rounded angles in the chain's origins, each once and without its sign."""
+    words: list[str] = []
     if arm.description is not None:
         chain = {joint.name for joint in arm.description.chain(arm.base, arm.tip_link)}
         joints = SourceText(arm.description.text).robot.findall("joint")
         origins = [joint.find("origin") for joint in joints if joint.get("name") in chain]
-        words = [word for origin in origins if origin is not None for word in origin.get("rpy", "").split()]
-        for word in dict.fromkeys(word.lstrip("+-") for word in words):
-            exact = round(float(word) / (math.pi / 2)) * (math.pi / 2)
-            if EXACT_ANGLE < abs(float(word) - exact) < ALMOST_ANGLE:
-                rounded.setdefault(f"{exact!r}" if exact else "0", []).append(word)
+        words = [
+            word.lstrip("+-") for origin in origins if origin is not None for word in origin.get("rpy", "").split()
+        ]
+    rounded = [word for word in words if EXACT_ANGLE < abs(math.remainder(float(word), math.pi / 2)) < ALMOST_ANGLE]
     if not rounded:
         return "if the drawing says so, write the chain's origins and axes with 16 digits"
-    return (
-        f"write {'; '.join(f'{exact} for {_first(words, WORDS)}' for exact, words in rounded.items())} in <origin rpy>"
-    )
+    given = _first(list(dict.fromkeys(rounded)), WORDS)
+    return f"write multiples of {math.pi / 2!r} for {given} in <origin rpy>"
 
 
 # -- collisions --------------------------------------------------------------------------------------------------------

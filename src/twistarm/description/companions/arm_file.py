@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from math import inf
@@ -144,10 +144,12 @@ def _specification(content: Mapping[str, Any], path: Path) -> ArmSpecification:
     if ("source" in content) == ("dh" in content):
         what = "it has a source and a table [dh]" if "dh" in content else "it names no source"
         raise InputError(f'{what}: write source = "my_arm.urdf" or a table [dh]')
-    files = {key: _file(content[key], key, path) for key in ("source", "srdf", "joint_limits") if key in content}
+    files = {key: _beside(content[key], key, path) for key in ("source", "srdf", "joint_limits") if key in content}
     dh = _dh(content["dh"], path) if "dh" in content else None
-    folders = [_folder(folder, path) for folder in content.get("package_dirs", ())]
-    far = tuple(folder for folder in folders if _is_elsewhere(folder, path))
+    folders = [_beside(folder, "package_dirs", path, os.path.isdir) for folder in content.get("package_dirs", ())]
+    here = os.path.realpath(path.parent)
+    # The way to a far folder leads through the home folder or one above it.
+    far = tuple(one for one in folders if is_too_wide(Path(os.path.commonpath([os.path.realpath(one), here]))))
     tool = content.get("tool")
     return ArmSpecification(
         description=files.get("source", path),
@@ -178,7 +180,7 @@ def _dh(entries: Mapping[str, Any], path: Path) -> DhTable:
     rows = entries.get("rows", [])
     try:
         if "table" in entries:
-            rows = rows_of_csv(_file(entries["table"], "dh.table", path))
+            rows = rows_of_csv(_beside(entries["table"], "dh.table", path))
         return table_of_rows(rows, entries.get("convention"), _pose(entries.get("base", {})))
     except InputError as error:
         raise InputError(f"dh: {error}") from error
@@ -195,28 +197,13 @@ def read_table_file(path: Path) -> ArmSpecification:
     return ArmSpecification(path, str(path), base=BASE, tip=TOOL, dh=table)
 
 
-def _file(name: str, key: str, path: Path) -> Path:
-    """A file that the arm.toml names, beside it."""
-    file = path.parent / name
-    if not is_file(file):
+def _beside(name: str, key: str, path: Path, exists: Callable[[Path], bool] = is_file) -> Path:
+    """A file, or a folder, that the arm.toml names, beside it."""
+    file = path.parent / as_path(name)
+    if not exists(file):
         what = f"{key} {name!r} does not exist beside it"
         raise refusal("file-unreadable", Place(str(path)), what, "correct the path")
     return file
-
-
-def _folder(name: str, path: Path) -> Path:
-    """A folder that the arm.toml names, beside it."""
-    folder = path.parent / as_path(name)
-    if not os.path.isdir(folder):
-        what = f"package_dirs names {name!r}; there is no such folder beside it"
-        raise refusal("file-unreadable", Place(str(path)), what, "correct the path")
-    return folder
-
-
-def _is_elsewhere(folder: Path, path: Path) -> bool:
-    """Whether the path from the arm.toml to `folder` leads through the home folder or one above it."""
-    ends = os.path.realpath(folder), os.path.realpath(path.parent)
-    return is_too_wide(Path(os.path.commonpath(ends)))
 
 
 def _pose(table: Mapping[str, Any]) -> Array:

@@ -11,11 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from ...limits.joint_limits import JointLimits, by_field
-from ...support.errors import DescriptionError, InputError, closest, listed
+from ...support.errors import InputError, closest, listed
 from ...support.fields import anything, fields, flag, number, table_of
 from ..document import existing_file, read_text
-from ..findings import Finding, Place, finding, refusal
+from ..findings import Finding, Place, finding
 from ..yaml_reading import parse_yaml
+from .toml_entries import unusable
 
 MAX_BYTES = 250_000
 """A file for a whole humanoid has some 10 kB."""
@@ -63,51 +64,54 @@ class LimitsFile:
     ) -> tuple[JointLimits, tuple[Finding, ...]]:
         """The limits of these coordinates with those of the file, and findings. `every` lists all joints of the robot.
 
-        A deceleration limits the acceleration, too: of both the smaller holds. Soft limits narrow the positions.
-        Raises DescriptionError if the file names none of the coordinates, or its limits are swapped.
+        Soft limits narrow the positions. Raises DescriptionError if the file names none of the coordinates, or its
+        limits are swapped.
         """
-        place, noted = Place(self.path.name), list(self.findings)
-        ours = {joint: its for joint, its in self.joints.items() if joint in names}
-        others = [joint for joint in self.joints if joint not in names]
-        if not ours:
-            what = f"its joints are {listed(others) or 'none'}; the arm's are {listed(names)}"
-            raise _unusable(self.path, what, "is it the file of another robot?")
-        strangers = [joint for joint in others if joint in set(every)]
-        for joint in (joint for joint in others if joint not in strangers):
-            what = f"it has limits for {joint!r}, and no joint has that name; they are not kept"
-            noted.append(finding("companion-doubtful", place, what, f"correct the name{closest(joint, names)}"))
-        if strangers:
-            what = f"it has limits for {listed(strangers)}, which are no coordinates of this arm"
-            noted.append(finding("off-the-chain", place, what, "nothing, if they are a gripper's"))
-        if not any(ours.values()):
-            what = "it gives no limit for this arm: every has_…_limits is false, or the values are 0"
-            noted.append(finding("companion-not-used", place, what, "set has_velocity_limits: true and max_velocity"))
-        hard = {joint: {k: v for k, v in its.items() if not k.startswith("soft")} for joint, its in ours.items()}
+        noted = [*self.findings, *self._note_others(names, set(every))]
+        ours = {joint: dict(its) for joint, its in self.joints.items() if joint in names}
+        soft = {joint: [its.pop(bound, None) for bound in ("soft_lower", "soft_upper")] for joint, its in ours.items()}
         try:
-            limits = limits.with_(by_field(hard), names)
+            limits = limits.with_(by_field(ours), names)
         except InputError as error:
-            raise _unusable(self.path, str(error)) from error
-        soft = {joint: its for joint, its in ours.items() if {"soft_lower", "soft_upper"} & its.keys()}
-        for joint, its in soft.items():
-            i = names.index(joint)
-            lower = max(limits.lower[i], its.get("soft_lower", -inf))
-            upper = min(limits.upper[i], its.get("soft_upper", inf))
-            at = Place(self.path.name, None, "joint", joint)
-            if not lower < upper:
-                what = f"its soft limits leave no room in [{limits.lower[i]:g}, {limits.upper[i]:g}]; not kept"
-                noted.append(finding("outside-limits", at, what, "correct them, or set has_soft_limits: false"))
+            raise unusable(self.path, str(error)) from error
+        for joint, (low, high) in soft.items():
+            i, place = names.index(joint), Place(self.path.name, None, "joint", joint)
+            lower = limits.lower[i] if low is None else max(limits.lower[i], low)
+            upper = limits.upper[i] if high is None else min(limits.upper[i], high)
+            if low is None and high is None:
                 continue
-            limits = limits.with_({"lower": {joint: lower}, "upper": {joint: upper}}, names)
-            what = f"its soft limits are kept: [{lower:g}, {upper:g}]"
-            noted.append(finding("limits-adjusted", at, what, "set has_soft_limits: false for its whole range"))
+            if lower < upper:
+                limits = limits.with_({"lower": {joint: lower}, "upper": {joint: upper}}, names)
+                what = f"its soft limits are kept: [{lower:g}, {upper:g}]"
+                noted.append(finding("limits-adjusted", place, what, "set has_soft_limits: false for its whole range"))
+            else:
+                what = f"its soft limits leave no room in [{limits.lower[i]:g}, {limits.upper[i]:g}]; not kept"
+                noted.append(finding("outside-limits", place, what, "correct them, or set has_soft_limits: false"))
         return limits, tuple(noted)
+
+    def _note_others(self, names: tuple[str, ...], every: set[str]) -> Iterator[Finding]:
+        """Findings for joints that are no coordinates, and for a file without any limit of one."""
+        place, others = Place(self.path.name), [joint for joint in self.joints if joint not in names]
+        if len(others) == len(self.joints):
+            what = f"its joints are {listed(others) or 'none'}; the arm's are {listed(names)}"
+            raise unusable(self.path, what, "is it the file of another robot?")
+        for joint in (joint for joint in others if joint not in every):
+            what = f"it has limits for {joint!r}, and no joint has that name; they are not kept"
+            yield finding("companion-doubtful", place, what, f"correct the name{closest(joint, names)}")
+        if strangers := [joint for joint in others if joint in every]:
+            what = f"it has limits for {listed(strangers)}, which are no coordinates of this arm"
+            yield finding("off-the-chain", place, what, "nothing, if they are a gripper's")
+        if not any(its for joint, its in self.joints.items() if joint in names):
+            what = "it gives no limit for this arm: every has_…_limits is false, or the values are 0"
+            yield finding("companion-not-used", place, what, "set has_velocity_limits: true and max_velocity")
 
 
 def read_joint_limits(path: str | os.PathLike[str]) -> LimitsFile:
     """Read a joint_limits.yaml: `joint_limits: {joint: {has_velocity_limits: true, max_velocity: 1.0, …}}`.
 
-    `has_…_limits: false` and a limit of 0 mean "not given". Without `has_…` a limit counts. The mapping may lie inside
-    ROS parameters (`/**: ros__parameters:`). `!degrees` become rad.
+    `has_…_limits: false` and a limit of 0 mean "not given". Without `has_…` a limit counts. Of acceleration and
+    deceleration the smaller holds. The mapping may lie inside ROS parameters (`/**: ros__parameters:`). `!degrees`
+    become rad.
 
     Raises DescriptionError (file, joint, remedy).
     """
@@ -118,17 +122,19 @@ def read_joint_limits(path: str | os.PathLike[str]) -> LimitsFile:
         there = f"it holds joint_limits in {len(found)} places" if found else "it holds no joint_limits"
         keys = listed(map(str, content), 6) if isinstance(content, dict) else "no mapping"
         remedy = "write joint_limits: {joint: {has_velocity_limits: true, max_velocity: 1.0}}, once"
-        raise _unusable(file, f"{there} (at the top: {keys})", remedy)
-    (around,) = found
+        raise unusable(file, f"{there} (at the top: {keys})", remedy)
     noted: list[Finding] = []
-    if factors := [f"{key} {value}" for key, value in around.items() if str(key).startswith("default_")]:
+    if factors := [f"{key} {value}" for key, value in found[0].items() if str(key).startswith("default_")]:
         what = f"{' and '.join(factors)}: MoveIt plans with limits scaled so; here they are taken as they are"
         noted.append(finding("companion-not-used", Place(file.name), what, "lower limits that should hold here too"))
     try:
-        table = table_of(table_of(anything))(around["joint_limits"], "joint_limits")
-        joints = {joint: _joint(joint, entries, file, noted) for joint, entries in table.items()}
+        table = table_of(table_of(anything))(found[0]["joint_limits"], "joint_limits")
+        joints = {joint: _joint(joint, entries) for joint, entries in table.items()}
     except InputError as error:
-        raise _unusable(file, str(error)) from error
+        raise unusable(file, str(error)) from error
+    for joint, key in ((joint, key) for joint, entries in table.items() for key in entries if key not in FORMAT):
+        what = f"its entry {key!r} is unknown and left out{closest(key, FORMAT)}"
+        noted.append(finding("companion-doubtful", Place(file.name, None, "joint", joint), what, "correct it"))
     return LimitsFile(file, joints, tuple(noted))
 
 
@@ -143,11 +149,8 @@ def _nested(content: Any, depth: int) -> Iterator[Mapping[str, Any]]:
         yield from _nested(value, depth - 1)
 
 
-def _joint(joint: str, entries: Mapping[str, Any], file: Path, noted: list[Finding]) -> dict[str, float]:
+def _joint(joint: str, entries: Mapping[str, Any]) -> dict[str, float]:
     """The limits of a joint by meaning, without those that are switched off."""
-    for key in entries.keys() - FORMAT.keys():
-        what = f"its entry {key!r} is unknown and left out{closest(key, FORMAT)}"
-        noted.append(finding("companion-doubtful", Place(file.name, None, "joint", joint), what, "correct it"))
     given = fields({key: entries[key] for key in FORMAT if key in entries}, f"joint {joint!r}", {}, FORMAT)
     limits: dict[str, float] = {}
     for entry, (switch, meaning, _) in ENTRIES.items():
@@ -158,7 +161,3 @@ def _joint(joint: str, entries: Mapping[str, Any], file: Path, noted: list[Findi
     if limits.get("lower", -inf) > limits.get("upper", inf):
         raise InputError(f"joint {joint!r}: min_position {limits['lower']:g} lies above max_position; swap them")
     return limits
-
-
-def _unusable(file: Path, what: str, remedy: str = "") -> DescriptionError:
-    return refusal("companion-unusable", Place(str(file)), what, remedy)

@@ -1,14 +1,20 @@
-"""SRDF: groups, end effectors, named states, and pairs of links that need no collision check."""
+"""SRDF: groups, end effectors, named states, and pairs of links that need no collision check.
+
+Files beside a description are looked for in the places of MoveIt and ROS packages.
+"""
 
 from __future__ import annotations
 
 import os
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
 from types import MappingProxyType
 
-from ...support.errors import InputError, listed
+from ...support.errors import DescriptionError, InputError, listed
 from ...support.fields import number_in
+from ...support.files import is_file
+from ...support.messages import Argument, Text
 from ..document import Reading, existing_file, parse_xml, read_text
 from ..expansion.arguments import arguments_in
 from ..expansion.expand import expand_xacro, is_xacro
@@ -22,6 +28,64 @@ MAX_BYTES = 1_000_000
 
 MAX_GROUPS = 200
 """Most elements of a kind. A humanoid has some 30 groups. Each group is compared with all others."""
+
+FOLDERS = ("config", "srdf")
+"""Folders of packages with such files, in the description's folder or one above."""
+
+MOVEIT = "*_moveit_config"
+"""The MoveIt package of the same workspace: one or two folders above the description's."""
+
+
+def files_beside(file: Path, pattern: str) -> tuple[Path, ...]:
+    """Files that match `pattern` (`*.srdf`) in the description's folder and its package's folders for them.
+
+    Links are left out, because their files lie elsewhere.
+    """
+
+    def matching(folder: Path, wanted: str) -> list[Path]:
+        try:
+            return sorted(folder.glob(wanted))
+        except OSError:
+            return []
+
+    def folders(here: Path) -> Iterator[Path]:
+        yield here
+        for parent in (here, here.parent):
+            yield from (parent / name for name in FOLDERS)
+        for workspace in (here.parent, here.parent.parent):
+            yield from (package / name for package in matching(workspace, MOVEIT) for name in FOLDERS)
+
+    found = (path for folder in folders(file.resolve().parent) for path in matching(folder, pattern))
+    return tuple(path for path in dict.fromkeys(found) if is_file(path) and path.resolve() == path)
+
+
+def srdf_beside(description: Description) -> tuple[Semantics | None, tuple[Finding, ...]]:
+    """The one SRDF beside the description for a robot of its name, and findings.
+
+    None of several is used. SRDFs in xacro are programs, so they are not read unasked.
+    """
+    matching: list[Semantics] = []
+    noted: list[Finding] = []
+    for path in files_beside(description.path, "*.srdf") if description.path else ():
+        try:
+            semantics = read_srdf(path)
+        except DescriptionError as error:
+            remedy = Text("correct it, or name another as {srdf}", srdf=Argument("srdf"))
+            noted.append(finding("companion-doubtful", Place(path.name), error.message, remedy))
+            continue
+        if semantics.name == description.name:
+            matching.append(semantics)
+    if len(matching) > 1:
+        files = listed(path_from(description, semantics.path) for semantics in matching)
+        what = f"several SRDFs are for a robot {description.name!r}: {files}; none is used"
+        remedy = Text("name one as {srdf}", srdf=Argument("srdf"))
+        noted.append(finding("companion-not-used", description.place(), what, remedy))
+    return (matching[0] if len(matching) == 1 else None), tuple(noted)
+
+
+def path_from(description: Description, file: Path) -> str:
+    """The way from the description's folder to a file: `../config/arm.srdf`."""
+    return os.path.relpath(file.resolve(), description.path.parent) if description.path else str(file)
 
 
 def read_srdf(
@@ -110,7 +174,7 @@ def _semantics(text: str, reading: Reading) -> Semantics:
         checked_pairs=frozenset(pair(*both) for both in pairs(robot, "enable_collisions", "link1", "link2")),
         passive_joints=names(robot, "passive_joint"),
         virtual_joints=names(robot, "virtual_joint"),
-        findings=tuple(reading.findings.kept),
+        findings=tuple(reading.findings),
     )
 
 

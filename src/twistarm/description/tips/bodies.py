@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -24,7 +24,7 @@ class Body:
     """Links connected by fixed joints, beyond the moving `joint` (None for the first body).
 
     `links` maps each link to the one that it is fixed on, "" for the first, outer links last. `depth` counts the joints
-    before it, a planar one once and none of a free base. `height` is the longest chain of joints beyond. A body that
+    before it, but none of a free base. `height` is the longest chain of joints beyond. A body that
     `holds_tool` has a link with a tool's name, or carries one. The joint of a body that `follows` is a mimic, and so
     are all beyond.
     """
@@ -34,10 +34,10 @@ class Body:
     parent: Body | None
     depth: int = 0
     children: list[Body] = field(default_factory=list)
+    part: Part = "limb"
     height: int = 0
     holds_tool: bool = False
     follows: bool = False
-    part: Part = "limb"
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -48,6 +48,10 @@ class Body:
     def on(self, part: Part) -> list[Body]:
         """The bodies of this kind on it."""
         return [child for child in self.children if child.part == part]
+
+    def places_of(self, part: Part) -> list[str]:
+        """The links of the body that carry bodies of this kind."""
+        return [child.joint.parent for child in self.on(part) if child.joint is not None]
 
     def inward(self, link: str) -> list[str]:
         """`link` and the links that it is fixed on, inward to the first."""
@@ -64,17 +68,13 @@ class Body:
 
     def path(self) -> list[Body]:
         """From the first body to this one."""
-        path = [self]
-        while path[-1].parent is not None:
-            path.append(path[-1].parent)
-        return path[::-1]
+        return [*(self.parent.path() if self.parent else ()), self]
 
-    def beyond(self) -> list[Body]:
+    def beyond(self) -> Iterator[Body]:
         """The body and all bodies that it carries."""
-        found = [self]
-        for body in found:
-            found += body.children
-        return found
+        yield self
+        for child in self.children:
+            yield from child.beyond()
 
 
 def bodies(description: Description, base: str) -> list[Body]:
@@ -84,25 +84,22 @@ def bodies(description: Description, base: str) -> list[Body]:
         outward.setdefault(joint.parent, []).append(joint)
     found = [Body(None, {base: ""}, None)]
     for body in found:
-        queue = [base] if body.joint is None else [body.joint.child]
-        for link in queue:
+        fixed = list(body.links)
+        for link in fixed:
             for joint in outward.get(link, ()):
                 if joint.moving:
                     child = description.links[joint.child]
                     in_place = not (joint.origin[:3, 3].any() or child.visuals or child.collisions)
                     of_base = body.depth == 0 and (in_place or joint.type in ("planar", "floating"))
-                    same = bool(joint.part_of) and body.joint is not None and body.joint.part_of == joint.part_of
-                    depth = body.depth if of_base or same else body.depth + 1
-                    body.children.append(Body(joint, {joint.child: ""}, body, depth))
+                    body.children.append(Body(joint, {joint.child: ""}, body, body.depth + (not of_base)))
                 else:
                     body.links[joint.child] = link
-                    queue.append(joint.child)
+                    fixed.append(joint.child)
         found += body.children
     for body in reversed(found):
         body.height = max((child.height + 1 for child in body.children), default=0)
         body.holds_tool = any(map(is_tool, body.links)) or any(child.holds_tool for child in body.children)
-        mimic = body.joint is not None and body.joint.mimic is not None
-        body.follows = mimic and all(child.follows for child in body.children)
+        body.follows = bool(body.joint and body.joint.mimic) and all(child.follows for child in body.children)
         for part, rule in RULES.items():
             for one in rule(body):
                 one.part = part
@@ -110,22 +107,17 @@ def bodies(description: Description, base: str) -> list[Body]:
 
 
 def _wheels(body: Body) -> Sequence[Body]:
-    """Wheels and legs: ends with such names, several that spin side by side, and bodies that carry only those."""
-    rolling = [
-        child
-        for child in body.children
-        if (child.children and len(child.on("locomotion")) == len(child.children))
-        or (not child.children and tells_of("locomotion", *child.names, *child.links))
-    ]
-    spinning = [
-        child
-        for child in body.children
-        if child not in rolling and child.joint is not None and child.joint.type == "continuous" and not child.children
-        if not child.holds_tool and not tells_of("finger", *child.names)
-    ]
-    side_by_side = len(spinning) > 1 and (body.depth < CARRIED or bool(rolling))
-    nothing_else = bool(rolling) and len(rolling) + len(spinning) == len(body.children)
-    return [*rolling, *spinning] if side_by_side or nothing_else else rolling
+    """Wheels and legs: ends with such names, bodies that carry only those, and ends that spin beside another."""
+    rolling, spinning = [], []
+    for child in body.children:
+        if child.children:
+            if len(child.on("locomotion")) == len(child.children):
+                rolling.append(child)
+        elif tells_of("locomotion", *child.names, *child.links):
+            rolling.append(child)
+        elif child.joint and child.joint.type == "continuous" and not child.holds_tool:
+            spinning += [] if tells_of("finger", *child.names) else [child]
+    return [*rolling, *spinning] if rolling or (len(spinning) > 1 and body.depth < CARRIED) else ()
 
 
 def _fingers(body: Body) -> Sequence[Body]:
@@ -136,11 +128,10 @@ def _fingers(body: Body) -> Sequence[Body]:
     if body.joint is None:
         return ()
     short = [child for child in body.on("limb") if child.height < max(2, body.depth) and not child.holds_tool]
-    named = [child for child in short if tells_of("finger", *child.names)]
-    hand: Sequence[Body] = named if len(named) > 1 else ()
-    if not hand and (body.depth >= CARRIED or any(map(is_tool, body.links))):
-        hand = _alike(short)
-    hand = hand or [child for child in short if _is_jaw(child, body)]
+    hand: Sequence[Body] = [child for child in short if tells_of("finger", *child.names)]
+    if len(hand) < 2:
+        hand = _alike(short) if body.depth >= CARRIED or any(map(is_tool, body.links)) else ()
+        hand = hand or [child for child in short if _is_jaw(child, body)]
     longest = max((child.height for child in hand), default=-1)
     return [child for child in short if child.height <= longest]
 
@@ -172,40 +163,34 @@ def _is_jaw(child: Body, body: Body) -> bool:
     """Whether a branch is the only jaw of the body.
 
     Beside a tool's frame that carries nothing, the only branch is one whatever its name. A branch with a finger's name
-    is one on a body that has a tool's frame or a fixed jaw, or on a hand.
+    is one if it is named like a moving jaw, or is on a body that has a tool's frame or a fixed jaw.
     """
-    carrying = {link for one in body.children if one.joint is not None for link in body.inward(one.joint.parent)}
+    carrying = {link for one in body.children if one.joint for link in body.inward(one.joint.parent)}
     fixed = [link for link, on in body.links.items() if on]
     frames = [link for link in fixed if link not in carrying and (is_tool(link) or tells_of("carrier", link))]
     if frames and len(body.on("limb")) == 1:
         return all(beyond.follows for beyond in child.children)
     fingers = [one for one in body.on("limb") if not one.holds_tool and tells_of("finger", *one.names)]
-    if fingers != [child] or child.children or tells_of("wrist", *child.names):
-        return False
-    opposed = body.holds_tool or any(tells_of("jaw", link) for link in fixed)
-    return opposed or (tells_of("jaw", child.names[-1]) and tells_of("hand", *body.links))
+    if fingers != [child] or child.children or tells_of("wrist", *child.names) or tells_of("jaw", *body.names):
+        return False  # the last joint of a finger is no jaw
+    return body.holds_tool or any(tells_of("jaw", link) for link in (*fixed, child.names[-1]))
 
 
 def _rods(body: Body) -> Sequence[Body]:
     """Rods and cylinders beside a limb: those with such names, and shorter branches of mimics only."""
-    limbs = body.on("limb")
-    named = [child for child in limbs if tells_of("linkage", *child.names) and not child.holds_tool]
-    longest = max((child.height for child in limbs if child not in named), default=-1)
-    idle = [child for child in limbs if child.follows and child.height < longest and not child.holds_tool]
-    return [*named, *idle] if longest >= 0 else ()
+    limbs = [child for child in body.on("limb") if not child.holds_tool]
+    named = [child for child in limbs if tells_of("linkage", *child.names)]
+    longest = max((child.height for child in body.on("limb") if child not in named), default=-1)
+    return [child for child in limbs if longest >= 0 and (child in named or (child.follows and child.height < longest))]
 
 
 def _heads(body: Body) -> Sequence[Body]:
-    """Heads, masts and cameras: branches with only such names, beside limbs or wheels, or with a camera."""
+    """Heads, masts and cameras: branches with only such names, beside limbs or wheels."""
     limbs = body.on("limb")
-    heads = [
-        child
-        for child in limbs
-        if not child.holds_tool and all(tells_of("sensor", *one.names) for one in child.beyond())
-    ]
-    if len(heads) == len(limbs) and not body.on("locomotion"):
-        heads = [child for child in heads if any(tells_of("camera", *one.names) for one in child.beyond())]
-    return [one for child in heads for one in child.beyond()]
+    heads = [child for child in limbs if not child.holds_tool]
+    heads = [child for child in heads if all(tells_of("sensor", *one.names) for one in child.beyond())]
+    beside = len(heads) < len(limbs) or body.on("locomotion")
+    return [one for child in heads for one in child.beyond()] if beside else ()
 
 
 RULES: Mapping[Part, Callable[[Body], Iterable[Body]]] = {

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from ...support.errors import DescriptionError, listed
-from ...support.messages import Argument, Text
+from ...support.messages import Argument, Text, plural
 from ..findings import Finding, finding, refusal
 from ..tree import Description
 from .bodies import Body, bodies
@@ -29,14 +29,6 @@ class Choice(NamedTuple):
     others: tuple[str, ...]
 
 
-class TipLink(NamedTuple):
-    """A body's tool `link`, None if several are equal, the reason, and all candidates, the likeliest first."""
-
-    link: str | None
-    why: str
-    candidates: tuple[str, ...]
-
-
 def choose_ends(description: Description, base: str | None = None, groups: Iterable[str] = ()) -> Choice:
     """Base and tip as a person would name them. With `base`, only the links beyond it are candidates.
 
@@ -47,14 +39,19 @@ def choose_ends(description: Description, base: str | None = None, groups: Itera
     found = bodies(description, base or description.root)
     ends = _ends(found)
     end = max(ends, key=lambda end: (_has_tool(end), end.depth), default=None)
-    clear = end is not None and all(_outweighs(end, other) for other in ends if other is not end)
-    tip = _tip_link(description, end) if end is not None and clear and _is_arm(end, found) else None
-    if end is None or tip is None or tip.link is None:
-        raise _unclear(description, found, [end] if end is not None and tip is not None else ends, groups)
-    others = dict.fromkeys([*tip.candidates, *_candidates(description, found, ends)])
-    others.pop(tip.link)
-    why = f"{tip.why}, {_joints(end)} from {(base or description.root)!r}"
-    return Choice(base or _first_link(description, end), tip.link, why, tuple(others))
+    if end is None or not _is_arm(end, found) or not all(_outweighs(end, other) for other in ends if other is not end):
+        raise _unclear(description, found, ends, groups)
+    why, tips, others = _tips(description, end)
+    if len(tips) > 1:
+        raise _unclear(description, found, [end], groups)
+    others = [*others, *_leaves(description, found)]
+    why = f"{why}, {plural(end.depth, 'joint')} from {(base or description.root)!r}"
+    return Choice(
+        base or _first_link(description, end),
+        tips[0],
+        why,
+        tuple(link for link in dict.fromkeys(others) if link != tips[0]),
+    )
 
 
 def note_choice(description: Description, choice: Choice) -> tuple[Finding, ...]:
@@ -69,26 +66,13 @@ def note_choice(description: Description, choice: Choice) -> tuple[Finding, ...]
     return (finding("several-tips", place, what, Text("pass {tip} if another is meant", tip=Argument("tip"))),)
 
 
-def candidates(description: Description, base: str | None = None) -> tuple[str, ...]:
-    """Every link that could be the tip, the likeliest first."""
-    found = bodies(description, base or description.root)
-    return tuple(_candidates(description, found, _ends(found)))
-
-
 # -- which chain -------------------------------------------------------------------------------------------------------
 
 
 def _ends(found: Sequence[Body]) -> list[Body]:
-    """The bodies at the ends of chains of limbs, the longest first. Heads count if there is nothing else."""
-    limbs: dict[Body, None] = {}
-    for body in found:
-        if body.part == "limb" and (body.parent is None or body.parent in limbs):
-            limbs[body] = None
-    ends = [body for body in limbs if body.joint is not None and not body.on("limb")]
-    ends = [body for body in ends if body.on("finger") or not body.on("locomotion")]
-    if not ends and not any(body.part == "locomotion" for body in found):
-        ends = [body for body in found if body.joint is not None and not body.children]
-    return sorted(ends, key=lambda body: -body.depth)
+    """The bodies at the ends of chains of limbs, the longest first."""
+    limbs = [body for body in found if body.joint is not None and all(one.part == "limb" for one in body.path())]
+    return sorted((body for body in limbs if not body.on("limb")), key=lambda body: -body.depth)
 
 
 def _has_tool(end: Body) -> bool:
@@ -100,8 +84,7 @@ def _outweighs(end: Body, other: Body) -> bool:
     """Whether the chain to `end` is clearly the arm, counted from its fork with the chain to `other`."""
     fork = max(a.depth for a, b in zip(end.path(), other.path(), strict=False) if a is b)
     mine, its = end.depth - fork, other.depth - fork
-    least = its if _has_tool(end) else min(its + 2, 2 * its)
-    return its <= ARM and not _has_tool(other) and mine >= least
+    return its <= ARM and not _has_tool(other) and mine >= (its if _has_tool(end) else its + 2)
 
 
 def _is_arm(end: Body, found: Sequence[Body]) -> bool:
@@ -109,17 +92,15 @@ def _is_arm(end: Body, found: Sequence[Body]) -> bool:
     if not any(body.part == "locomotion" for body in found):
         return True
     chassis = max((body.depth for body in end.path() if body.on("locomotion")), default=0)
-    with_hand = _has_tool(end) or tells_of("finger", *end.links)
-    return end.depth - chassis >= (ARM - 1 if with_hand else ARM)
+    return end.depth - chassis >= (ARM - 1 if _has_tool(end) else ARM)
 
 
 def _first_link(description: Description, end: Body) -> str:
     """The root, or behind wheels or legs the link that the arm begins on, if they do not begin there too."""
     for body, outer in reversed(list(pairwise(end.path()))):
-        wheels = [wheel.joint.parent for wheel in body.on("locomotion") if wheel.joint is not None]
-        if wheels and outer.joint is not None:
+        if body.on("locomotion") and outer.joint is not None:
             first = outer.joint.parent
-            if any(first in body.inward(wheel) for wheel in wheels):
+            if any(first in body.inward(link) for link in body.places_of("locomotion")):
                 return first if body.joint is not None else description.root
             # KDL wants a base without mass: descriptions put a link `…_inertia` behind the one people call the base.
             return body.links[first] or first if first.lower().endswith("inertia") else first
@@ -129,26 +110,23 @@ def _first_link(description: Description, end: Body) -> str:
 # -- which link --------------------------------------------------------------------------------------------------------
 
 
-def _tip_link(description: Description, end: Body) -> TipLink:
-    """The link of the body that a person would name: the first of a table of reasons that has one.
+def _tips(description: Description, end: Body) -> tuple[str, list[str], list[str]]:
+    """Why, the link of the body that a person would name, or several that are equal, and other candidates.
 
-    Of several links with equal names the outermost wins, if they lie behind one another. A tool's name wins over the
-    `tool0` that carries the tool.
+    It is the first of a table of reasons that has one. Of several links with equal names the outermost wins, if they
+    lie behind one another. A tool's name wins over the `tool0` that carries the tool.
     """
     shaped = {link for link in end.links if description.links[link].visuals or description.links[link].collisions}
     carriers = {link for tool in end.links if is_tool(tool) for link in end.inward(tool)[1:] if tool_rank(link) == 0}
     ranks = {link: (link in carriers, rank) for link in end.links if (rank := tool_rank(link)) is not None}
-    named = sorted(ranks, key=lambda link: (ranks[link], -len(end.inward(link))))
     flanges = [link for link in end.links if is_flange(link)]
-    fingers = [finger.joint.parent for finger in end.on("finger") if finger.joint is not None]
     ends = _outer_links(end)
-    if named:
-        others = named
-        reasons = [("it has a usual name for it", [link for link in named if ranks[link] == ranks[named[0]]])]
-    elif fingers:
+    if ranks:
+        others = sorted(ranks, key=lambda link: (ranks[link], -len(end.inward(link))))
+        reasons = [("it has a usual name for it", [link for link in others if ranks[link] == ranks[others[0]]])]
+    elif fingers := end.places_of("finger"):
         palm = end.fork(fingers)
         frames = [link for link in ends if link != palm and palm in end.inward(link) and link not in shaped]
-        frames = [link for link in frames if tells_of("carrier", link) or not tells_of("finger", link)]
         others = [palm, *frames, *flanges]
         reasons = [("it is the frame between the fingers", frames if len(frames) == 1 else [])]
         reasons += [("the fingers move on it" if len(fingers) > 1 else "the finger moves on it", [palm])]
@@ -164,15 +142,14 @@ def _tip_link(description: Description, end: Body) -> TipLink:
         ]
     why, best = next(reason for reason in reasons if reason[1])
     in_line = set(best) <= set(end.inward(best[0]))
-    return TipLink(best[0] if in_line else None, why, tuple(dict.fromkeys([*best, *others])))
+    return why, best[:1] if in_line else best, [*best, *others]
 
 
 def _outer_links(end: Body) -> list[str]:
     """The ends of the body's tree of fixed joints, without ornaments and pairs of fixed fingers."""
     left = dict(end.links)
     while True:
-        carrying = set(left.values())
-        outer = [link for link in left if link not in carrying]
+        outer = [link for link in left if link not in left.values()]
         fingers = [link for link in outer if tells_of("finger", link) and not tells_of("carrier", link)]
         loose = [link for link in outer if tells_of("ornament", link) or (len(fingers) > 1 and link in fingers)]
         if not loose or not left[loose[0]]:
@@ -181,18 +158,11 @@ def _outer_links(end: Body) -> list[str]:
             del left[link]
 
 
-# -- candidates and errors ---------------------------------------------------------------------------------------------
-
-
-def _candidates(description: Description, found: Sequence[Body], ends: Sequence[Body]) -> dict[str, Body]:
-    """The tips of these ends, then the other leaves of the tree, those with the most joints first."""
-    links: dict[str, Body] = {}
-    for end in ends:
-        tip = _tip_link(description, end)
-        links |= dict.fromkeys(tip.candidates if tip.link is None else (tip.link,), end)
+def _leaves(description: Description, found: Sequence[Body]) -> dict[str, Body]:
+    """The leaves of the tree, those with the most joints first."""
     outer = set(description.leaves)
     leaves = {link: body for body in found for link in body.links if link in outer}
-    return links | dict(sorted(leaves.items(), key=lambda leaf: -leaf[1].depth))
+    return dict(sorted(leaves.items(), key=lambda leaf: -leaf[1].depth))
 
 
 def _unclear(
@@ -200,22 +170,16 @@ def _unclear(
 ) -> DescriptionError:
     if len(found) == 1:
         return refusal("no-chain", description.place(), "no joint moves", "is it the description of an arm?")
-    links = _candidates(description, found, ends)
-    likely = [link for link, body in links.items() if body in ends]
+    likely = {link: end for end in ends for link in _tips(description, end)[1]}
     if len(likely) < 2:
         what = f"nothing that is an arm in it, only {'too short a chain' if ends else 'wheels, legs or heads'}"
-        likeliest = Argument("tip", next(iter(links)))
-        remedy = Text("to take one of its chains all the same, pass {tip}", tip=likeliest)
+        first = next(iter([*likely, *_leaves(description, found)]))
+        remedy = Text("to take one of its chains all the same, pass {tip}", tip=Argument("tip", first))
         return refusal("no-tip", description.place(), what, remedy)
-    what = "several links could be the tip: "
-    what += ", ".join(f"{listed([link])} ({_joints(links[link])})" for link in likely[:SHOWN])
+    shown = [f"{listed([link])} ({plural(end.depth, 'joint')})" for link, end in likely.items()]
+    what = f"several links could be the tip: {', '.join(shown[:SHOWN])}"
     if len(likely) > SHOWN:
         what += f", … ({len(likely)} in all)"
-    offered = ", ".join(groups)
-    if offered:
+    if offered := ", ".join(groups):
         what += f"; so could the groups of its SRDF: {offered}"
-    return refusal("no-tip", description.place(), what, Text("pass {tip}", tip=Argument("tip", likely[0])))
-
-
-def _joints(end: Body) -> str:
-    return f"{end.depth} joint{'s' if end.depth > 1 else ''}"
+    return refusal("no-tip", description.place(), what, Text("pass {tip}", tip=Argument("tip", next(iter(likely)))))

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 
 _ENDING = r"(_(link|frame|point|site))*(_\d+)?$"
 
-_TOOLS = (
-    "tool0",
-    "tcp|tool_cent(er|re)(_point)?",
-    "grasp(ing)?(_?(target|cent(er|re)))?|gripper_?(frame|cent(er|re)|tip)|ee_gripper|pinch",
-    r"tool(_?tip)?\d*",
-    r"ee\d*|eef|end_?effector\d*",
-    "end_?effector_.*|end",
-)
-"""Names that mean "this is the tool", in order of preference, behind any prefix."""
-
-_USUAL = [re.compile(rf"(?:^|_)(?:{tool}){_ENDING}") for tool in _TOOLS]
-
-_CAMERA = r"camera|lidar|gimbal|kinect|(?:^|_)(cam|eyes?|radar|ptz|antenna)(?:_|\d|$)"
+TOOLS = [
+    re.compile(rf"(?:^|_)(?:{tool}){_ENDING}")
+    for tool in (
+        "tool0",
+        "tcp|tool_cent(er|re)(_point)?",
+        "grasp(ing)?(_?(target|cent(er|re)))?|gripper_?(frame|cent(er|re)|tip)|ee_gripper|pinch",
+        r"tool(_?tip)?\d*",
+        r"ee\d*|eef|end_?effector\d*",
+        "end_?effector_.*|end",
+    )
+]
+"""Names that mean "this is the tool", in order of preference, behind any prefix. The last may mean other links too."""
 
 PARTS = {
     part: re.compile(pattern)
@@ -30,13 +30,14 @@ PARTS = {
             r"(?:^|_)(hand|pad|prong|mors|mover|moving)(?:_|\d|$)"
         ),
         "jaw": r"finger|knuckle|thumb|jaw|(?:^|_)(mover|moving|movable)(?:_|\d|$)",
-        "hand": r"grip|jaw|palm|(?:^|_)(hand|stator)(?:_|\d|$)",
         "locomotion": (
             r"wheel|cast[eo]r|rocker|bogie|suspension|steer|tyre|propell|thigh|calf|shank|ankle|coxa|femur|tibia|"
             r"(?:^|_)(tires?|track|axle|diff|differential|leg|hip|knee|foot|feet|toe)(?:_|\d|$)"
         ),
-        "camera": _CAMERA,
-        "sensor": _CAMERA + r"|(?:^|_)(head|neck|pan|tilt|mast|screen|laser)(?:_|\d|$)",
+        "sensor": (
+            r"camera|lidar|gimbal|kinect|"
+            r"(?:^|_)(cam|eyes?|radar|ptz|antenna|head|neck|pan|tilt|mast|screen|laser)(?:_|\d|$)"
+        ),
         "wrist": r"wrist|twist|rotat|(?:^|_)(roll|yaw|pitch)(?:_|\d|$)",
         "ornament": (
             r"camera|lidar|gimbal|kinect|realsense|optical|sensor|motor|servo|marker|aruco|april_?tag|microphone|speaker|"
@@ -52,35 +53,34 @@ PARTS = {
 }
 """Names by the part that they tell of.
 
-A flange holds a tool, a carrier is a hand or a tool by its last word, a jaw moves, a hand holds jaws. Locomotion is a
-wheel, its carrier or a leg. A camera looks or listens, a sensor is a camera, a head or a mast, a wrist turns a hand. An
-ornament, such as a light or a tag, only hangs on an arm. A linkage is a cylinder, a rod or another part that follows.
+A flange holds a tool, a carrier is a hand or a tool by its last word, a jaw moves. Locomotion is a wheel, its carrier
+or a leg. A sensor is a camera, a head or a mast. A wrist turns a hand. An ornament, such as a light or a tag, only
+hangs on an arm. A linkage is a cylinder, a rod or another part that follows.
 """
 
 
+@cache
 def plain(name: str) -> str:
     """The name in lower case with single underscores: `px100/ee_gripperLink` is px100_ee_gripper_link."""
     words = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
     return re.sub(r"[^a-z0-9]+", "_", words).strip("_")
 
 
+def tells_of(part: str, *names: str) -> bool:
+    """Whether one of the names is that of a `part`, a key of `PARTS`."""
+    return any(PARTS[part].search(plain(name)) for name in names)
+
+
 def tool_rank(name: str) -> int | None:
     """The rank of a link's name among usual names of tools, 0 the most usual, None for any other name."""
     if tells_of("ornament", name) or tells_of("jaw", name):
         return None
-    words = plain(name)
-    return next((rank for rank, usual in enumerate(_USUAL) if usual.search(words)), None)
+    return next((rank for rank, usual in enumerate(TOOLS) if usual.search(plain(name))), None)
 
 
 def is_tool(name: str) -> bool:
     """Whether the name is one that only a tool has."""
-    rank = tool_rank(name)
-    return rank is not None and rank < len(_TOOLS) - 1
-
-
-def tells_of(part: str, *names: str) -> bool:
-    """Whether one of the names is that of a `part`, a key of `PARTS`."""
-    return any(PARTS[part].search(plain(name)) for name in names)
+    return tool_rank(name) in range(len(TOOLS) - 1)
 
 
 def is_flange(name: str) -> bool:
