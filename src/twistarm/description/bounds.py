@@ -47,7 +47,7 @@ def read_axis(element: ET.Element, kind: str, reading: Reading) -> tuple[Array, 
         raise reading.error(element, "number-malformed", "a moving joint with a zero axis", remedy)
     if abs(norm - 1.0) > AXIS_TOL:
         what = f"its axis {axis.get('xyz')} has length {norm:.4g}; only the direction counts"
-        reading.note("axis-not-unit", element, what, "write a unit vector", repaired=True)
+        reading.note("axis-not-unit", element, what, "write a unit vector")
     unit = vector / norm
     nearest = np.round(unit)
     return (nearest if np.abs(unit - nearest).max() <= SNAP else unit), norm
@@ -71,7 +71,7 @@ def read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], read
         what = "no <limit>" if element.find("limit") is None else f"a <limit> without {' and '.join(missing)}"
         what += "; taken as unbounded both ways" if both else "; URDF reads it as 0"
         remedy = f"write lower and upper in the URDF, or limits.{element.get('name')} in arm.toml"
-        reading.note("limit-incomplete", element, what, remedy, repaired=True)
+        reading.note("limit-incomplete", element, what, remedy)
     lower, upper = given.get("lower", -np.inf if both else 0.0), given.get("upper", np.inf if both else 0.0)
     if lower >= WIDE or upper <= -WIDE:
         what = f"its limits lower {lower:g}, upper {upper:g} leave no place to stand"

@@ -68,10 +68,10 @@ class Reading:
         """The file itself, by its full path."""
         return Place(str(self.path))
 
-    def note(self, code: str, at: Place | ET.Element | None, what: str, remedy: str, *, repaired: bool = False) -> None:
+    def note(self, code: str, at: Place | ET.Element | None, what: str, remedy: str) -> None:
         """Add a finding about an element, another place, or the file as a whole."""
         place = at if isinstance(at, Place) else self.place(at)
-        self.findings.append(finding(code, place, what, remedy, repaired=repaired))
+        self.findings.append(finding(code, place, what, remedy))
 
     def error(self, element: ET.Element, code: str, what: str, remedy: str = "") -> DescriptionError:
         """The error for an element that cannot be repaired."""

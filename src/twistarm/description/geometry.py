@@ -53,7 +53,7 @@ class Materials:
             self._reading.note("bad-geometry", None, f"{what}; the first colour of a name counts", remedy)
         for rgba in self._odd:
             what = f"the colour rgba={rgba[:60]!r} is not four numbers from 0 to 1; the nearest colour is drawn, if any"
-            self._reading.note("bad-geometry", None, what, 'write rgba="RED GREEN BLUE ALPHA"', repaired=True)
+            self._reading.note("bad-geometry", None, what, 'write rgba="RED GREEN BLUE ALPHA"')
 
     def _own(self, material: ET.Element) -> Colour | None:
         """The colour that the element gives. Three numbers are opaque, and others become the nearest from 0 to 1."""
@@ -108,7 +108,7 @@ class Geometries:
             return self._shape(link, shape, read_origin(element), self._materials.colour(material))
         except ValueError:
             what = f"its <{element.tag}> <{shape.tag}> has no usable size or place; it is not drawn"
-            self._reading.note("bad-geometry", link, what, "give every size and origin as numbers", repaired=True)
+            self._reading.note("bad-geometry", link, what, "give every size and origin as numbers")
             return None
 
     def _shape(self, link: ET.Element, shape: ET.Element, origin: Array, colour: Colour | None) -> Geometry | None:
@@ -144,7 +144,7 @@ class Geometries:
         if min(size) < 0.0 or not seen:
             drawn = "the size without its sign is drawn" if seen else "nothing of it is to be seen"
             what = f"its <{shape}> has the size {numbers}; {drawn}"
-            self._reading.note("bad-geometry", link, what, "give sizes above 0", repaired=True)
+            self._reading.note("bad-geometry", link, what, "give sizes above 0")
         return bool(seen)
 
 

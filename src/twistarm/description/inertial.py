@@ -68,7 +68,7 @@ def drop_unusable_inertials(robot: ET.Element, reading: Reading) -> None:
             link.remove(first)
             what = f"its <inertial> {problem}; the link counts as massless"
             remedy = "write mass in kg and the six inertias in kg m² as plain numbers"
-            reading.note("inertial-unusable", link, what, remedy, repaired=True)
+            reading.note("inertial-unusable", link, what, remedy)
         # Pinocchio takes a number with space around it for zero, and all six if one is missing.
         for element in (*first.findall("mass"), *first.findall("inertia")):
             for name in ("value",) if element.tag == "mass" else INERTIA:

@@ -103,7 +103,7 @@ def build_description(text: str, reading: Reading) -> Description:
     if not robot.get("name"):  # which Pinocchio refuses
         robot.set("name", reading.path.stem)
         what = f"the <robot> has no name; called {reading.path.stem!r} after the file"
-        reading.note("word-unread", None, what, 'write <robot name="…">', repaired=True)
+        reading.note("word-unread", None, what, 'write <robot name="…">')
     check_structure(robot, reading)
     note_unread_words(robot, reading)
     parts = split_planar_joints(robot, reading)
@@ -224,7 +224,7 @@ def _note_missing_rates(joints: Iterable[Joint], given: Rates, reading: Reading)
             worst = min(absent.values())
             what = f"{kind} limit {f'{worst:g}' if worst else 'absent or 0'} on {', '.join(absent)}: taken as not given"
             remedy = f"give {kind} in arm.toml, or in a URDF" + (", before planning" if kind == "velocity" else "")
-            reading.note("rate-not-given", None, what, remedy, repaired=True)
+            reading.note("rate-not-given", None, what, remedy)
 
 
 def _make_loadable(element: ET.Element, axis: Array, bounds: tuple[float, float]) -> None:
