@@ -8,7 +8,6 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from ..support.checks import Array
-from ..support.errors import InputError
 from ..support.fields import number_in
 from .document import Reading, floats
 from .tree import Joint
@@ -37,10 +36,8 @@ def read_axis(element: ET.Element, kind: str, reading: Reading) -> tuple[Array, 
     axis = element.find("axis")
     if axis is None or kind in ("fixed", "floating"):
         return default, 1.0
-    try:
+    with reading.numbers_of(element, "its <axis> is malformed: "):
         vector = np.array(floats(axis.get("xyz", "1 0 0"), 3))
-    except ValueError as error:
-        raise reading.error(element, "number-malformed", f"its <axis> is malformed: {error}") from error
     norm = float(np.linalg.norm(vector))
     if norm < 1e-9:
         remedy = "give the axis it moves along or about"
@@ -124,7 +121,5 @@ def _numbers(joint: ET.Element, tag: str, names: Iterable[str], reading: Reading
     """The numbers of an element by name, infinite ones too."""
     element = joint.find(tag)
     given = {} if element is None else element.attrib
-    try:
+    with reading.numbers_of(joint, "", "write it in digits, with a point"):
         return {name: number_in(given[name], f"its limit {name}", -np.inf, np.inf) for name in names if name in given}
-    except InputError as error:
-        raise reading.error(joint, "number-malformed", str(error), "write it in digits, with a point") from error
