@@ -21,18 +21,12 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # so a shell starts what 
 
 
 @pytest.fixture(scope="session", autouse=True)
-def state(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """The folder in which programs keep their state: not that of whoever runs the tests, nor the width of a terminal
-    that pytest's workers are told.
-    """
-    folder = tmp_path_factory.mktemp("state")
+def no_columns() -> Iterator[None]:
+    """No width of a terminal: pytest tells its workers one, and GNU readline sets it without os.environ."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("XDG_STATE_HOME", str(folder))
         patch.delenv("COLUMNS", raising=False)
-        os.unsetenv(
-            "COLUMNS"
-        )  # GNU readline, which pytest loads, sets it without os.environ: programs would inherit it
-        yield folder
+        os.unsetenv("COLUMNS")
+        yield
 
 
 @pytest.fixture

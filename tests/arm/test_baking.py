@@ -133,10 +133,6 @@ def test_what_only_a_description_can_be_asked(rover: Arm, tmp_path: Path) -> Non
             load_arm(path, **{name: wish})
 
 
-def test_its_own_base_and_tip_may_be_named(rover: Arm, tmp_path: Path) -> None:
-    assert_same(load_arm(bake(rover, tmp_path), base=rover.base, tip=rover.tip, package_dirs=(), xacro_args={}), rover)
-
-
 def test_there_is_nothing_to_diagnose_in_the_file(rover: Arm, tmp_path: Path) -> None:
     path = bake(rover, tmp_path)
     with pytest.raises(InputError, match="baked.json is a baked arm, which has no description; give the file that it"):

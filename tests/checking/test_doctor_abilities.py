@@ -9,7 +9,7 @@ import pytest
 
 from finding_cases import chain
 from twistarm import Approach, Arm, ArmBuilder, diagnose, load_arm, solve_ik
-from twistarm.checking.doctor.abilities import abilities_of
+from twistarm.arm.abilities import abilities_of
 from urdf_text import joint, robot, write
 
 STEP = 1e-5

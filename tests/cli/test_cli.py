@@ -334,18 +334,14 @@ def test_the_help_leaves_room_for_its_text(command: str, capsys: Capture, monkey
     assert {"--tip", "--locked-joint"} <= {line.split()[0] for line in lines[lines.index(sections[-1]) :] if line}
 
 
-def test_version_and_what_is_installed(capsys: Capture) -> None:
+def test_version_commands_and_what_is_installed(capsys: Capture) -> None:
     done = subprocess.run([sys.executable, "-m", "twistarm", "--version"], capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stdout) == (0, f"twistarm {twistarm.__version__}\n")
     content = answer(capsys, "info")
     assert content["twistarm"] == twistarm.__version__
     assert content["libraries"]["numpy"] == np.__version__
+    assert all(f"  {command} " in printed(capsys) for command in ("fk", "ik", "plan", "calibrate", "guide"))
     assert {"pin", "meshcat", "yourdfpy", "example-robot-data", "scipy"} <= set(content["libraries"])
-
-
-def test_bare_it_shows_the_commands(capsys: Capture) -> None:
-    shown = printed(capsys)
-    assert all(f"  {command} " in shown for command in ("fk", "ik", "plan", "payload", "designs", "calibrate", "guide"))
 
 
 @pytest.mark.parametrize(

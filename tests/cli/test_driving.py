@@ -1,4 +1,4 @@
-"""`twistarm servo` and `follow`: on simulated joints, by UDP and on a serial port; what they refuse; how they end."""
+"""`twistarm servo` and `follow`: on simulated joints and by UDP; what they refuse; how they end."""
 
 from __future__ import annotations
 
@@ -23,16 +23,8 @@ from twistarm import load_arm, load_trajectory, plan_joint
 from twistarm.cli.application import run
 from twistarm.control.stream import Cycle
 from twistarm.control.stream import run as stream
-from twistarm.control.stream.links.serial_link import checksum
 from twistarm.support.interrupts import ended_like_ctrl_c
 from twistarm.viewer import Viewer
-
-FREE = """<robot name="free"><link name="base"/><link name="arm"/><link name="hand"/>
-  <joint name="turn" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint>
-  <joint name="reach" type="prismatic"><parent link="arm"/><child link="hand"/><origin xyz="0.5 0 0"/>
-    <axis xyz="1 0 0"/><limit lower="0" upper="0.3" effort="1" velocity="0"/></joint>
-</robot>"""
-"""An arm that says how far it goes and not how fast."""
 
 
 def free_port() -> int:
@@ -73,11 +65,6 @@ class Robot:
         while not self.heard and time.monotonic() < end:
             time.sleep(0.01)
 
-    def leave(self) -> None:
-        """Close as soon as it was told where to go."""
-        self.wait()
-        self.close()
-
     def close(self) -> None:
         self._end.set()
         self._thread.join()
@@ -98,23 +85,6 @@ def test_it_runs_in_the_view_and_reports_as_json(capsys: Capture) -> None:
     assert report["statuses"] == {"STALE": report["cycles"]}  # nobody commands
     assert report["uncommanded"] == pytest.approx(report["cycles"] / 100)
     assert "http://127.0.0.1:" in err
-
-
-def test_it_avoids_what_a_scene_file_holds_and_refuses_that_of_another_arm(tmp_path: Path, capsys: Capture) -> None:
-    file = tmp_path / "scene.toml"
-    file.write_text('arm = "scara"\nmargin = 0.01\n[[sphere]]\nname = "ball"\nradius = 0.1\nxyz = [2.0, 0.0, 0.0]\n')
-    options = ["--avoid", str(file), "--duration", "0.2"]
-    assert report_of(capsys, "servo", "scara", *options)[0]["at_rest"]
-    assert "'scara'" in error_of(capsys, "servo", "rover_arm", *options, "--no-browser")
-
-
-def test_limits_that_nobody_gave_are_said(tmp_path: Path, capsys: Capture) -> None:
-    path = tmp_path / "free.urdf"
-    path.write_text(FREE)
-    arguments = ["servo", str(path), "--tip", "hand", "--duration", "0.2", "--velocity", "0.1"]
-    err = report_of(capsys, *arguments)[1]
-    assert all(word in err for word in ("3 rad/s² for turn", "1 m/s² for reach", "--acceleration"))
-    assert "--acceleration" not in report_of(capsys, *arguments, "--acceleration", "2", "--rate", "50")[1]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals for one child")
@@ -181,47 +151,6 @@ def jog_for_a_second(robot: Robot, port: int) -> None:
             time.sleep(0.03)
 
 
-def test_a_robot_on_a_serial_port() -> None:
-    ours, theirs = os.openpty()
-    robot = threading.Thread(target=tell_for_a_second, args=(ours,))
-    robot.start()
-    code = run(["servo", "rr_planar", "--serial", f"{os.ttyname(theirs)}:115200", "--duration", "0.6", "--no-browser"])
-    robot.join()
-    lines = os.read(ours, 65536).splitlines()
-    for end in (ours, theirs):
-        os.close(end)
-    assert code == 0
-    assert lines[-1].split(b"*")[0].endswith(b",0.000000,0.000000,E5")
-
-
-def tell_for_a_second(end: int) -> None:
-    """A robot that stands at (0.3, 0.8), said at 100 Hz."""
-    for number in range(100):
-        body = b"%d,0.3,0.8" % number
-        os.write(end, body + b"*%02X\n" % checksum(body))
-        time.sleep(0.01)
-
-
-def test_a_robot_that_says_nothing_is_never_moved(capsys: Capture) -> None:
-    with socket.socket(type=socket.SOCK_DGRAM) as mute:
-        mute.bind(("127.0.0.1", 0))
-        mute.settimeout(0.1)
-        udp = f"127.0.0.1:{mute.getsockname()[1]}"
-        arguments = ["servo", "scara", "--duration", "0.5", "--udp", udp, "--listen", "127.0.0.1:0"]
-        assert not report_of(capsys, *arguments, code=1)[0]["ok"]
-        with pytest.raises(TimeoutError):
-            mute.recv(1)
-
-
-def test_a_robot_that_went_is_not_said_to_be_at_rest(capsys: Capture) -> None:
-    robot = Robot()
-    leave = threading.Thread(target=robot.leave)
-    leave.start()
-    report, _ = report_of(capsys, "servo", "rr_planar", *robot.options, "--duration", "1.2", code=1)
-    leave.join()
-    assert not report["delivered"]
-
-
 @pytest.mark.parametrize("typed", [["--rate", "5"], ["--duration", "-1"], ["--velocity", "-1"], ["--tolerance", "0"]])
 def test_what_cannot_be_is_refused_before_anything_is_opened(typed: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     def opened(*arguments: Any, **options: Any) -> None:
@@ -280,20 +209,6 @@ def test_an_arm_elsewhere_is_told_in_degrees_and_moved_on_request(capsys: Captur
     out = printed(capsys, *typed, code=1)
     assert all(word in out for word in ("joint_1 2.8113°", "joint_2 5.8366°", "--approach"))
     assert "the motion is done" in printed(capsys, *typed, "--approach")
-
-
-def test_a_robot_by_udp_is_told_the_motion_from_where_it_is(capsys: Capture, file: Path) -> None:
-    robot = Robot()
-    report, _ = report_of(capsys, "follow", "rr_planar", str(file), *robot.options, "--speed", "0.8")
-    robot.close()
-    assert report["speed"] == 0.8
-    theta = np.array([each["theta"] for each in robot.heard])
-    times = np.array([each["time"] for each in robot.heard])
-    np.testing.assert_allclose(theta[[0, -1]], [[0.3, 0.8], [0.6, 0.4]], atol=1e-3)
-    assert robot.heard[-1]["theta_dot"] == [0.0, 0.0]
-    # On the straight way from one to the other, however the computer's load delayed the cycles.
-    np.testing.assert_allclose((theta[:, 0] - 0.3) / 0.3, (0.8 - theta[:, 1]) / 0.4, atol=1e-6)
-    assert times[-1] - times[0] > 0.5
 
 
 def take_terminal(terminal: int) -> None:

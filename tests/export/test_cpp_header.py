@@ -201,11 +201,8 @@ def compile_one(command: list[str]) -> None:
 
 
 def reference(arm: Arm, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Pinocchio's poses and Jacobians, one configuration at a time."""
-    model = arm.pinocchio
-    pairs = [model.pose_and_body_jacobian(row, arm.base, arm.tip_link) for row in theta]
-    spatial = [model.spatial_jacobian(row, arm.base, arm.tip_link) for row in theta]
-    return np.array([g for g, _ in pairs]), np.array(spatial), np.array([J for _, J in pairs])
+    """Pinocchio's poses and Jacobians, spatial and body."""
+    return arm.pinocchio.kinematics(theta, arm.base, arm.tip_link)
 
 
 PRECISIONS = {"double": (1e-12, 1e-6), "float": (1e-5, 1e-4)}

@@ -1,42 +1,29 @@
-"""Mutants by the thousand: made from seeds, judged in processes that may hang or die without harm."""
+"""Mutants by the thousand: made from seeds, and judged in processes that may hang or die without harm."""
 
 from __future__ import annotations
 
 import multiprocessing
 import os
-import resource
 import signal
 import sys
 import tempfile
-import threading
 import time
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field
-from multiprocessing.connection import Connection
+from functools import partial
 from pathlib import Path
 from random import Random
-from typing import IO, Any
-from unittest.mock import patch
+from typing import Any
 
 from . import hostile
 from .mutations import mutate
 from .oracle import judged
 from .sources import Source
 
-LIMIT = 5.0
-"""Seconds of a process's own computing for one mutant, loading and judging together: others use the machine too."""
-
-PATIENCE = 600.0
-"""Seconds on the clock for one mutant, and for a new process to start: what waits for something computes nothing, and
-does so on an idle machine too."""
-
-MEMORY = 4 << 30
-"""Bytes of address space: a mutant that wants more gets a MemoryError, which is a failure."""
-
-SPAWNED = multiprocessing.get_context("spawn")
+LIMIT = 60
+"""Seconds on the clock for one mutant: others use the machine too."""
 
 
 @dataclass(frozen=True)
@@ -99,18 +86,48 @@ class Campaign:
 
 
 def campaign(sources: Sequence[Source], count: int, folder: Path, *, seed: int = 0, workers: int = 1) -> Campaign:
-    """`count` mutants of the sources in turn; each has its own bounds of time."""
-    result, lock, start = Campaign(), threading.Lock(), time.perf_counter()
-
-    def work(i: int) -> None:
-        for number, verdict in verdicts(sources, range(i, count, workers), folder / f"worker{i}", seed):
-            with lock:
+    """`count` mutants of the sources in turn. A process that dies ends the campaign with BrokenProcessPool."""
+    result, start = Campaign(), time.perf_counter()
+    spawned = multiprocessing.get_context("spawn")
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    with ProcessPoolExecutor(workers, mp_context=spawned) as pool:
+        chunks = [range(i, min(i + 20, count)) for i in range(0, count, 20)]
+        judge = partial(verdicts, sources, folder=folder, seed=seed)
+        for done in as_completed([pool.submit(judge, chunk) for chunk in chunks]):
+            for number, verdict in done.result():
                 result.add(mutant(sources, number, seed), verdict)
-
-    with ThreadPoolExecutor(workers) as pool:
-        list(pool.map(work, range(workers)))
     result.seconds = time.perf_counter() - start
     return result
+
+
+def verdicts(sources: Sequence[Source], numbers: Sequence[int], folder: Path, seed: int) -> list[tuple[int, Any]]:
+    """The verdict on each mutant, by one process. What is printed meanwhile counts as noise."""
+    own = folder / f"worker{os.getpid()}"
+    for source in sources:
+        for file, data in source.texts().items():
+            _written(_place(source, own) / file, data)
+    found = []
+    signal.signal(signal.SIGALRM, _late)
+    with tempfile.TemporaryFile() as noise:
+        os.dup2(noise.fileno(), 1)
+        os.dup2(noise.fileno(), 2)
+        for number in numbers:
+            signal.alarm(LIMIT)
+            verdict = mutant(sources, number, seed).judge(own)
+            signal.alarm(0)
+            sys.stdout.flush()
+            sys.stderr.flush()
+            noise.seek(0)
+            if heard := noise.read().decode("utf-8", "replace"):
+                verdict["problems"].append(f"noise: {heard[:500]!r}")
+            noise.seek(0)
+            noise.truncate()
+            found.append((number, verdict))
+    return found
+
+
+def _late(*_: object) -> None:
+    raise TimeoutError(f"no answer within {LIMIT} s")
 
 
 def mutant(sources: Sequence[Source], number: int, seed: int) -> Mutant:
@@ -120,75 +137,6 @@ def mutant(sources: Sequence[Source], number: int, seed: int) -> Mutant:
     file = rng.choice(source.mutated)
     kind, data = mutate((source.folder / file).read_bytes(), Path(file), rng)
     return Mutant(number, source, kind, file, data, _arguments(source, rng))
-
-
-def verdicts(
-    sources: Sequence[Source], numbers: Sequence[int], folder: Path, seed: int = 0, limit: float = LIMIT
-) -> Iterator[tuple[int, dict[str, Any]]]:
-    """The verdict on each mutant, by a process that is replaced when it hangs or dies."""
-    while numbers:
-        answers, theirs = SPAWNED.Pipe(duplex=False)
-        process = SPAWNED.Process(target=_judge, args=(theirs, sources, numbers, folder, seed, limit))
-        with patch.dict(os.environ, OPENBLAS_NUM_THREADS="1"):
-            process.start()
-        theirs.close()
-        try:
-            while answers.poll(PATIENCE):
-                verdict = answers.recv()
-                yield numbers[0], verdict
-                numbers = numbers[1:]
-            problem = f"no answer within {PATIENCE:g} s"
-        except EOFError:
-            process.join()
-            late = process.exitcode == -signal.SIGPROF
-            problem = f"no answer after {limit:g} s of computing" if late else f"it ended with {process.exitcode}"
-        process.kill()
-        if numbers:
-            yield numbers[0], {"outcome": "hung or died", "problems": [problem]}
-            numbers = numbers[1:]
-
-
-def _judge(
-    answers: Connection[Any, Any],
-    sources: Sequence[Source],
-    numbers: Sequence[int],
-    folder: Path,
-    seed: int,
-    limit: float,
-) -> None:
-    """Send the verdicts, each within `limit` seconds of computing. What is printed meanwhile counts as noise."""
-    with suppress(ValueError, OSError):  # macOS knows no limit on address space
-        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    for source in sources:
-        for file, data in source.texts().items():
-            _written(_place(source, folder) / file, data)
-    with tempfile.TemporaryFile() as noise:
-        os.dup2(noise.fileno(), 1)
-        os.dup2(noise.fileno(), 2)
-        for number in numbers:
-            one = mutant(sources, number, seed)
-            # The timer counts what this process computes. Its signal ends the process in the middle of anything.
-            start = time.process_time()
-            signal.setitimer(signal.ITIMER_PROF, max(limit, 1e-6))
-            verdict = one.judge(folder)
-            signal.setitimer(signal.ITIMER_PROF, 0.0)
-            if time.process_time() - start > limit:
-                signal.raise_signal(signal.SIGPROF)
-            if heard := _said(noise):
-                verdict["problems"].append(f"noise: {heard[:500]!r}")
-            answers.send(verdict)
-
-
-def _said(noise: IO[bytes]) -> str:
-    """What was written to standard output and error since the last mutant."""
-    sys.stdout.flush()
-    sys.stderr.flush()
-    noise.seek(0)
-    heard = noise.read().decode("utf-8", "replace")
-    noise.seek(0)
-    noise.truncate()
-    return heard
 
 
 def _place(source: Source, folder: Path) -> Path:

@@ -3,20 +3,9 @@
 from __future__ import annotations
 
 import random
-import socket
-import struct
 from collections.abc import Callable
 
 from .target import HANDSHAKE, POSE, Target, asked, flooded, frame
-
-
-def come_and_reset(target: Target) -> None:
-    def once() -> None:
-        made = target.open()
-        made.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
-        made.close()
-
-    target.again(once)
 
 
 def slow_head(target: Target) -> None:
@@ -56,10 +45,6 @@ def wrong_tokens(target: Target) -> None:
     target.again(lambda: asked(target, target.head(f"/{random.getrandbits(120):030x}/")))
 
 
-def garbage(target: Target) -> None:
-    target.again(lambda: asked(target, random.randbytes(4000) + b"\r\n\r\n"))
-
-
 def foreign_host(target: Target) -> None:
     target.again(lambda: asked(target, target.head(host="evil.example")))
 
@@ -76,7 +61,7 @@ def frames_before_the_answer(target: Target) -> None:
 STRANGERS: dict[str, Callable[[Target], None]] = {
     attack.__name__: attack
     for attack in (
-        come_and_reset, slow_head, dripped_head, huge_head, many_chunks, odd_lengths, pipelined,
-        never_reads_refusals, wrong_tokens, garbage, foreign_host, foreign_origin, frames_before_the_answer,
+        slow_head, dripped_head, huge_head, many_chunks, odd_lengths, pipelined,
+        never_reads_refusals, wrong_tokens, foreign_host, foreign_origin, frames_before_the_answer,
     )
 }  # fmt: skip

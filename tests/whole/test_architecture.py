@@ -45,7 +45,7 @@ ALLOWED = {
     "mujoco": ("description/mjcf/compilation.py",),
     "ompl": ("planning/free_path.py",),
     "scipy": ("planning", "guide/exercises"),
-    "matplotlib": ("guide", "support/pictures.py"),
+    "matplotlib": ("guide", "sweeps/voxel_map.py"),
     "jupytext": ("guide/building",),
     "markdown_it": ("guide/teaching/markup.py",),
     "mdit_py_plugins": ("guide/teaching/markup.py",),

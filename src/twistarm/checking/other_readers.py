@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
@@ -12,7 +13,8 @@ import numpy as np
 
 from ..arm.arm import Arm
 from ..arm.pinocchio_model import import_pinocchio, model_of
-from ..description.capsules import without_capsules
+from ..description.capsules import replace_capsules
+from ..description.source_text import SourceText
 from ..description.tree import Description
 from ..limits.joint_limits import slides
 from ..support.checks import Array
@@ -76,8 +78,13 @@ def yourdfpy_poses(description: Description, values: Mapping[str, Array], base: 
 
     Raises MissingExtraError without yourdfpy, and any error of its reader.
     """
-    content = io.BytesIO(without_capsules(_undeclared(description)).encode("utf-8"))
+    text = _undeclared(description)
+    if "<capsule" in text:  # which yourdfpy refuses
+        tree = SourceText(text).robot
+        replace_capsules(tree)
+        text = ET.tostring(tree, "unicode")
     with _quiet():
+        content = io.BytesIO(text.encode("utf-8"))
         robot = require_yourdfpy().URDF.load(content, load_meshes=False, build_scene_graph=True)
         samples, links = len(next(iter(values.values()))), list(description.links)
         poses = np.empty((samples, len(links), 4, 4))

@@ -10,25 +10,18 @@ import numpy as np
 
 from .document import floats
 from .geometry import read_origin
-from .source_text import SourceText
 from .writing import add_origin
 
 
-def without_capsules(text: str) -> str:
-    """A URDF with a cylinder and two spheres for each capsule, which most readers of URDF refuse.
+def replace_capsules(robot: ET.Element) -> None:
+    """Put a cylinder and two spheres in place of each capsule, which most readers of URDF refuse.
 
     ROS reads capsules from urdfdom 5.1 on, and only in a file of version 1.1 or more.
     """
-    if "<capsule" not in text:
-        return text
-    source = SourceText(text)
-    for link in source.robot.iter("link"):
-        capsules = [part for part in link if part.find("geometry/capsule") is not None]
-        for part in capsules:
-            source.remove(part)
-        if capsules:
-            source.insert(link, "".join(ET.tostring(each, "unicode") for part in capsules for each in _parts(part)))
-    return source.edited()
+    for link in robot.iter("link"):
+        link[:] = [
+            part for shape in link for part in ([shape] if shape.find("geometry/capsule") is None else _parts(shape))
+        ]
 
 
 def _parts(capsule: ET.Element) -> Iterator[ET.Element]:

@@ -60,7 +60,7 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
     A, b = coupling_matrix(couplings, moving, coordinates)
     screws, home, points = _walk(joints, dict(zip(moving, b, strict=True)))
     masters = [description.joints[name] for name in coordinates]
-    threads = {moving[pair.rows[0]] for pair in lower_pairs(screws, A) if pair.kind == "helical"}
+    helical = {moving[pair.rows[0]] for pair in lower_pairs(screws, A) if pair.kind == "helical"}
     limits = JointLimits(**{field: np.array([getattr(joint, field) for joint in masters]) for field in FIELDS})
     findings: list[Finding] = []
     followers = [name for name in moving if couplings[name].master not in (None, name)]
@@ -69,7 +69,7 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
         findings += narrowing
     return Chain(
         coordinates=coordinates,
-        types=tuple("helical" if joint.name in threads else joint.type for joint in masters),
+        types=tuple("helical" if joint.name in helical else joint.type for joint in masters),
         moving=moving,
         screws=screws,
         home=home @ tool,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -105,71 +104,53 @@ class Geometries:
             return None
         shape, material = geometry[0], element.find("material") if element.tag == "visual" else None
         try:
-            return self._shape(link, shape, read_origin(element), self._materials.colour(material))
+            origin, size, colour = read_origin(element), _size(shape), self._materials.colour(material)
         except ValueError:
             what = f"its <{element.tag}> <{shape.tag}> has no usable size or place; it is not drawn"
             self._reading.note("bad-geometry", link, what, "give every size and origin as numbers")
             return None
-
-    def _shape(self, link: ET.Element, shape: ET.Element, origin: Array, colour: Colour | None) -> Geometry | None:
-        def sizes(*names: str) -> tuple[float, ...]:
-            return tuple(floats(shape.get(name, ""), 1)[0] for name in names)
-
-        readers: dict[str, Callable[[], tuple[float, ...]]] = {
-            "box": lambda: tuple(floats(shape.get("size", ""), 3)),
-            "cylinder": lambda: sizes("radius", "length"),
-            "capsule": lambda: sizes("radius", "length"),
-            "sphere": lambda: sizes("radius"),
-            "mesh": lambda: mesh_scale(shape.get("scale")),
-        }
-        if shape.tag not in readers:
-            raise ValueError(shape.tag)
-        size = readers[shape.tag]()
         if shape.tag == "mesh":
             uri = shape.get("filename", "")
             path = resolve_uri(uri, self._reading.packages)
             if path is None:
                 self._missing.append(uri)
             return Geometry("mesh", origin, size, path, colour)
-        if not self._seen(link, shape.tag, size):
-            return None
-        return Geometry(shape.tag, origin, tuple(map(abs, size)), None, colour)  # type: ignore[arg-type]
-
-    def _seen(self, link: ET.Element, shape: str, size: tuple[float, ...]) -> bool:
-        """Whether a shape is visible. A box may be flat, a cylinder a disc, a capsule a ball."""
-        if min(size) > 0.0:
-            return True
-        numbers = " ".join(f"{x:g}" for x in size)
-        seen = np.count_nonzero(size) >= 2 if shape == "box" else size[0] != 0.0
+        # A box may be flat, a cylinder a disc, a capsule a ball.
+        seen = np.count_nonzero(size) >= 2 if shape.tag == "box" else size[0] != 0.0
         if min(size) < 0.0 or not seen:
             drawn = "the size without its sign is drawn" if seen else "nothing of it is to be seen"
-            what = f"its <{shape}> has the size {numbers}; {drawn}"
+            what = f"its <{shape.tag}> has the size {' '.join(f'{x:g}' for x in size)}; {drawn}"
             self._reading.note("bad-geometry", link, what, "give sizes above 0")
-        return bool(seen)
+        return Geometry(shape.tag, origin, tuple(map(abs, size)), None, colour) if seen else None  # type: ignore[arg-type]
+
+
+def _size(shape: ET.Element) -> tuple[float, ...]:
+    """The numbers of a `<geometry>`'s shape, for a mesh its scale. ValueError for another shape or no numbers."""
+    if shape.tag == "mesh":
+        scale = shape.get("scale") or "1 1 1"
+        return tuple(floats(scale, 1) * 3 if len(scale.split()) == 1 else floats(scale, 3))
+    if shape.tag == "box":
+        return tuple(floats(shape.get("size", ""), 3))
+    names = {"cylinder": ("radius", "length"), "capsule": ("radius", "length"), "sphere": ("radius",)}
+    if shape.tag not in names:
+        raise ValueError(shape.tag)
+    return tuple(floats(shape.get(name, ""), 1)[0] for name in names[shape.tag])
 
 
 def read_origin(element: ET.Element) -> Array:
-    """The `<origin>` of an element as a pose (4, 4), the identity without one. ValueError if it is malformed."""
-    g = np.eye(4)
-    origin = element.find("origin")
-    if origin is not None:
-        g[:3, :3] = _rotation(origin)
-        g[:3, 3] = floats(origin.get("xyz", "0 0 0"), 3)
-    return g
+    """The `<origin>` of an element as a pose (4, 4), the identity without one. ValueError if it is malformed.
 
-
-def _rotation(origin: ET.Element) -> Array:
-    """R (3, 3) from rpy, or from a quaternion of any length, which URDF has from version 1.1 on."""
-    quaternion = origin.get("quat_xyzw")
-    if quaternion is None:
-        rpy = floats(origin.get("rpy", "0 0 0"), 3)
-        return from_rpy(rpy) if any(rpy) else np.eye(3)  # most are zero, and a large file has thousands
-    if "rpy" in origin.attrib:
+    Its rotation is `rpy`, or a quaternion `quat_xyzw` of any length, which URDF has from version 1.1 on.
+    """
+    g, origin = np.eye(4), element.find("origin")
+    if origin is None:
+        return g
+    g[:3, 3] = floats(origin.get("xyz", "0 0 0"), 3)
+    rpy, quaternion = floats(origin.get("rpy", "0 0 0"), 3), origin.get("quat_xyzw")
+    if quaternion is not None and "rpy" in origin.attrib:
         raise ValueError("it has both rpy and quat_xyzw")
-    return from_xyzw(floats(quaternion, 4))
-
-
-def mesh_scale(text: str | None) -> tuple[float, ...]:
-    """The mesh scale: three numbers, or one for all three."""
-    words = (text or "1 1 1").split()
-    return tuple(floats(words[0], 1) * 3 if len(words) == 1 else floats(text or "1 1 1", 3))
+    if quaternion is not None:
+        g[:3, :3] = from_xyzw(floats(quaternion, 4))
+    elif any(rpy):  # most are zero, and a large file has thousands
+        g[:3, :3] = from_rpy(rpy)
+    return g

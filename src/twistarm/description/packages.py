@@ -273,17 +273,11 @@ def _by_name(folders: Iterable[Path]) -> dict[str, list[Path]]:
 
 
 def _through(folder: Path, depth: int) -> Iterator[Path]:
-    """`folder` and the folders below, `depth` levels deep, each level by its names. Links are followed once."""
-    level, seen = [folder], {os.path.realpath(folder)}
+    """`folder` and the folders below, `depth` levels deep, each level by its names. Links are followed."""
+    level = [folder]
     yield folder
     for _ in range(depth):
-        below = [child for parent in level for child in _children(parent)]
-        level = []
-        for child in below:
-            real = os.path.realpath(child)
-            if real not in seen or real == str(child):
-                seen.add(real)
-                level.append(child)
+        level = [child for parent in level for child in _children(parent)]
         yield from level
 
 
@@ -291,16 +285,10 @@ def _children(folder: Path) -> list[Path]:
     """The visible folders in a folder, by their names. None in an unreadable one."""
     try:
         with os.scandir(folder) as inside:
-            return [folder / each.name for each in sorted(inside, key=lambda each: each.name) if _is_visible(each)]
+            names = sorted(each.name for each in inside if each.name[0] != "." and (each.is_symlink() or each.is_dir()))
     except OSError:
         return []
-
-
-def _is_visible(entry: os.DirEntry[str]) -> bool:
-    try:
-        return not entry.name.startswith(".") and entry.is_dir()
-    except OSError:  # links in a circle
-        return False
+    return [folder / name for name in names if os.path.isdir(folder / name)]
 
 
 def _installed(folder: Path) -> Iterator[Path]:

@@ -15,10 +15,9 @@ from ..control.servo.bounds import bounds_of
 from ..ik import AnyTarget, Approach, Pose, Position
 from ..ik.closed_form.compiled import ClosedFormParameters
 from ..ik.closed_form.methods import method_for
-from ..support.c_text import c_number, c_string, c_strings, cpp_number, cpp_numbers, identifier_of
 from ..support.checks import Array
+from ..support.code_text import c_number, c_string, c_strings, cpp_number, cpp_numbers, filled, identifier_of
 from ..support.errors import TwistarmError
-from ..support.templates import filled
 
 TEMPLATES = Path(__file__).with_name("templates")
 
@@ -26,6 +25,10 @@ SUFFIXES = (".hpp", ".hh", ".hxx", ".h")
 
 KEEPS = ("nothing", "point", "plane")
 """`twistarm::closed_form::keeps`, in its order."""
+
+
+MOTION = ("lower", "upper", "velocity", "acceleration")
+"""Limits of a joint's motion."""
 
 
 def core_headers() -> Path:
@@ -65,13 +68,9 @@ def cpp_header(arm: Arm) -> str:
         n=n,
         m=joints,
         names=c_strings(arm.joint_names),
-        lower=_doubles(arm.limits.lower),
-        upper=_doubles(arm.limits.upper),
+        **{field: _doubles(getattr(arm.limits, field)) for field in (*MOTION, "effort")},
         start_lower=_doubles(lower),
         start_upper=_doubles(upper),
-        velocity=_doubles(arm.limits.velocity),
-        acceleration=_doubles(arm.limits.acceleration),
-        effort=_doubles(arm.limits.effort),
         tool_axis=cpp_numbers(arm.tool_axis),
         pose_count=len(poses),
         pose_names=c_strings(poses),
@@ -98,10 +97,7 @@ def _servo(arm: Arm) -> Mapping[str, str | int]:
         "row_names": c_strings(motion.names),
         "motor_C": "{" + ", ".join(map(cpp_numbers, motion.C[:motors])) + "}",
         "motor_c": cpp_numbers(motion.c[:motors]),
-        **{
-            f"row_{name}": cpp_numbers(getattr(motion.limits, name))
-            for name in ("lower", "upper", "velocity", "acceleration")
-        },
+        **{f"row_{field}": cpp_numbers(getattr(motion.limits, field)) for field in MOTION},
         "unit": cpp_numbers(bounds.unit),
         "ready": cpp_numbers(bounds.ready),
         "length": cpp_number(bounds.length),
@@ -173,9 +169,6 @@ template <class T> inline constexpr twistarm::solved_arm<T, n> {kind}_family = {
 }};
 
 """
-
-
-# -- numbers and texts as C++ writes them ------------------------------------------------------------------------
 
 
 def _doubles(values: Array) -> str:

@@ -11,8 +11,8 @@ import numpy as np
 from ..arm.arm import Arm
 from ..arm.baking import digest_of
 from ..support.checks import Array
+from ..support.code_text import filled
 from ..support.errors import InputError, printable
-from ..support.templates import filled
 
 TEMPLATE = Path(__file__).with_name("templates") / "arm.m.in"
 

@@ -11,18 +11,16 @@ from ..arm.arm import Arm, require_arm
 from ..arm.loading.arm_builder import builder_of
 from ..checking.doctor.repair import COPY, repaired
 from ..description.bounds import LIMIT_NAMES, WIDE
-from ..description.capsules import without_capsules
+from ..description.capsules import replace_capsules
 from ..description.geometry import read_origin
 from ..description.mesh_paths import resolve_uri
 from ..description.packages import package_index
 from ..description.source_text import SourceText
-from ..description.tree import Joint
-from ..description.writing import add_joint, number_text
+from ..description.tree import Description
+from ..description.writing import add_joint, add_origin
 from ..limits.joint_limits import slides
-from ..support.checks import Array
 from ..support.errors import InputError
 from ..support.files import WRITTEN_XML, as_path, writable
-from ..theory.rotations import to_rpy
 from ..theory.screws import exp
 
 SUFFIX = ".urdf"
@@ -44,23 +42,33 @@ def to_urdf(arm: Arm, folder: str | os.PathLike[str] = ".") -> str:
         InputError: There is no such folder. A joint turns or slides by another rate than its coordinate, or follows
             several.
     """
-    text = _text(require_arm(arm), folder).rstrip().removesuffix(WRITTEN_XML)
-    return f"{text.rstrip()}\n{WRITTEN_XML}\n"
+    description = require_arm(arm).description
+    if description is None:
+        robot = ET.fromstring(builder_of(arm).urdf())
+    else:
+        folder = writable(as_path(folder) / COPY, over_description=True).parent
+        robot = SourceText(repaired(description, folder).text).robot  # which takes prefixes as they are
+        _write_joints(robot, arm, description)
+        if arm.tip not in description.links:
+            add_joint(robot, f"{arm.tip}_mount", "fixed", (arm.tip_link, arm.tip), arm.tool)
+        replace_capsules(robot)
+    ET.indent(robot)
+    return f'<?xml version="1.0"?>\n{ET.tostring(robot, "unicode")}\n{WRITTEN_XML}\n'
 
 
 def lost_meshes(text: str, folder: str | os.PathLike[str]) -> list[str]:
     """The mesh URIs of a URDF text for which `load_arm` finds no file from the folder."""
     packages = package_index(as_path(folder) / COPY)
-    uris = dict.fromkeys(mesh.get("filename", "") for mesh in ET.fromstring(text).iter("mesh"))
+    uris = dict.fromkeys(mesh.get("filename", "") for mesh in SourceText(text).robot.iter("mesh"))
     return [uri for uri in uris if resolve_uri(uri, packages) is None]
 
 
-def _text(arm: Arm, folder: str | os.PathLike[str]) -> str:
-    description = arm.description
-    if description is None:
-        return builder_of(arm).urdf()
-    source = SourceText(repaired(description, writable(as_path(folder) / COPY, over_description=True).parent).text)
-    written = {joint.get("name", ""): joint for joint in source.robot.findall("joint")}
+def _write_joints(robot: ET.Element, arm: Arm, description: Description) -> None:
+    """Fix the locked joints where they stand, and write the arm's limits.
+
+    `WIDE` stands for no limit, because 0 would be a standstill. A joint of the URDF that has the same limits stays.
+    """
+    written = {joint.get("name", ""): joint for joint in robot.findall("joint")}
     locked = {name: affine.offset for name, affine in arm.couplings.items() if affine.master is None}
     if halves := locked.keys() - written.keys():
         name = min(halves)
@@ -68,41 +76,20 @@ def _text(arm: Arm, folder: str | os.PathLike[str]) -> str:
     for name, joint in written.items():
         read = description.joints.get(name)
         if name in locked and read is not None:
-            _fix(source, joint, exp(read.twist, locked[name]))
+            g = read_origin(joint) @ exp(read.twist, locked[name])
+            joint.set("type", "fixed")
+            for origin in joint.findall("origin"):
+                joint.remove(origin)
+            add_origin(joint, g)
         elif read is not None and read.scalar:
-            limits = [float(getattr(read, field)) for field in LIMIT_NAMES]
+            own = limits = [float(getattr(read, field)) for field in LIMIT_NAMES]
             if name in arm.joint_names:
                 i = arm.joint_names.index(name)
                 limits = [float(getattr(arm.limits, field)[i]) for field in LIMIT_NAMES]
-            _limit(source, joint, limits, read)
-    if arm.tip not in description.links:
-        mount = ET.Element("robot")
-        add_joint(mount, f"{arm.tip}_mount", "fixed", (arm.tip_link, arm.tip), arm.tool)
-        source.insert(source.robot, "".join(ET.tostring(part, encoding="unicode") for part in mount))
-    return without_capsules(source.edited())
-
-
-def _fix(source: SourceText, joint: ET.Element, moved: Array) -> None:
-    """Make a joint fixed where its motion (4, 4) has brought it."""
-    origin, g = joint.find("origin"), read_origin(joint) @ moved
-    placed = {"xyz": number_text(g[:3, 3]), "rpy": number_text(to_rpy(g[:3, :3]))}
-    source.set(joint, type="fixed")
-    if origin is None:
-        source.insert(joint, ET.tostring(ET.Element("origin", placed), encoding="unicode"))
-    else:
-        source.set(origin, **placed, quat_xyzw=None)
-
-
-def _limit(source: SourceText, joint: ET.Element, limits: list[float], read: Joint) -> None:
-    """Write the numbers of `LIMIT_NAMES`, if the file has others. `WIDE` stands for none, 0 would be a standstill."""
-    finite, limit = bool(np.isfinite(limits[:2]).any()), joint.find("limit")
-    same = limits == [getattr(read, field) for field in LIMIT_NAMES]
-    if same and (limit is None or np.isfinite(limits[2:]).all()):
-        return
-    given = {field: repr(float(np.clip(x, -WIDE, WIDE))) for field, x in zip(LIMIT_NAMES, limits, strict=True)}
-    if not slides(read.type):
-        source.set(joint, type="revolute" if finite else "continuous")
-    if limit is None:
-        source.insert(joint, ET.tostring(ET.Element("limit", given), encoding="unicode"))
-    else:
-        source.set(limit, **given)
+            limit = joint.find("limit")
+            if limits == own and (limit is None or np.isfinite(limits[2:]).all()):
+                continue
+            if not slides(read.type):
+                joint.set("type", "revolute" if np.isfinite(limits[:2]).any() else "continuous")
+            limit = ET.SubElement(joint, "limit") if limit is None else limit
+            limit.attrib.update(zip(LIMIT_NAMES, (repr(float(np.clip(x, -WIDE, WIDE))) for x in limits), strict=True))

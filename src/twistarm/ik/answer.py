@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arm.inability import CANNOT_TURN
+from ..arm.abilities import CANNOT_TURN
 from ..support.checks import Array
 from .targets import numbers_of_kind
 

@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..arm.inability import cannot_move, cannot_turn, position_limit
+from ..arm.abilities import abilities_of, cannot_move, cannot_turn, position_limit
 from ..support.checks import Array
-from ..support.directions import axis_in_words, value_in_words
+from ..support.directions import value_in_words
 from ..support.errors import printable
 from ..support.messages import Argument, Quantity, Text, joined
 from ..support.unit_hints import length_hint
-from .abilities import approach_plane, out_of_surface, short_of, split_rotation
 from .answer import NEAREST, StopReason
 from .ranges import joint_ranges
 from .targets import Approach, Pose, TolerancedPose
@@ -183,40 +182,43 @@ def _missing(solution: IKResult) -> list[str]:
     if solution.position_error <= solution.tolerances.position:
         return _missing_rotation(solution)
     lines = [f"the nearest position the arm reaches inside its limits is {_length(solution.position_error)} away"]
-    lines += [cannot_move(axis, "base") for axis in out_of_surface(solution.arm, solution.target, solution.theta)]
+    arm, g = solution.arm, solution.arm.fk(solution.theta)
+    error, axes = solution.target._position_rows(g, np.eye(6, 3))
+    offset = g[:3, :3] @ axes.T @ error
+    immovable = [axis for axis in abilities_of(arm).immovable if abs(axis @ offset) > solution.tolerances.position]
+    lines += [cannot_move(axis, "base") for axis in immovable]
     return lines + _impossible(solution, solution.theta)
 
 
 def _impossible(solution: IKResult, theta: Array) -> list[str]:
-    """The rotation beyond all joints at theta (n,), and the plane of the approach."""
-    arm, target = solution.arm, solution.target
-    split = split_rotation(arm, target, theta)
+    """The rotation beyond all joints at theta (n,)."""
+    impossible, _, axis = split_rotation(solution, theta)
     lacks = solution.stop is StopReason.IMPOSSIBLE_DIRECTION
-    if split.impossible <= (0.0 if lacks else NEGLIGIBLE):
+    if impossible <= (0.0 if lacks else NEGLIGIBLE):
         return []
-    held = "the position" if len(target._position_tolerance) else ""
-    lines = [f"{cannot_turn(split.axis, 'tool', held)}; {_degrees(split.impossible)} of the rotation are missing"]
-    plane = approach_plane(arm, target, theta)
-    if plane is not None and plane[1] > NEGLIGIBLE:
-        normal = axis_in_words(plane[0], "base")
-        lines.append(f"the approach is {_degrees(plane[1])} out of the arm's plane, whose normal is {normal}")
-    return lines
+    held = "the position" if len(solution.target._position_tolerance) else ""
+    return [f"{cannot_turn(axis, 'tool', held)}; {_degrees(impossible)} of the rotation are missing"]
 
 
 def _missing_rotation(solution: IKResult) -> list[str]:
-    """The missing rotation and why, larger part first, and how far out of reach the position is then."""
-    arm, target, theta = solution.arm, solution.target, solution.theta
-    split = split_rotation(arm, target, theta)
-    prevented, impossible = [], _impossible(solution, theta)
-    if split.prevented > NEGLIGIBLE:
-        prevented.append(f"{_degrees(split.prevented)} of the rotation are prevented by limits or reach")
-    short = None if impossible or not len(target._position_tolerance) else short_of(arm, target, theta)
-    if short is not None and short > solution.tolerances.position:
-        what = "pointing so" if isinstance(target, Approach) else "turned so"
-        prevented.append(f"{what}, the nearest position the arm reaches inside its limits is {_length(short)} away")
-    lacks = solution.stop is StopReason.IMPOSSIBLE_DIRECTION
-    first, then = (impossible, prevented) if lacks else (prevented, impossible)
-    return [*first, *then] or [f"{_degrees(solution.orientation_error)} of the rotation are missing"]
+    """The missing rotation and why, larger part first."""
+    prevented, impossible = split_rotation(solution, solution.theta)[1], _impossible(solution, solution.theta)
+    limits = [f"{_degrees(prevented)} of the rotation are prevented by limits or reach"]
+    limits = limits if prevented > NEGLIGIBLE else []
+    lines = [*impossible, *limits] if solution.stop is StopReason.IMPOSSIBLE_DIRECTION else [*limits, *impossible]
+    return lines or [f"{_degrees(solution.orientation_error)} of the rotation are missing"]
+
+
+def split_rotation(solution: IKResult, theta: Array) -> tuple[float, float, Array]:
+    """The rotation error [rad] at theta (n,) with the position held, split: beyond all joints, the rest, the axis (3,).
+
+    The axis, in tool axes, is that of the part beyond all joints. The compiled core splits the error
+    (core/include/twistarm/ik/reason.hpp). Rotation rows times the null space of the position rows span what can be
+    undone. Without the core both parts are 0.
+    """
+    chain, target = solution.arm.compiled, solution.target
+    found = None if chain is None else chain.split_rotation(target.kind, target.numbers, theta)
+    return (0.0, 0.0, np.zeros(3)) if found is None else (float(found[0]), float(found[1]), found[2:])
 
 
 def _length(metres: float) -> str:

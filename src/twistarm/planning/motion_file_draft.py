@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arm.arm import Arm
 from ..description.companions.toml_entries import toml_key
-from ..support.templates import filled
+from ..support.code_text import filled
 
 STEP = {"rad": 0.2, "m": 0.05}
 """How far the first joint that can moves away from the ready pose."""

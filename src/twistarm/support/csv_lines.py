@@ -49,6 +49,10 @@ def lines_in(file: BinaryIO, name: str, bounds: Bounds) -> Iterator[str]:
         data = file.read(bounds.bytes + 1)
     except OSError as error:
         raise InputError(f"cannot read {name}: {error.strerror or error}") from error
+    allowed = f"{bounds.bytes / 1e6:.0f} MB and {bounds.lines:,} lines"
+    too_large = InputError(f"{name} is too large: at most {allowed} are read; split it, or leave out lines")
+    if len(data) > bounds.bytes:
+        raise too_large
     marked = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
         text = data.decode("utf-16" if marked else "utf-8-sig")
@@ -58,9 +62,8 @@ def lines_in(file: BinaryIO, name: str, bounds: Bounds) -> Iterator[str]:
         text = data.decode("latin-1")
     # Ends of the old Macintosh, \r alone, are ends too.
     for count, line in enumerate(io.StringIO(text, newline=""), 1):
-        if len(data) > bounds.bytes or count > bounds.lines:
-            allowed = f"{bounds.bytes / 1e6:.0f} MB and {bounds.lines:,} lines"
-            raise InputError(f"{name} is too large: at most {allowed} are read; split it, or leave out lines")
+        if count > bounds.lines:
+            raise too_large
         if len(line) > MAX_LINE:
             raise InputError(f"{name}, line {count}: more than {MAX_LINE:,} characters; is it the right file?")
         yield line

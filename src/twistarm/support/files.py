@@ -7,7 +7,6 @@ import os
 import shutil
 import stat
 from collections.abc import Iterable
-from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
 
@@ -121,15 +120,6 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes | Path, *, ov
     """
     target = writable(path, over_description=over_description)
     data = content.encode("utf-8") if isinstance(content, str) else content
-    try:
-        _replace_whole(target, data)
-    except OSError as error:
-        raise InputError(f"cannot write {target}: {error.strerror or error}") from error
-    return target
-
-
-def _replace_whole(target: Path, data: bytes | Path) -> None:
-    """Put `data` at `target` in one step."""
     temporary = target.with_name(f".{target.name[:40]}.{os.urandom(6).hex()}{TEMPORARY}")
     try:
         if isinstance(data, Path):
@@ -141,31 +131,36 @@ def _replace_whole(target: Path, data: bytes | Path) -> None:
             file.flush()
             os.fsync(file.fileno())
             os.replace(temporary, target)
-    except BaseException:
-        with suppress(OSError):
-            os.unlink(temporary)
+    except BaseException as error:
+        temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise InputError(f"cannot write {target}: {error.strerror or error}") from error
         raise
+    return target
 
 
 def writable(path: str | os.PathLike[str], *, over_description: bool = False) -> Path:
     """The file of `path`, links followed. Raises InputError if it cannot be replaced as a whole."""
     try:
         target = Path(os.path.realpath(os.fspath(path)))
-        target.exists()
+        exists = target.exists()
     except (TypeError, ValueError) as error:
         raise InputError(f"the path of a file to write must be a string or a Path; got {shown(path)}") from error
     except OSError as error:
         raise InputError(f"cannot write {str(path)[:60]}…: {error.strerror or error}") from error
-    if target.parent.is_file():
-        raise InputError(f"cannot write {target}: {target.parent} is a file; give a folder")
-    if not target.parent.is_dir():
-        raise InputError(f"cannot write {target}: the folder {target.parent} does not exist; create it first")
-    if target.is_dir():
-        raise InputError(f"cannot write {target}: it is a folder; give the name of a file in it")
-    if target.exists() and not target.is_file():
-        raise InputError(f"cannot write {target}: it is not a regular file and cannot be replaced as a whole")
-    if not over_description and target.exists() and _is_description(target):
-        raise InputError(f"cannot write {target}: a description stands there and would be lost; give another name")
+    folder, why = target.parent, ""
+    if not folder.is_dir():
+        why = (
+            f"{folder} is a file; give a folder"
+            if folder.is_file()
+            else f"the folder {folder} does not exist; create it first"
+        )
+    elif exists and not target.is_file():
+        why = "it is a folder" if target.is_dir() else "it is not a regular file and cannot be replaced as a whole"
+    elif exists and not over_description and _is_description(target):
+        why = "a description stands there and would be lost; give another name"
+    if why:
+        raise InputError(f"cannot write {target}: {why}")
     return target
 
 

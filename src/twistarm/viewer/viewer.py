@@ -21,9 +21,9 @@ from ..control.stream import Cycle, Inbox
 from ..ik import AllSolutions
 from ..planning.trajectory import Trajectory
 from ..support.checks import Array, as_flag, as_number, as_positive, require, require_callback
-from ..support.closeable import Closeable
 from ..support.errors import InputError, shown
 from ..support.files import writable, write_whole
+from ..support.interrupts import Closeable
 from ..sweeps import ReachMap
 from .draw import Draw
 from .files.inline import HEIGHT, Inline
@@ -40,7 +40,6 @@ from .protocol.messages import LARGEST_VALUE, Message, as_name
 from .scene.arm_scene import Scene as ArmScene
 from .scene.drawing import require_meshcat
 from .scene.residuals import draw_residuals
-from .server.memory import Memory
 from .server.watching import Watch
 from .stage import Stage
 
@@ -55,9 +54,6 @@ class Viewer(Closeable):
     port: 0 takes a free one.
 
     open_browser: show the page at once; without a browser, open `url` yourself.
-
-    keep: store the recorded poses of this port for the next view at that port. Without `theta` the arm then returns to
-    its last configuration. `notes` lists what could not be stored or used.
 
     scene: obstacles and collision checks. The pages change this scene, so `solve_ik` and `plan` see their obstacles.
     Without one, the pages make a scene when the layer Collision is first switched on.
@@ -80,7 +76,6 @@ class Viewer(Closeable):
         host: str = "127.0.0.1",
         port: int = 0,
         open_browser: bool = True,
-        keep: bool = False,
         scene: Scene | None = None,
         beside: Arm | None = None,
     ) -> None:
@@ -92,16 +87,12 @@ class Viewer(Closeable):
             require_scene(scene, arm)
         if not isinstance(host, str):
             raise InputError(f"host must be the name or address of an interface; got {shown(host)}")
-        if as_flag(keep, "keep") and port == 0:
-            raise InputError("poses are kept for a port that is always the same: give port=, as in port=8000")
         self._host = host
         self._watches: list[Watch] = []
         self._closed = threading.Event()
-        memory = Memory(port) if keep else None
         other = None if beside is None else require_arm(beside)
         stage, drawn = Stage(arm, theta, scene, other), ArmScene(arm, beside=other)
-        self._server = Server(stage, drawn, host, port, memory, stands=theta is not None)
-        self.notes: tuple[str, ...] = () if memory is None else tuple(memory.notes)
+        self._server = Server(stage, drawn, host, port)
         self.draw = Draw(self._put_drawing)
         self._server.start()
         if open_browser:

@@ -85,15 +85,15 @@ def arm_from_dh(
         InputError: A wrong shape, name, type, convention or pose, or a file that is no table.
         DescriptionError: Limits of the table leave a joint no room.
     """
-    if convention is not None:
-        require_choice(convention, CONVENTIONS, "convention")
-    made: Any = table_of_rows(rows_of_csv(table), convention) if isinstance(table, (str, os.PathLike)) else table
-    if not isinstance(made, DhTable):
+    made: Any = table
+    if isinstance(table, (str, os.PathLike)):
+        made = table_of_rows(rows_of_csv(table), convention)
+    elif not isinstance(table, DhTable):
         if convention is None:
             raise InputError(UNDECIDED)
         made = DhTable(made, convention)
-    elif convention not in (None, made.convention):
-        raise InputError(f"the table is {made.convention}; got convention={shown(convention)}")
+    elif convention not in (None, table.convention):
+        raise InputError(f"the table is {table.convention}; got convention={shown(convention)}")
     given = {"joints": joints, "types": types, "base": base, "tool": tool}
     made = replace(made, **{key: value for key, value in given.items() if value is not None})
     ArmBuilder(name)  # which checks the name

@@ -28,7 +28,8 @@ from ...support.checks import require_mapping
 from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, shown
 from ...support.files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
 from ...support.messages import Argument, Text, plural
-from ..arm import Arm, Coupling, Proof
+from ..arm import Arm
+from ..arm_data import Coupling, Proof
 from ..baking import BAKED, SUFFIX, fields_of, unsealed
 from ..pinocchio_model import why_no_pinocchio
 from .overrides import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
+from ...arm.abilities import Abilities, abilities_of
 from ...arm.arm import Arm
 from ...arm.loading.load import assemble, proven, read, specify
 from ...description.coupling import resolve_couplings
@@ -14,7 +15,6 @@ from ...description.findings import Finding, Place, finding
 from ...description.tree import Description
 from ...support.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
 from ...support.files import as_path
-from .abilities import Abilities, abilities_of
 from .meshes import check_meshes
 from .motions import (
     check_abilities,
@@ -104,7 +104,7 @@ def examine_arm(arm: Arm) -> Diagnosis:
     """`examine` for an arm."""
     able = abilities_of(arm)
     found = [*arm.findings, *check_zero(arm), *check_reach(arm), *check_postures(arm, able.rank)]
-    found += [*check_abilities(arm, able), *check_without_effect(arm, able), *check_axes(arm)]
+    found += [*check_abilities(arm, able), *check_without_effect(arm), *check_axes(arm)]
     if arm.description is not None:
         found += _of_description(arm.description, arm)
         found += [*check_tool(arm, arm.description), *check_off_the_chain(arm, arm.description)]

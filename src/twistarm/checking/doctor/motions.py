@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from ...arm.abilities import Abilities
 from ...arm.almost_exact import (
     ALMOST_ANGLE,
     EXACT_ANGLE,
@@ -31,7 +32,7 @@ from ...support.checks import Array
 from ...support.directions import axis_in_words, direction_in_words
 from ...support.errors import listed, one_line
 from ...support.messages import Argument, Text, plural
-from .abilities import TOL, Abilities
+from ...theory.manipulability import scaled_jacobian
 from .numbers import OTHER, SHOWN, grouped
 
 LONGEST_REACH = 20.0
@@ -45,6 +46,9 @@ POOR = 100.0
 
 NO_MOTION = 1e-9
 """A column of the Jacobian this small [m/reach, rad] is zero but for rounding."""
+
+ABOUT = 1.0 - 1e-6
+"""Cosine from which on a rotation is about an axis."""
 
 OUT = 0.1
 """How far out [m] the tool of the snippet is."""
@@ -173,18 +177,17 @@ def _instead_of_a_pose(able: Abilities, tool_axis: Array) -> str:
     nearest = "solve_ik gives the nearest to any other pose and says what is missing"
     if able.position < 3:
         return nearest
-    # Whether the free rotations usually turn the axis of an `Approach` in both directions across it.
-    pointed = able.R @ tool_axis
-    turning = np.cross(np.swapaxes(able.free, 1, 2), pointed[:, None, :])
-    if able.turning == 2 and np.median(np.linalg.svd(turning, compute_uv=False)[:, 1]) > TOL:
+    # Two free rotations turn the axis of an `Approach` in both directions across it, unless one is about it.
+    if able.turning == 2 and np.linalg.norm(able.turned_tool @ tool_axis) < ABOUT:
         axis = direction_in_words(tool_axis, "tool")
         return f"ask for an Approach: a position and where the tool points, by {axis}; {nearest}"
     return f"ask for a Position; {nearest}"
 
 
-def check_without_effect(arm: Arm, able: Abilities) -> Iterator[Finding]:
+def check_without_effect(arm: Arm) -> Iterator[Finding]:
     """Coordinates with a zero column of the Jacobian everywhere."""
-    sizes = np.abs(able.body).max(axis=(0, 1))
+    J = scaled_jacobian(arm.body_jacobian(arm.random_theta(0, SAMPLES)), arm.prismatic, arm.reach)
+    sizes = np.abs(J).max(axis=(0, 1))
     for name, size in zip(arm.joint_names, sizes, strict=True):
         if size <= NO_MOTION:
             what = f"joint {name!r} does not move the tool at any configuration: what it turns is turned back"

@@ -7,7 +7,7 @@ import sys
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, TextIO
+from typing import Annotated, Any, TextIO
 
 import numpy as np
 import typer
@@ -43,9 +43,7 @@ FILE_INSTEAD = ", or use -o FILE.html for a page that needs no server"
 class Page:
     """The options of the page, and the view that serves it."""
 
-    port: Annotated[
-        int, whole(0, 65535, "Port to serve on; 0 takes a free one. Any other keeps the recorded poses for next time.")
-    ] = 0
+    port: Annotated[int, whole(0, 65535, "Port to serve on; 0: a free one.")] = 0
     host: Annotated[str, typer.Option(help="Interface to serve on; anything else opens the view to that network.")] = (
         "127.0.0.1"
     )
@@ -59,10 +57,8 @@ class Page:
 
     def viewer(self, arm: Arm, theta: Array | None, scene: Scene | None = None, beside: Arm | None = None) -> Viewer:
         """The view, not yet opened in a browser."""
-        return Viewer(
-            arm, theta, host=self.host, port=self.port, open_browser=False, keep=self.port != 0, scene=scene,
-            beside=beside,
-        )  # fmt: skip
+        where: dict[str, Any] = {"host": self.host, "port": self.port, "open_browser": False}
+        return Viewer(arm, theta, scene=scene, beside=beside, **where)
 
     def show_address(
         self, viewer: Viewer, out: TextIO | None = None, *, what: str = "", assumed: str = "", instead: str = ""
@@ -73,8 +69,6 @@ class Page:
         """
         if assumed:
             say(f"{assumed} (--velocity, --acceleration)", file=out)
-        for note in viewer.notes:
-            warn(note)
         say(f"{what or viewer.arm.name} at {viewer.url}  (Ctrl-C ends it)", file=out)
         if self.browser and not viewer.open_page():
             warn(f"no browser found here; open the address yourself{instead}")

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ...arm.abilities import ANGULAR, LINEAR, cannot_move, cannot_turn, lacks, must_turn, position_limit, singular
 from ...arm.arm import Arm
-from ...arm.inability import ANGULAR, LINEAR, cannot_move, cannot_turn, lacks, must_turn, position_limit, singular
 from ...support.checks import Array, frozen
 from ...support.directions import ALONG_AXIS, direction_in_words
 from ...support.display import Brief

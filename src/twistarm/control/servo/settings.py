@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...arm.inability import NO_MOTION
+from ...arm.abilities import NO_MOTION
 from ...support.checks import as_not_negative, as_positive, require_choice
 from ...support.errors import InputError
 

@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...limits.actuators import Actuators
-from ...support.c_text import c_number, c_string, c_strings, identifier_of
 from ...support.checks import Array, as_flag
-from ...support.templates import filled
+from ...support.code_text import c_number, c_string, c_strings, filled, identifier_of
 from .motor_values import counted, motors_of, require_motors
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from ...arm.abilities import ANGULAR, LINEAR, NO_MOTION, largest_rank, span
 from ...arm.arm import Arm
-from ...arm.inability import ANGULAR, LINEAR, NO_MOTION, largest_rank, span
 from ...arm.usual_limits import usually_limited
 from ...control.servo import ServoSettings
 from ...control.servo.bounds import Bounds, bounds_of

@@ -26,7 +26,6 @@ from ..state_transfer import carry
 from .access import LOOPBACK, Authentication, bind
 from .driver import COMMANDS, Driver, PageCommands
 from .handlers import SocketHandler, application
-from .memory import Memory
 
 FRAME_TIME = 1.0 / 60.0
 START_TIME = 10.0
@@ -42,20 +41,13 @@ Answer = TypeVar("Answer")
 class Server:
     """Serves a stage to any number of pages. Methods that other threads may call come first."""
 
-    def __init__(
-        self, stage: Stage, scene: Scene, host: str, port: int, memory: Memory | None = None, stands: bool = False
-    ) -> None:
-        """memory: the file kept for this port. With `stands`, the stage keeps its theta instead of the kept one."""
+    def __init__(self, stage: Stage, scene: Scene, host: str, port: int) -> None:
         self.commands = PageCommands(stage.arm)
         self.clients: dict[SocketHandler, None] = {}
         self._sockets = bind(host, port)
         self.port = int(self._sockets[0].getsockname()[1])
         self.authentication = Authentication(host)
-        self.memory = memory
-        if memory is not None:  # whoever has the port is the only one to use its file
-            memory.recall(stage, stands)
-        self._kept = stage.poses.poses
-        self.notice: Message = {"type": "notice", "words": "; ".join(memory.notes) if memory else "", "wrong": False}
+        self.notice: Message = {"type": "notice", "words": "", "wrong": False}
         self._lock = threading.Lock()
         self._changes: dict[str, Change] = {}
         self._applied = 0.0
@@ -95,8 +87,6 @@ class Server:
             self._thread.join(STOP_TIME)
         self.scene.close()
         self._workers.stop(STOP_TIME)
-        if self.memory is not None:
-            self.memory.keep(self.stage)
 
     def post(self, key: str, change: Change) -> None:
         """Let the loop apply `change`, at most once in FRAME_TIME. It replaces a waiting change of the same key.
@@ -188,8 +178,6 @@ class Server:
         if old.driven:
             raise InputError(f"a servo drives {old.arm.name}: another arm is shown once it has ended")
         words = carry(old, stage)
-        if self.memory is not None and any(pose not in old.left for pose in stage.left):
-            words += self.memory.set_aside(old)
         self._consultation.cancel()
         scene.draw_again(self.scene.exact)
         self._adopt(stage, scene)
@@ -293,17 +281,8 @@ class Server:
             self._send_changes()
             if not self.scene.left:
                 self._submit(self.stage.collisions.due(self.stage))
-        self._keep_poses()
         if self.stage.moving and (self._player is None or self._player.done()):
             self._player = self._loop.create_task(self._play())
-
-    def _keep_poses(self) -> None:
-        """Write the list of poses in a thread, where it is kept and has changed."""
-        stage, memory = self.stage, self.memory
-        if memory is not None and stage.poses.poses is not self._kept:
-            self._kept = stage.poses.poses
-            work = partial(memory.keep, stage)
-            self._workers.submit(Job("keep", "keeping the poses", lambda progress: work(), lambda result: None))
 
     def _apply_in_time(self) -> None:
         wait = self._applied + FRAME_TIME - self._loop.time()

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 from ...arm.arm import Arm
 from ...description.document import noted_files
-from ...support.closeable import Closeable
 from ...support.errors import one_line
 from ...support.files import as_paths, stamp
+from ...support.interrupts import Closeable
 from ...support.path_redaction import without_places
 from ..stage import Stage
 

@@ -16,9 +16,9 @@ import numpy as np
 
 from ....arm.arm import Arm
 from ....support.checks import as_theta, as_whole
-from ....support.closeable import Closeable
 from ....support.errors import InputError, missing_extra, shown
 from ....support.fields import whole
+from ....support.interrupts import Closeable
 from ...servo import ServoStatus
 from ..interlock import EMERGENCY_STOP, ENABLED, STOPPED
 from ..motors import MotorSide

@@ -10,8 +10,8 @@ from typing import Any
 
 from ....arm.arm import Arm, require_arm
 from ....support.checks import require, require_names
-from ....support.closeable import Closeable
 from ....support.errors import InputError, listed, shown
+from ....support.interrupts import Closeable
 from ....support.strict_json import LARGEST_MESSAGE, encode
 from ..motors import motor_side
 from ..protocols import Setpoint, UndeliveredError

@@ -1,9 +1,11 @@
-"""Names, numbers and texts as C and C++ write them."""
+"""Texts of other languages: templates in files of their own; names, numbers and texts as C and C++ write them."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from pathlib import Path
+from string import Template
 
 import numpy as np
 
@@ -23,6 +25,11 @@ _TAKEN = """
 names of the C library."""
 
 _PLAIN = re.compile(r"[A-Za-z0-9 _.,:;+\-=@#%&()\[\]<>{}|~^!$']")
+
+
+def filled(template: Path, **values: object) -> str:
+    """The text of a file, with a value in place of each `$name`. Every name needs one."""
+    return Template(template.read_text(encoding="utf-8")).substitute(values)
 
 
 def identifier_of(name: str, kind: str) -> str:
@@ -48,13 +55,10 @@ def cpp_numbers(values: Iterable[float]) -> str:
 
 def c_string(text: str) -> str:
     """A C string of plain characters that cannot end a comment; others are octal escapes of their UTF-8."""
-    return '"' + "".join(c if _PLAIN.fullmatch(c) else _octal(c) for c in text) + '"'
+    octal = ("".join(f"\\{byte:03o}" for byte in c.encode("utf-8", "surrogatepass")) for c in text)
+    return '"' + "".join(c if _PLAIN.fullmatch(c) else code for c, code in zip(text, octal, strict=True)) + '"'
 
 
 def c_strings(texts: Iterable[str]) -> str:
     """C strings, one after the other."""
     return ", ".join(map(c_string, texts))
-
-
-def _octal(character: str) -> str:
-    return "".join(f"\\{byte:03o}" for byte in character.encode("utf-8", "surrogatepass"))

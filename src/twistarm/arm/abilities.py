@@ -1,14 +1,18 @@
-"""Words for motions that an arm cannot make, shared by servo, inverse kinematics and the page."""
+"""Motions that an arm's tool has here, almost everywhere or nowhere, and words for those that it lacks.
+
+Servo, inverse kinematics, the doctor and the page ask here, so all have one tolerance.
+"""
 
 from __future__ import annotations
 
 import weakref
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from ..support.checks import Array
-from ..support.directions import axis_in_words
+from ..support.directions import axis_in_words, nearest_axes
 from ..theory.manipulability import scaled_jacobian
 from .arm import Arm
 
@@ -89,16 +93,23 @@ def _while(held: str) -> str:
     return f"with {held} held, " if held else ""
 
 
-_RANKS: weakref.WeakKeyDictionary[Arm, dict[tuple[object, ...], int]] = weakref.WeakKeyDictionary()
-
-
 def largest_rank(arm: Arm, half: Half, before: Sequence[int], frame: str) -> int:
-    """The largest rank of `span` among random configurations, cached with the arm."""
-    kept = _RANKS.setdefault(arm, {})
+    """The largest rank of `span` among random configurations."""
+    return spans(arm, half, before, frame)[0].shape[1]
+
+
+def spans(arm: Arm, half: Half, before: Sequence[int], frame: str) -> list[Array]:
+    """The directions U of `span` at those random configurations that have the largest rank, kept with the arm."""
+    kept = _SPANS.setdefault(arm, {})
     key = (half, tuple(before), frame)
     if key not in kept:
-        kept[key] = max(span(arm, theta, half, before, frame)[0].shape[1] for theta in arm.random_theta(0, SAMPLES))
+        found = [span(arm, theta, half, before, frame)[0] for theta in arm.random_theta(0, SAMPLES)]
+        rank = max(U.shape[1] for U in found)
+        kept[key] = [U for U in found if U.shape[1] == rank]
     return kept[key]
+
+
+_SPANS: weakref.WeakKeyDictionary[Arm, dict[tuple[object, ...], list[Array]]] = weakref.WeakKeyDictionary()
 
 
 def span(arm: Arm, theta: Array, half: Half, before: Sequence[int], frame: str) -> tuple[Array, Array]:
@@ -108,12 +119,57 @@ def span(arm: Arm, theta: Array, half: Half, before: Sequence[int], frame: str) 
     """
     g, J = arm.fk_and_body_jacobian(theta)
     turned = J if frame == "tool" else np.kron(np.eye(2), g[:3, :3]) @ J
-    rows = scaled_jacobian(turned, np.array(arm.units) == "m", arm.reach)
+    rows = scaled_jacobian(turned, arm.prismatic, arm.reach)
     _, size, Vt = np.linalg.svd(rows[list(before)])
     free = Vt[int((size > NO_MOTION).sum()) :].T
     U, size, _ = np.linalg.svd(rows[list(half)] @ free)
     rank = int((size > NO_MOTION).sum())
     return U[:, :rank], size[:rank]
+
+
+class Abilities(NamedTuple):
+    """The number of directions that the tool moves in almost everywhere, and directions (k, 3), a unit vector a row.
+
+    `position` is the rank of the linear half of the Jacobian, `turning` that of the rotations that hold the position.
+    `immovable` and `unturned` are directions in base axes that no motion goes along or about. `turned_base` and
+    `turned_tool` are axes in the base or the tool that the tool can always turn about, with its position held.
+    """
+
+    position: int
+    turning: int
+    immovable: Array
+    unturned: Array
+    turned_base: Array
+    turned_tool: Array
+
+    @property
+    def rank(self) -> int:
+        """Directions of motion, of six."""
+        return self.position + self.turning
+
+
+def abilities_of(arm: Arm) -> Abilities:
+    """The ranks and common directions at random configurations.
+
+    The ranks of an analytic Jacobian are the largest almost everywhere. A direction that is missing at many random
+    configurations is missing at all.
+    """
+
+    def common(share: float, half: Half, before: Half, frame: str) -> Array:
+        """The directions of which this share, 0 or 1, lies in every span."""
+        projectors = [U @ U.T for U in spans(arm, half, before, frame)]
+        values, vectors = np.linalg.eigh(np.mean(projectors, axis=0))
+        vectors = vectors[:, np.abs(values - share) <= NO_MOTION**2]
+        return nearest_axes(vectors @ vectors.T, vectors.shape[1]).T
+
+    return Abilities(
+        position=largest_rank(arm, LINEAR, (), "base"),
+        turning=largest_rank(arm, ANGULAR, LINEAR, "base"),
+        immovable=common(0.0, LINEAR, (), "base"),
+        unturned=common(0.0, ANGULAR, (), "base"),
+        turned_base=common(1.0, ANGULAR, LINEAR, "base"),
+        turned_tool=common(1.0, ANGULAR, LINEAR, "tool"),
+    )
 
 
 def _holds(span: Array, direction: Array) -> bool:
