@@ -116,7 +116,6 @@ def _narrowed(
         f"it follows {affine.master} beyond its own limits [{follower.lower:g}, {follower.upper:g}]; "
         + (f"{affine.master} is kept in [{lower:.4g}, {upper:.4g}]" if usable else "its limits are not kept"),
         "make both joints' limits fit the mimic's multiplier and offset",
-        repaired=usable,
     )
     if not usable:
         return limits, [noted]
