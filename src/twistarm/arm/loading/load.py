@@ -248,9 +248,8 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
         return replace(read_arm_file(own), source=text)
     entry = catalog.model_entry(text)
     if entry is not None:
-        file, (_, base, tip) = entry
-        share = file.parents[len(Path(entry[1].file).parts) + 1]
-        return ArmSpecification(file, text, name=text, base=base, tip=tip, package_dirs=(share,))
+        base, tip, folders = entry.base, entry.tip, (entry.share,)
+        return ArmSpecification(entry.file, text, name=text, base=base, tip=tip, package_dirs=folders)
     why, near = why_no_file(path), ""
     if why != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
         with suppress(OSError, ValueError):
