@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, cached_property, partial
+from functools import cached_property, partial
 from itertools import combinations
 from typing import Any, NamedTuple
 
@@ -186,28 +186,18 @@ class Wiring:
             parts.append(driven @ problem.contradiction.T)
         return np.asarray(sum((part * part).sum(axis=(1, 2)) for part in parts))
 
-    def _changed(self, one: Explanation, i: int, kind: str, starts: tuple[Array, Array]) -> Explanation:
-        """Another kind for motor i, fitted from the best of its starts: unknowns (M, Q) and sums of squares (M,)."""
-        sign, scale, zero, _ = KINDS[kind]
-        near = one.q
-        if scale or zero:
-            allowed = (scale | (STARTS[:, 0] == sign)) & (zero | (STARTS[:, 1] == 0.0))
-            near = starts[0][np.where(allowed, starts[1], np.inf).argmin()]
-        return self.fit(one, kinds=one.with_kind(i, kind), q=near)
-
     def with_kinds(self, one: Explanation, i: int, kinds: Sequence[str]) -> Candidates:
-        """Each of these kinds for motor i."""
-
-        @cache
-        def starts() -> tuple[Array, Array]:
-            q = np.tile(one.q, (len(STARTS), 1))
-            q[:, :6] = 0.0
-            q[:, 12 + self.k + i], q[:, 12 + i] = STARTS[:, 0] - 1.0, STARTS[:, 1] * self.unit[i]
-            return q, self.squares(one.swap, q)
-
+        """Each of these kinds for motor i, fitted from the best of its `STARTS`."""
+        starts = np.tile(one.q, (len(STARTS), 1))
+        starts[:, :6] = 0.0
+        starts[:, 12 + self.k + i], starts[:, 12 + i] = STARTS[:, 0] - 1.0, STARTS[:, 1] * self.unit[i]
+        totals = self.squares(one.swap, starts)
         for kind in kinds:
-            claims = one.claims - KINDS[one.kinds[i]].claims + KINDS[kind].claims
-            yield claims, lambda kind=kind: self._changed(one, i, kind, starts())  # type: ignore[misc]
+            sign, scale, zero, claims = KINDS[kind]
+            allowed = (scale | (STARTS[:, 0] == sign)) & (zero | (STARTS[:, 1] == 0.0))
+            near = starts[np.where(allowed, totals, np.inf).argmin()] if scale or zero else one.q
+            more = claims - KINDS[one.kinds[i]].claims
+            yield one.claims + more, partial(self.fit, one, kinds=one.with_kind(i, kind), q=near)
 
     def with_swaps(self, one: Explanation) -> Candidates:
         """Each two motors exchanged, or the exchanged ones put right."""
