@@ -1,7 +1,7 @@
 from . import testing as testing
 from .arm.arm import Arm as Arm
-from .arm.arm import Coupling as Coupling
-from .arm.arm import Proof as Proof
+from .arm.arm_data import Coupling as Coupling
+from .arm.arm_data import Proof as Proof
 from .arm.baking import bake as bake
 from .arm.from_screws import arm_from_screws as arm_from_screws
 from .arm.loading.arm_builder import ArmBuilder as ArmBuilder

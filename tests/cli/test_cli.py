@@ -15,8 +15,6 @@ import numpy as np
 import pytest
 
 import twistarm
-from catalogue import load
-from ik_targets import require_core
 from twistarm.cli.application import run
 from twistarm.theory.rotations import from_rpy
 from urdf_text import two_joints, write
@@ -157,13 +155,6 @@ def test_ik_of_every_kind(capsys: Capture, rover: twistarm.Arm) -> None:
     xyz, rpy = " ".join(map(str, pose["position"])), " ".join(map(str, pose["rpy"]))
     content = answer(capsys, "ik", "rover_arm", "--rad", "--xyz", xyz, "--rpy", rpy, "--start", "zero")
     assert np.allclose(content["reached"]["matrix"], pose["matrix"], atol=1e-5)
-
-
-def test_ik_out_of_reach_is_an_answer_with_exit_code_1(capsys: Capture) -> None:
-    require_core(load("rover_arm"))
-    content = answer(capsys, "ik", "rover_arm", "--xyz", "5 0 0", code=1)
-    assert content["stop"] == "OUT_OF_REACH"
-    assert content["position_error"] > 3
 
 
 def test_plan_says_where_it_starts_unless_told(capsys: Capture, rover: twistarm.Arm) -> None:

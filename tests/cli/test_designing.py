@@ -120,12 +120,6 @@ def test_the_answer_outlives_a_motion_that_fails(capsys: Capture, folder: Path) 
     assert [path.name for path in folder.iterdir()] == ["panel.toml"]
 
 
-def test_no_task_done_writes_no_motion(capsys: Capture, folder: Path) -> None:
-    Path("panel.toml").write_text(PANEL.replace("0.95, 0.0, 0.8", "5.0, 0.0, 0.8"), "utf-8")
-    assert answer(capsys, "panel", "rover_arm", "panel.toml", "-o", "p.csv", code=1)["done"] == 0
-    assert [path.name for path in folder.iterdir()] == ["panel.toml"]
-
-
 def test_reach_as_a_table_with_units_and_every_file(capsys: Capture, folder: Path) -> None:
     words = ["reach", "rover_arm", "--voxel", "0.5"]
     shown = printed(capsys, *words, *["-o", "m.npz", "-o", "m.png"])

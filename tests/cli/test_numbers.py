@@ -21,9 +21,7 @@ TYPED = {
     ("−30°", "rad"): -math.pi / 6,
     ("2 mm", "rad"): math.nan,
     ("30+15", "rad"): math.nan,
-    ("pi/4", "rad"): math.nan,
     ("1/0", "1"): math.nan,
-    ("nan", "1"): math.nan,
 }
 
 
@@ -70,7 +68,6 @@ SAME = {
     "ik rover_arm --xyz 0.5 0.1 0.3 --rpy 0 90 0": "ik rover_arm --xyz 500 mm 10cm 0.3 --rpy 0 1.25 turn 0",
     "ik rover_arm --xyz 0.5 0.1 0.3 --position-tol 0.001": "ik rover_arm --xyz 0.5 0.1 0.3 --position-tol 1mm",
     "plan rover_arm --to elbow=9 --velocity 0.1": "plan rover_arm --to elbow=9 --velocity 0.1 rad/s",
-    "plan rover_arm --to slide=0.1 --acceleration 0.5": "plan rover_arm --to slide=0.1 --acceleration 500 mm/s^2",
     "plan rover_arm --to slide=0.1 --dt 0.02": "plan rover_arm --to slide=0.1 --dt 20 ms",
     "payload rover_arm --theta ready --mass 0.5": "payload rover_arm --theta ready --mass 500 g",
     "info rover_arm --locked-joint elbow=36": "info rover_arm --locked-joint elbow=0.1turn",
@@ -121,19 +118,15 @@ def test_nonsense_for_a_number_names_the_option_and_the_value(
 
 WRONG = [
     ("ik rover_arm --xyz 0.3 0.1 deg 0.2", "'0.1 deg'"),
-    ("ik rover_arm --xyz 0.3 0.1 1/0", "'1/0'"),
     ("fk rover_arm --theta 0.1 rad -30 60 -20 0", "'0.1 rad'"),
-    ("fk rover_arm --theta elbow=3mm", "elbow"),
     ("fk rover_arm --theta elbow=pi/2", "'pi/2'"),
     ("ik rover_arm --xyz 0.5 0 0 --rpy 0 0 2mm", "--rpy"),
     ("ik rover_arm --xyz 0.5 0 0 --position-tol 1deg", "1deg"),
     ("ik rover_arm --xyz 0.5 0 0 --orientation-tol 1mm", "--orientation-tol"),
     ("plan rover_arm --to zero --velocity 30 deg/s²", "30 deg/s²"),
-    ("plan rover_arm --to zero --velocity 30 deg", "30 deg"),
     ("plan rover_arm --to zero --acceleration 3 rad/s", "3 rad/s"),
     ("plan ur5 --to zero --velocity 50mm/s", "--velocity"),
     ("servo rover_arm --margin 5deg", "--margin"),
-    ("payload rover_arm --mass -1", "--mass"),
     ("calibrate rover_arm log.csv --distance a=b=2deg", "a=b=2deg"),
 ]
 

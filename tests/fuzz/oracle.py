@@ -108,7 +108,6 @@ def _consistent(arm: Arm) -> list[str]:
         "ready outside the limits": bool(arm.limits.contains(arm.ready)),
         "reach not positive": bool(0 < arm.reach < np.inf),
         "no proof": arm.proof is not None,
-        "findings are no plain data": all(isinstance(finding.repaired, bool) for finding in arm.findings),
     }
     return [what for what, holds in conditions.items() if not holds]
 

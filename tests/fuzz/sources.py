@@ -75,11 +75,10 @@ def catalogue_sources() -> list[Source]:
     """The arms of the example-robot-data wheel."""
     sources = []
     for name in model_arms():
-        found = model_entry(name)
-        assert found is not None
-        path, entry = found
-        arguments = {"base": entry.base, "tip": entry.tip}
-        sources.append(Source(name, path.parent, path.name, (path.name,), arguments, alone=True))
+        entry = model_entry(name)
+        assert entry is not None
+        arguments, file = {"base": entry.base, "tip": entry.tip}, entry.file
+        sources.append(Source(name, file.parent, file.name, (file.name,), arguments, alone=True))
     return sources
 
 

@@ -12,7 +12,7 @@ import twistarm
 from catalogue import load
 from strategies import generators
 from twistarm import JointLimits, arm_from_screws, joints
-from twistarm.arm.arm import Coupling
+from twistarm.arm.arm_data import Coupling
 from twistarm.ik import Position, solve_ik
 from twistarm.ik.ranges import joint_ranges, periodic
 

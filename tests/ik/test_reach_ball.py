@@ -10,7 +10,7 @@ import pytest
 from catalogue import load
 from joint_arms import KINDS, by_hand, random_chain
 from twistarm import Approach, JointLimits, Pose, Position, arm_from_screws, joints
-from twistarm.arm.arm import Coupling
+from twistarm.arm.arm_data import Coupling
 from twistarm.ik.reach_ball import reach_ball
 
 

@@ -10,7 +10,7 @@ import pytest
 from catalogue import load
 from ik_targets import KINDS, errors, is_met, pinocchio_poses, require_core, target_from
 from twistarm import Approach, InputError, JointLimits, Pose, Position, reachable, solve_ik_batch
-from twistarm.arm.arm import Coupling
+from twistarm.arm.arm_data import Coupling
 from twistarm.ik.reached import CHUNK
 
 DOWN = [0.0, 0.0, -1.0]

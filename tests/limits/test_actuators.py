@@ -91,10 +91,10 @@ def test_joints_that_the_motors_do_not_determine_are_named() -> None:
     idle = differential(G=[[400.0, 0, 0], [0, 60, 60], [0, 120, 120]])
     assert idle.undriven == ("pitch", "roll")
     assert np.allclose(idle.to_motor([0.0, 0.1, 0.0]), [0.0, 6.5, 11.5])
-    with pytest.raises(InputError, match="do not determine joint 'pitch', 'roll': G must have full column rank"):
+    with pytest.raises(InputError, match="'pitch', 'roll'"):
         idle.to_theta([0.0, 0.0, 0.0])
     for back in (idle.velocity_to_theta, idle.torque_to_motor):
-        with pytest.raises(InputError, match="do not determine joint 'pitch', 'roll'"):
+        with pytest.raises(InputError, match="'pitch', 'roll'"):
             back([0.0, 0.0, 0.0])
     assert np.allclose(idle.torque_to_theta([0.0, 1.0, 0.0]), [0.0, 60.0, 60.0])
     assert np.isinf(idle.joint_limits.effort).all()
@@ -103,34 +103,28 @@ def test_joints_that_the_motors_do_not_determine_are_named() -> None:
     assert one.undriven == ("k",)
 
 
-REFUSED: dict[str, tuple[dict[str, object], str]] = {
-    "G of another shape": ({"G": np.eye(2)}, "G of 3 actuators and 3 joints must have"),
-    "an unknown unit": ({"units": ("turns", "tick", "deg")}, "'rail' counts in 'turns'; allowed: rad"),
-    "ticks without a number": ({"ticks_per_turn": [np.nan] * 3}, "'left' counts in ticks: give its"),
-    "turns of what slides": (
-        {"units": ("m", "tick", "deg"), "ticks_per_turn": [8.0, 4096.0, np.nan]},
-        "'rail' counts in m and makes no turns",
-    ),
-    "limits of other motors": ({"limits": JointLimits.unbounded(2)}, "limits of 3 actuators must be those of 3"),
-    "no place for a joint": (
-        {
-            "G": [[400.0, 0, 0], [-400.0, 0, 0], [0, 60, 60]],
-            "limits": JointLimits.unbounded(3).with_(
-                {"lower": {"rail": 10.0, "left": 10.0}}, ("rail", "left", "right")
-            ),
-        },
-        "position limits leave joint 'slide' no",
-    ),
-    "negative ticks": ({"ticks_per_turn": [np.nan, -4.0, np.nan]}, "'left': ticks_per_turn must be positive; got -4"),
-    "too few units": ({"units": ("rad",)}, "3 actuators need 3 units"),
-}
-
-
-@pytest.mark.parametrize("case", REFUSED)
-def test_what_cannot_be_is_refused(case: str) -> None:
-    changes, message = REFUSED[case]
-    with pytest.raises(InputError, match=message):
+@pytest.mark.parametrize(
+    ("changes", "culprit"),
+    [
+        ({"G": np.eye(2)}, "G of 3"),
+        ({"units": ("turns", "tick", "deg")}, "'rail'.*'turns'"),
+        ({"ticks_per_turn": [np.nan] * 3}, "'left'"),
+        ({"units": ("m", "tick", "deg"), "ticks_per_turn": [8.0, 4096.0, np.nan]}, "'rail'"),
+        ({"limits": JointLimits.unbounded(2)}, "limits of 3"),
+        ({"ticks_per_turn": [np.nan, -4.0, np.nan]}, "'left'.*-4"),
+        ({"units": ("rad",)}, "3 units"),
+    ],
+)
+def test_what_cannot_be_is_refused(changes: dict[str, object], culprit: str) -> None:
+    with pytest.raises(InputError, match=culprit):
         differential(**changes)
+
+
+def test_limits_that_leave_a_joint_no_place_are_refused() -> None:
+    ends = {"lower": {"rail": 10.0, "left": 10.0}}
+    limits = JointLimits.unbounded(3).with_(ends, ("rail", "left", "right"))
+    with pytest.raises(InputError, match="'slide'"):
+        differential(G=[[400.0, 0, 0], [-400.0, 0, 0], [0, 60, 60]], limits=limits)
 
 
 def limited() -> Actuators:
@@ -158,11 +152,9 @@ def test_what_the_motors_allow_each_joint_alone() -> None:
     assert (shifted.lower[0], shifted.upper[0]) == (-0.3, 0.45)
 
 
-def test_wrong_sizes_are_told_with_the_names() -> None:
-    with pytest.raises(InputError, match=r"theta must have shape \(..., 3\): slide, pitch, roll; got \(2,\)"):
+def test_wrong_sizes_are_named_with_the_joints() -> None:
+    with pytest.raises(InputError, match="slide, pitch, roll"):
         differential().to_motor([0.0, 0.0])
-    with pytest.raises(InputError, match=r"motor must have shape \(..., 3\): rail, left, right"):
-        differential().to_theta(0.0)
 
 
 def test_its_arrays_are_read_only_and_survive_pickling() -> None:

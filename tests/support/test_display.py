@@ -6,26 +6,18 @@ import numpy as np
 
 from catalogue import load
 from twistarm import (
-    Actuators,
-    Approach,
     Arm,
-    JogCommand,
     Pose,
-    PoseCommand,
     Position,
     ServoState,
-    TolerancedPose,
     Trajectory,
-    TwistCommand,
     arm_from_screws,
-    crosscheck,
     plan_joint,
     screws,
     servo_step,
     solve_ik,
     solve_ik_batch,
 )
-from twistarm.calibration import Measurements
 
 LONGEST = 240  # three lines of a terminal of 80 columns
 
@@ -33,19 +25,12 @@ LONGEST = 240  # three lines of a terminal of 80 columns
 def printed() -> list[object]:
     """One of whatever a person prints."""
     arm = load("panda")
-    theta, g = arm.ready, arm.fk(arm.ready)
-    motion = plan(arm)
-    state, output = servo_step(arm, ServoState.at(arm, theta), [0.1, 0, 0, 0, 0, 0], 0.01)
-    check = crosscheck(arm, 2)
-    motors = Actuators(arm.joint_names, arm.joint_names, 50 * np.eye(7), np.zeros(7), ("tick",) * 7, 4096 * np.ones(7))
-    targets = [Pose(g), Position([1, 0, 0]), Approach([1, 0, 0], [0, 0, 1]), TolerancedPose(g, [0] * 6)]
-    commands = [TwistCommand([0.1, 0, 0, 0, 0, 0]), JogCommand(theta), PoseCommand(g)]
-    answers = [solve_ik(arm, targets[1]), solve_ik(arm, Position([9, 0, 0])), solve_ik_batch(arm, targets)]
-    parts = [arm.limits, arm.coupling, arm.proof, arm.description, arm.manipulability(theta), motion.sample(0.1)]
-    log = Measurements(np.zeros((9, 2)), np.zeros((9, 3)))
-    screw = screws.to_screw([0.1, 0, 0, 0, 0, 1])
-    shown = [arm, motion, state, output, check, check.comparisons[0], motors, log, screw]
-    return [*shown, *targets, *commands, *answers, *parts]
+    theta, motion = arm.ready, plan(arm)
+    targets = [Pose(arm.fk(theta)), Position([9, 0, 0])]
+    answers = [solve_ik(arm, targets[1]), solve_ik_batch(arm, targets), arm.manipulability(theta), motion.sample(0.1)]
+    state = ServoState.at(arm, theta)
+    output = servo_step(arm, state, [0.1, 0, 0, 0, 0, 0], 0.01)[1]
+    return [arm, arm.limits, arm.coupling, arm.description, motion, state, output, *targets, *answers]
 
 
 def plan(arm: Arm) -> Trajectory:

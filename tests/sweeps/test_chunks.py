@@ -21,12 +21,6 @@ def squares(scale, first, end):
     return {"squares": scale * np.arange(first, end) ** 2}
 
 
-def ends_its_process(scale, first, end):
-    if first == 3 * SIZE:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return squares(scale, first, end)
-
-
 class Backwards(Executor):
     """Runs the last call first, and dies after some of them."""
 
@@ -119,15 +113,6 @@ def test_an_executor_that_dies_tells_what_is_done(tmp_path):
     assert "\n" not in str(said.value)
     assert len(list(tmp_path.iterdir())) == 5
     assert np.array_equal(run(folder=tmp_path), EXPECTED)
-
-
-def test_a_killed_process_loses_nothing_that_was_done(tmp_path):
-    with (
-        ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool,
-        pytest.raises(InputError, match="Broken"),
-    ):
-        run(ends_its_process, executor=pool, folder=tmp_path)
-    assert len(list(tmp_path.iterdir())) == 3
 
 
 @pytest.mark.parametrize(

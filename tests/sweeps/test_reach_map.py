@@ -1,4 +1,4 @@
-"""Maps of reach: against geometry by hand and `solve_ik`, with scenes, as files, and places for the base."""
+"""Maps of reach: against geometry by hand and `solve_ik`, with scenes, as files."""
 
 from __future__ import annotations
 
@@ -158,21 +158,6 @@ def test_files(around, rover, tmp_path):
             ReachMap.load(tmp_path / "bad.npz")
     with pytest.raises(InputError):
         ReachMap.load(tmp_path / "none.npz")
-
-
-def test_the_best_base_reaches_the_targets(rover):
-    m = reach_map(rover, 0.2)
-    keys = np.array([[2.0, 1.0 + y, 0.2] for y in (0.0, 0.2, 0.4)])
-    share, (g, *_) = m.base_poses(keys, yaws=8, count=3)
-    assert share[0] == 1.0 >= share[2]
-    down = [solve_ik(rover, Approach(g[:3, :3].T @ (key - g[:3, 3]), [0, 0, -1])) for key in keys]
-    assert np.mean([each.converged for each in down]) == 1.0
-    turned = m.base_poses(keys @ [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], yaws=8, count=1)
-    assert turned.share[0] == 1.0
-    assert turned.g.shape == (1, 4, 4)
-    for wrong in ([], [[0, 0, 0], [1e4, 1e4, 0]], [[np.nan, 0, 0]]):
-        with pytest.raises(InputError):
-            m.base_poses(wrong)
 
 
 def test_a_map_too_large_for_the_memory_names_the_size_that_fits(rover):

@@ -126,7 +126,6 @@ BY_CALL: dict[str, dict[str, Any]] = {
     "load_panel": {"path": "panel.toml"},
     "reach_map": {"voxel": 0.5, "directions": "down", "method": "fk", "samples": 10, "folder": "chunks"},
     "ReachMap.slice": {"axis": "z", "at": 0.5},
-    "ReachMap.base_poses": {"targets": [[1.0, 0.0, 0.2]], "yaws": 2},
     "sweep": {"arms": {"a": ARM}, "parameters": None, "measure": lambda arm: {"n": arm.n}, "folder": "designs"},
     "DesignTable.pareto": {"most": ["n"]},
     "DesignTable.column": {"name": "n"},

@@ -2,77 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..description.coupling import Affine
-from ..description.findings import Finding
-from ..description.tree import GRAVITY, Description
-from ..limits.actuators import Actuators
-from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED, JointLimits, slides, unit_of, usual_half
+from ..description.tree import GRAVITY
 from ..support.checks import (
     Array,
-    as_generator,
     as_number,
     as_pose,
-    as_shape,
     as_theta,
     as_twist,
     as_vector,
-    frozen,
     require,
     require_broadcast,
     require_mapping,
     require_one,
 )
-from ..support.display import in_brief, told
-from ..support.errors import InputError, TwistarmError, UnitsWarning, listed, shown, unknown_name, warn
-from ..support.messages import plural
-from ..support.unit_hints import theta_hint
-from ..theory.lower_pairs import lower_pairs
+from ..support.errors import InputError, TwistarmError, listed, shown, unknown_name, warn
 from ..theory.manipulability import Manipulability, manipulability_of
 from ..theory.screws import adjoint, inverse
 from . import engine
-from .almost_exact import almost_exact, rounding_of
-from .configurations import Configurations, theta_by_joint, usual_ready
-from .pinocchio_model import PinocchioModel, why_no_pinocchio
-from .ready_pose.merit import Mechanism
-from .ready_pose.overlaps import overlapping_links
-from .ready_pose.search import round_configuration
-from .roll_axis import roll_axis
+from .arm_data import ArmData
+from .pinocchio_model import why_no_pinocchio
 
 NOTHING: Mapping[str, float] = MappingProxyType({})
 
-RANK_SAMPLES = 16
-"""Random configurations that show the rank of an arm. Almost every one has it."""
 
-
-class Coupling(NamedTuple):
-    """Joint values A @ theta + b: A (m, n) and b (m,), one row per moving joint of the chain."""
-
-    A: Array
-    b: Array
-
-    def __repr__(self) -> str:
-        return told("Coupling", self._asdict())
-
-
-class Proof(NamedTuple):
-    """The check at load: the largest differences between screws and Pinocchio over `samples` configurations."""
-
-    pose_error: float
-    jacobian_error: float
-    samples: int
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Arm:
+class Arm(ArmData):
     """A robot arm with n independent joint coordinates `theta` (..., n) [rad or m], base to tip.
 
     g_st(theta) = Π exp(ξ_i (A θ)_i) · home is the product of exponentials, MLS §3.2.2. `screws` (6, m) has the columns
@@ -86,148 +48,7 @@ class Arm:
     An arm is plain data and picklable. The compiled core computes `fk` and the Jacobians, and NumPy without the core.
     """
 
-    name: str
-    source: str
-    base: str
-    tip: str
-    joint_names: tuple[str, ...]
-    joint_types: tuple[str, ...]
-    screws: Array
-    home: Array
-    coupling: Coupling
-    limits: JointLimits
-    reach: float
-    named_states: Mapping[str, Array] = field(default_factory=dict)
-    findings: tuple[Finding, ...] = ()
-    proof: Proof | None = None
-    description: Description | None = field(default=None, repr=False)
-    couplings: Mapping[str, Affine] = field(default_factory=dict, repr=False)
-    tool: Array = field(default_factory=lambda: np.eye(4), repr=False)
-    tip_link: str = ""
-    actuators: Actuators | None = field(default=None, repr=False)
-    disabled_collisions: frozenset[tuple[str, str]] = field(default=frozenset(), repr=False)
-    moving_names: tuple[str, ...] = field(default=(), repr=False)
-    known_ready: Array | None = field(default=None, repr=False)
-
-    def __post_init__(self) -> None:
-        for name in ("screws", "home", "tool"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
-        A, b = (frozen(part) for part in self.coupling)
-        if A.shape != (len(b), len(self.joint_names)) or b.ndim != 1 or self.screws.shape != (6, len(b)):
-            raise InputError(f"coupling must be A (m, n) and b (m,) for screws (6, m); got {A.shape} and {b.shape}")
-        object.__setattr__(self, "coupling", Coupling(A, b))
-        object.__setattr__(self, "tip_link", self.tip_link or self.tip)
-        object.__setattr__(self, "moving_names", self.moving_names or self._moving_joints())
-        if self.known_ready is not None:
-            object.__setattr__(self, "known_ready", frozen(self.known_ready))
-        states = {name: frozen(theta) for name, theta in self.named_states.items()}
-        object.__setattr__(self, "named_states", MappingProxyType(states))
-        object.__setattr__(self, "couplings", MappingProxyType(dict(self.couplings)))
-
-    def __reduce__(self) -> tuple[type[Arm], tuple[Any, ...]]:
-        values = (getattr(self, each.name) for each in fields(self))
-        # A mapping proxy cannot be pickled.
-        return Arm, tuple(dict(value) if isinstance(value, MappingProxyType) else value for value in values)
-
-    def __repr__(self) -> str:
-        return f"Arm({self.name}: {self._summary}; joints {in_brief(self.joint_names)})"
-
-    @property
-    def _summary(self) -> str:
-        return f"{plural(self.n, 'joint')} from {self.base} to {self.tip}, reach {self.reach:.3g} m"
-
-    # -- what it is ----------------------------------------------------------------------------------------------
-
-    @property
-    def n(self) -> int:
-        """Degrees of freedom: length of theta."""
-        return len(self.joint_names)
-
-    @cached_property
-    def units(self) -> tuple[str, ...]:
-        """`rad` or `m` for each coordinate."""
-        return tuple(unit_of(kind) for kind in self.joint_types)
-
-    @property
-    def body_screws(self) -> Array:
-        """ξ_i seen from the tool at theta = 0: Ad(home⁻¹) screws, (6, m). MLS §3.2.2."""
-        return adjoint(inverse(self.home)) @ self.screws
-
-    @cached_property
-    def tool_axis(self) -> Array:
-        """The unit vector (3,) in tool axes about which the last joint rolls the tool, outward. The default is z.
-
-        An `Approach` points this axis by default. `twistarm.arm.roll_axis` has the exact rule.
-        """
-        return roll_axis(self.body_screws, self.coupling.A, self.reach)
-
-    @property
-    def frame_names(self) -> tuple[str, ...]:
-        """Every link of the description, and the tool. Without a description: base and tool."""
-        links = tuple(self.description.links) if self.description else (self.base,)
-        return links if self.tip in links else (*links, self.tip)
-
-    @property
-    def configurations(self) -> Configurations:
-        """Configurations by name: `ready`, `zero` and `named_states`. Methods take a name as theta."""
-        return Configurations(self.name, self.n, self.named_states, lambda: self.ready)
-
-    @cached_property
-    def ready_name(self) -> str | None:
-        """The named state that `ready` is, None if that is computed.
-
-        It is the first of `ready`, `home`, `default`, `rest`, `stowed`, in capitals or not, that is not singular. The
-        first of them counts even if it is.
-        """
-        for name in usual_ready(self.named_states):
-            samples = self.random_theta(0, RANK_SAMPLES)
-            if name.strip().casefold() == "ready" or self._mechanism.regular(self.named_states[name], samples):
-                return name
-        return None
-
-    @cached_property
-    def ready(self) -> Array:
-        """The configuration to start from, inside the limits, (n,): the one named `ready_name`, else computed."""
-        if self.known_ready is not None:
-            return self.known_ready
-        return self.computed_ready if self.ready_name is None else self.named_states[self.ready_name]
-
-    @cached_property
-    def computed_ready(self) -> Array:
-        """A well-conditioned configuration (n,) in round numbers, off the limits, the tool before and above the base.
-
-        No two links of a description overlap in it.
-        """
-        overlapping = None
-        if self.description is not None and not why_no_pinocchio():
-            places = self.pinocchio, self.description, self.base, self.moving_names[0], self.reach
-            overlapping = overlapping_links(*places, self.disabled_collisions)
-        return frozen(round_configuration(self._mechanism, self.sampling_bounds, overlapping))
-
-    @property
-    def _mechanism(self) -> Mechanism:
-        return Mechanism(self.screws, self.coupling.A, self.home[:3, 3], self.units, self.reach)
-
-    @cached_property
-    def middle(self) -> Array:
-        """The middle of the limits, (n,). A joint without two limits is as near to 0 as its limits allow."""
-        return frozen(self.limits.middle())
-
-    @cached_property
-    def rounding(self) -> tuple[float, float]:
-        """The errors [m], [rad] with which a pose still meets a target: (0, 0) for exact axes.
-
-        CAD exports round axes that are parallel, square or meeting. For such axes the errors are ten times the
-        rounding, at most (5e-5, 1e-4).
-        """
-        return rounding_of(almost_exact(self.screws, self.home, self.moving_names, self.reach), self.reach)
-
-    @cached_property
-    def pinocchio(self) -> PinocchioModel:
-        """Pinocchio's model of the whole description, with data per thread. Without a description: TwistarmError."""
-        if self.description is None:
-            raise TwistarmError(f"{self.name} was {self._whence}: it has no Pinocchio model; load its description")
-        return PinocchioModel(self.description, self.couplings, self.joint_names, self.moving_names)
+    # -- engines -------------------------------------------------------------------------------------------------
 
     @cached_property
     def compiled(self) -> engine.Chain | None:
@@ -466,92 +287,6 @@ class Arm:
         R = self.description.link_poses({})[self.base][:3, :3]
         return np.asarray(R.T @ self.description.gravity)
 
-    # -- configurations ------------------------------------------------------------------------------------------
-
-    def random_theta(self, rng: int | np.random.Generator, size: int | tuple[int, ...] | None = None) -> Array:
-        """Random configurations, uniform in `sampling_bounds`.
-
-        Args:
-            rng: A seed, which gives the same configurations each time, or a NumPy Generator.
-            size: How many: a number or a shape; None for a single configuration.
-
-        Returns:
-            (n,), or an array of shape `size` followed by n.
-
-        Raises:
-            InputError: The seed or the size cannot be used.
-        """
-        lower, upper = self.sampling_bounds
-        return as_generator(rng).uniform(lower, upper, (*as_shape(size, "size"), self.n))
-
-    @property
-    def sampling_bounds(self) -> tuple[Array, Array]:
-        """The limits made finite, lower and upper (n,): a missing one is ±`usual_half`, or that far from the other."""
-        return self.limits.sampling_bounds(self.usual_half)
-
-    @cached_property
-    def usual_half(self) -> Array:
-        """Half the range (n,) assumed for an unbounded coordinate: π rad, 1 m.
-
-        For a thread it is the turn that advances it 1 m, if that is more.
-        """
-        half = np.array([usual_half(kind) for kind in self.joint_types])
-        for pair in lower_pairs(self.screws, self.coupling.A):
-            if pair.kind == "helical":
-                turning = self.coupling.A[pair.rows[0]] != 0.0
-                half[turning] = np.clip(1.0 / abs(pair.pitch), half[turning], AS_GOOD_AS_UNBOUNDED)
-        return frozen(half)
-
-    def theta_from(
-        self,
-        values: ArrayLike | Mapping[str, float] | Sequence[str],
-        numbers: ArrayLike | None = None,
-        *,
-        name: str = "theta",
-    ) -> Array:
-        """Check theta (..., n), or make (n,) from a name in `configurations`, {joint: value}, or joints and values.
-
-        Values by joint must name every joint, in any order.
-
-        Args:
-            values: Numbers (..., n) [rad, m], the name of a configuration, {joint: value}, or joint names.
-            numbers: The values that belong to joint names (n,); None otherwise.
-            name: The argument's name in the text of an error.
-
-        Raises:
-            InputError: The shape does not fit, a number is not finite, or a joint is missing.
-            UnknownNameError: No such configuration or joint.
-
-        Warns:
-            UnitsWarning: The numbers lie outside the limits and look like degrees.
-        """
-        theta = self._theta_of(values, numbers, require(name, str, "name", "an argument's"))
-        hint = theta_hint(theta, self.units, self.limits.lower, self.limits.upper)
-        if hint and numbers is None and not isinstance(values, str | Mapping):
-            warn(f"{name}: {hint}; twistarm takes radians: numpy.radians converts them", UnitsWarning)
-        return theta
-
-    def _asked_at(self, theta: ArrayLike) -> Array:
-        """theta (..., n) that kinematics are asked for. Nobody typed the units of an array of many configurations."""
-        many = isinstance(theta, np.ndarray) and theta.ndim > 1
-        return self._theta_of(theta) if many else self.theta_from(theta)
-
-    def _theta_of(
-        self, values: ArrayLike | Mapping[str, float] | Sequence[str], numbers: ArrayLike | None = None,
-        name: str = "theta",
-    ) -> Array:  # fmt: skip
-        """theta (..., n), checked but for its units."""
-        if isinstance(values, str):
-            return self.configurations[values]
-        if numbers is None and not isinstance(values, Mapping):
-            return as_theta(values, self.n, name, self.joint_names)
-        return theta_by_joint(self.name, self.joint_names, values, numbers)
-
-    def theta_to_dict(self, theta: ArrayLike) -> dict[str, float]:
-        """{joint: value}, base to tip."""
-        x = require_one(self._asked_at(theta), "theta", 1)
-        return {name: float(value) for name, value in zip(self.joint_names, x, strict=True)}
-
     def with_tool(self, g_tip_tool: ArrayLike, name: str) -> Arm:
         """A new arm with a tool frame `name` beyond the present tip.
 
@@ -575,23 +310,6 @@ class Arm:
         )
 
     # -- inside --------------------------------------------------------------------------------------------------
-
-    def _moving_joints(self) -> tuple[str, ...]:
-        if self.description is None:
-            return self.joint_names
-        return tuple(joint.name for joint in self.description.chain(self.base, self.tip_link) if joint.moving)
-
-    @property
-    def _whence(self) -> str:
-        """The origin of an arm without a description."""
-        if self.source == "screws":
-            return "made from screws, not from a description"
-        return f"baked without its description (load {self.source!r} for that)"
-
-    @property
-    def prismatic(self) -> Array:
-        """Marks (n,) the coordinates that are lengths."""
-        return np.array([slides(kind) for kind in self.joint_types])
 
     def _identity(self, theta: Array) -> Array:
         """The base seen from itself, one for each configuration."""

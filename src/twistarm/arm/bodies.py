@@ -121,7 +121,8 @@ class Shapes:
                 shape = self.mesh(geometry.mesh, geometry.size)
             except TwistarmError as error:
                 names = self.unreadable.setdefault(str(error), [])
-                names += [link.name] * (link.name not in names)
+                if link.name not in names:
+                    names.append(link.name)
                 continue
             how = f"hull of a {kind}'s mesh" if isinstance(shape, self._coal.Convex) else f"{kind}'s mesh"
             yield Body(link.name, link.name, shape, geometry.origin, how)

@@ -14,7 +14,8 @@ from ..support.checks import Array, as_floats, as_pose, require_names, require_o
 from ..support.errors import InputError
 from ..theory.lower_pairs import lower_pairs
 from ..theory.screws import to_screw
-from .arm import Arm, Coupling
+from .arm import Arm
+from .arm_data import Coupling
 
 
 def arm_from_screws(

@@ -16,7 +16,8 @@ from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.errors import InputError, listed
 from ..support.units import UNITS, parse
-from .output import note
+from .output import note, warn
+from .tables import outside
 
 LENGTH, ANGLE, NUMBER = "m", "rad", "1"
 
@@ -190,6 +191,13 @@ class JointValues:
         which, as_before = rest or ("the pose ready", arm.ready)
         note(f"{', '.join(others)} as in {which}")
         return np.where([joint in names for joint in arm.joint_names], theta, as_before)
+
+    def anywhere(self, arm: Arm) -> Array:
+        """As `of`, for what also works outside the position limits: a warning names each joint that is there."""
+        theta = self.of(arm)
+        for words in outside(arm, theta, self.radians):
+            warn(words)
+        return theta
 
     def joints(self, arm: Arm) -> dict[str, float]:
         """The values of `joint=value` pairs alone, {joint: value} [rad, m]."""

@@ -80,7 +80,7 @@ def plain(value: Any) -> Any:
             what, remedy = (without_places(words(each, radians=True), here) for each in (value.what, value.remedy))
             of_place = {"file": without_places(place.file, here)} | entries(place, "line element name")
             found = entries(value, "code severity") | of_place | {"what": what, "remedy": remedy}
-            return plain(found | entries(value, "repaired"))
+            return plain(found)
         case Arm():
             return value.name
         case tuple() if hasattr(value, "_asdict"):

@@ -68,7 +68,6 @@ class Table:
     title: str
     columns: Sequence[Column]
     key: str | None = None
-    caption: str = ""
     rows: Sequence[int] | None = None
 
     def entries(self) -> dict[str, Any]:
@@ -108,23 +107,18 @@ class Table:
         if self.title:
             out.print(f"[bold]{escape(printable(self.title))}[/bold]")
         out.print(made)
-        if self.caption:
-            out.print(escape(self.caption))
 
     def _shown(self, radians: bool) -> Iterator[tuple[str, list[str], bool]]:
         """Heads, cells, and whether they are text. The rows' units stand before the first column that has them."""
-        units_shown = False
+        units_shown, rows = False, range(len(self.columns[0].values)) if self.rows is None else self.rows
         for column in filter(lambda each: each.people, self.columns):
             cells = column.cells(radians)
             if not isinstance(column.unit, str) and not units_shown:
                 units_shown = True
                 units = [unit_text(unit, radians) for unit in column.unit]
-                yield "unit", [units[i] for i in self._rows(units)], True
+                yield "unit", [units[i] for i in rows], True
             is_text = all(isinstance(value, (str, tuple)) for value in column.values)
-            yield column.head(radians), [cells[i] for i in self._rows(cells)], is_text
-
-    def _rows(self, cells: Sequence[str]) -> Sequence[int]:
-        return range(len(cells)) if self.rows is None else self.rows
+            yield column.head(radians), [cells[i] for i in rows], is_text
 
 
 def _width(head: str, cells: Sequence[str]) -> int:
@@ -155,30 +149,19 @@ def quantity_text(value: Any, unit: str, radians: bool, digits: int = 4) -> str:
     return ", ".join(value) if isinstance(value, (tuple, list)) else str(value)
 
 
-def shown(arm: Arm, values: Array, radians: bool, digits: int = 4) -> list[str]:
-    """Joint values for people: degrees (or rad) and metres."""
-    return [quantity_text(float(x), unit, radians, digits) for x, unit in zip(values, arm.units, strict=True)]
-
-
-def units(arm: Arm, radians: bool) -> list[str]:
-    """The units that `shown` uses."""
-    return [unit_text(unit, radians) for unit in arm.units]
-
-
-def outside(arm: Arm, theta: Array, radians: bool) -> list[str]:
+def outside(arm: Arm, theta: Array, radians: bool) -> Iterator[str]:
     """A sentence for each joint of theta (n,) outside its position limits."""
-    low, high = arm.limits.lower, arm.limits.upper
-    rows = zip(arm.joint_names, units(arm, radians), *(shown(arm, x, radians) for x in (theta, low, high)), strict=True)
-    return [
-        f"{name} = {value} {unit} lies outside its limits {lower} … {upper} {unit}"
-        for (name, unit, value, lower, upper), out in zip(rows, (theta < low) | (theta > high), strict=True)
-        if out
-    ]
+    ends = zip(theta.tolist(), arm.limits.lower.tolist(), arm.limits.upper.tolist(), strict=True)
+    for name, unit, (x, low, high) in zip(arm.joint_names, arm.units, ends, strict=True):
+        if not low <= x <= high:
+            value, lower, upper = (quantity_text(each, unit, radians) for each in (x, low, high))
+            its = unit_text(unit, radians)
+            yield f"{name} = {value} {its} lies outside its limits {lower} … {upper} {its}"
 
 
 def joint_heads(arm: Arm, radians: bool = True) -> list[str]:
     """The heads of columns of joints, with their units."""
-    return [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, units(arm, radians), strict=True)]
+    return [f"{name} [{unit_text(unit, radians)}]" for name, unit in zip(arm.joint_names, arm.units, strict=True)]
 
 
 def theta_typed(arm: Arm, theta: Array, radians: bool) -> str:
@@ -193,20 +176,23 @@ def theta_values(arm: Arm, theta: Array, radians: bool, digits: int = 6) -> str:
     return " ".join(number(x * factor, digits) for x, factor in zip(theta, factors, strict=True))
 
 
-def matrix_table(title: str, matrix: Array, rows: Sequence[str], columns: Sequence[str], caption: str = "") -> Table:
+def matrix_table(title: str, matrix: Array, rows: Sequence[str], columns: Sequence[str]) -> Table:
     """A matrix with its rows and columns named. The first of `columns` is the head of the names of the rows."""
     values = [[f"{x:.6f}" for x in column] for column in (np.round(matrix, 6) + 0.0).T]
     parts = [Column(name, column, text=text) for name, column, text in zip(columns[1:], matrix.T, values, strict=True)]
-    return Table(title, [Column(columns[0], list(rows)), *parts], caption=caption)
+    return Table(title, [Column(columns[0], list(rows)), *parts])
 
 
-def pose_table(title: str, g: Array, radians: bool) -> Table:
-    """A pose as matrix, position, rpy and quaternion."""
+def pose_parts(title: str, g: Array, radians: bool) -> tuple[Table | str, ...]:
+    """A pose as matrix and position in a table, and the sentences of its quaternion and its angles."""
     angles = to_rpy(g[:3, :3])
     rpy = " ".join([*(number(x, 6) for x in angles), "rad"] if radians else [*map(number, np.degrees(angles)), "°"])
     quaternion = " ".join(number(x, 6) for x in to_quaternion_wxyz(g[:3, :3]))
-    caption = f"quaternion (w x y z) {quaternion}\nroll pitch yaw {rpy}: turns about the base's x, then y, then z axis"
-    return matrix_table(title, g[:3], "xyz", ["g", "x", "y", "z", "p [m]"], caption)
+    return (
+        matrix_table(title, g[:3], "xyz", ["g", "x", "y", "z", "p [m]"]),
+        f"quaternion (w x y z) {quaternion}",
+        f"roll pitch yaw {rpy}: turns about the base's x, then y, then z axis",
+    )
 
 
 def pose_entries(g: Array) -> dict[str, Any]:

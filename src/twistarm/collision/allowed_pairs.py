@@ -44,23 +44,22 @@ def allowed_pairs(
     configurations. "Never": they collide in none of `samples` random configurations of the whole robot.
     """
     links = list(dict.fromkeys(body.name for body in bodies))
-    every = [sorted_pair(a, b) for a, b in combinations(links, 2)]
     reasons = dict.fromkeys(sorted(adjacent_pairs(description, bodies)), "Adjacent")
+    left = {sorted_pair(a, b) for a, b in combinations(links, 2)} - set(reasons)
     draw = _Sampler(arm, model, description)
-
-    def left() -> list[Pair]:
-        return [pair for pair in every if pair not in reasons]
-
-    rest = [draw.zero, model.q(arm.ready)]
-    reasons |= dict.fromkeys(sorted(collision_counts(model, bodies, left(), rest)), "Default")
-    counts = collision_counts(model, bodies, left(), draw(TRIALS))
-    reasons |= {pair: "Always" for pair, count in sorted(counts.items()) if count >= ALWAYS * TRIALS}
-    unseen = set(left()) - set(counts)
+    for reason, least, Q in (
+        ("Default", 1.0, [draw.zero, model.q(arm.ready)]),
+        ("Always", ALWAYS * TRIALS, draw(TRIALS)),
+    ):
+        counts = collision_counts(model, bodies, left, Q)
+        reasons |= {pair: reason for pair, count in sorted(counts.items()) if count >= least}
+        left -= set(reasons)
+    left -= set(counts)
     for done in range(0, samples, TRIALS):
         if progress is not None:
             progress(done / samples)
-        unseen -= set(collision_counts(model, bodies, unseen, draw(min(TRIALS, samples - done)), once=True))
-    return reasons | dict.fromkeys(sorted(unseen), "Never")
+        left -= set(collision_counts(model, bodies, left, draw(min(TRIALS, samples - done)), once=True))
+    return reasons | dict.fromkeys(sorted(left), "Never")
 
 
 class _Sampler:
@@ -93,27 +92,18 @@ def collision_counts(
     model: PinocchioModel, bodies: Sequence[Body], pairs: Iterable[Pair], Q: Iterable[Array], once: bool = False
 ) -> Mapping[Pair, int]:
     """In how many of the configurations q (nq,) each pair collides; with `once`, a pair is dropped when it has."""
-    wanted, counts = set(pairs), dict[Pair, int]()
-    checker = _checker(model, bodies, wanted)
+    wanted, counts, checker = set(pairs), dict[Pair, int](), None
     for q in Q:
-        if not checker.collides(q):
-            continue
-        hit = {_names(checker, k) for k in checker.overlapping(q)}
-        for pair in hit:
-            counts[pair] = counts.get(pair, 0) + 1
-        if once:
-            wanted -= hit
-            checker = _checker(model, bodies, wanted)
+        if checker is None:
+            named = [(i, j) for i, j in combinations(range(len(bodies)), 2) if _pair(bodies, i, j) in wanted]
+            checker = Checker(model, bodies, named, [0.0] * len(named))
+        if checker.collides(q):
+            hit = {_pair(bodies, *checker.pairs[k]) for k in checker.overlapping(q)}
+            counts |= {pair: counts.get(pair, 0) + 1 for pair in hit}
+            if once:
+                wanted, checker = wanted - hit, None
     return counts
 
 
-def _checker(model: PinocchioModel, bodies: Sequence[Body], wanted: set[Pair]) -> Checker:
-    indices = [
-        (i, j) for i, j in combinations(range(len(bodies)), 2) if sorted_pair(bodies[i].name, bodies[j].name) in wanted
-    ]
-    return Checker(model, bodies, indices, [0.0] * len(indices))
-
-
-def _names(checker: Checker, k: int) -> Pair:
-    i, j = checker.pairs[k]
-    return sorted_pair(checker.bodies[i].name, checker.bodies[j].name)
+def _pair(bodies: Sequence[Body], i: int, j: int) -> Pair:
+    return sorted_pair(bodies[i].name, bodies[j].name)

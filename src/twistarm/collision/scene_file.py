@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
@@ -167,43 +167,38 @@ def _pose(table: Mapping[str, Any], angle: float) -> Array:
 
 def scene_text(content: SceneFile, folder: Path) -> str:
     """The content as a scene.toml that will be in `folder`, lengths and angles with nine decimals."""
-    margin = content.margin
-    lines = [f"arm = {toml_text(content.arm)}"] if content.arm else []
-    if isinstance(margin, Mapping):
-        lines.append(f"margin = {{ {', '.join(f'{toml_key(name)} = {m!r}' for name, m in margin.items())} }}")
-    elif margin:
-        lines.append(f"margin = {margin!r}")
-    lines.append("degrees = true")
-    if content.matrix:
-        lines.append("allow_only = true")
-    if content.allowed:
-        lines += ["allow = [", *(f"    {_listed(pair)}," for pair in content.allowed), "]"]
+    head = {
+        "arm": content.arm, "margin": content.margin, "degrees": True, "allow_only": content.matrix,
+        "allow": content.allowed,
+    }  # fmt: skip
+    lines = [f"{name} = {_toml_value(value)}" for name, value in head.items() if value]
     for entry in content.entries:
-        lines += ["", f"[[{entry.kind}]]", f"name = {toml_text(entry.name)}"]
-        if entry.mesh is not None:
-            if isinstance(entry.mesh, Triangles):
-                lines.append(f"vertices = [{', '.join(map(_rounded, entry.mesh.points))}]")
-                lines.append(f"triangles = {entry.mesh.faces.tolist()}")
-            else:
-                lines.append(f"file = {toml_text(Path(os.path.relpath(entry.mesh, folder)).as_posix())}")
-            lines.append(f"scale = {_rounded(entry.size)}")
-        elif entry.kind == "box":
-            lines.append(f"size = {_rounded(entry.size)}")
+        own: dict[str, Any] = {"name": entry.name}
+        if isinstance(entry.mesh, Triangles):
+            own |= {"vertices": entry.mesh.points, "triangles": entry.mesh.faces}
+        elif entry.mesh is not None:
+            own["file"] = Path(os.path.relpath(entry.mesh, folder)).as_posix()
+        if entry.kind in ("mesh", "box"):
+            own["scale" if entry.kind == "mesh" else "size"] = entry.size
         else:
-            own = SIZES.get(entry.kind, ())
-            lines += [f"{name} = {number!r}" for name, number in zip(own, entry.size, strict=True)]
-        lines += [f"xyz = {_rounded(entry.pose[:3, 3])}", f"rpy = {_rounded(np.degrees(to_rpy(entry.pose[:3, :3])))}"]
+            own |= zip(SIZES[entry.kind], entry.size, strict=True)
+        own |= {"xyz": entry.pose[:3, 3], "rpy": np.degrees(to_rpy(entry.pose[:3, :3]))}
         if entry.on:
-            lines += [f"on = {toml_text(entry.on)}", f"touching = {_listed(entry.touching)}"]
+            own |= {"on": entry.on, "touching": entry.touching}
+        lines += ["", f"[[{entry.kind}]]", *(f"{name} = {_toml_value(value)}" for name, value in own.items())]
     return "\n".join([*lines, ""])
 
 
-def _rounded(numbers: Iterable[float]) -> str:
-    return f"[{', '.join(repr(round(float(number), 9) + 0.0) for number in numbers)}]"
-
-
-def _listed(names: Iterable[str]) -> str:
-    return f"[{', '.join(map(toml_text, names))}]"
+def _toml_value(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{toml_key(name)} = {_toml_value(each)}' for name, each in value.items())} }}"
+    if isinstance(value, (tuple, np.ndarray)):
+        return f"[{', '.join(map(_toml_value, value))}]"
+    if isinstance(value, str):
+        return toml_text(value)
+    if isinstance(value, (bool, np.integer)):
+        return str(value).lower()
+    return repr(round(float(value), 9) + 0.0)
 
 
 # -- MoveIt ------------------------------------------------------------------------------------------------------

@@ -214,12 +214,7 @@ class NearPairs(Checker):
         return self._measured(self._placed(theta), pairs)
 
     def distances_of(self, theta: Array, pairs: Indices) -> list[float]:
-        """The distances [m] of these pairs (k,) at theta (n,), without their directions.
-
-        Args:
-            theta: The configuration (n,).
-            pairs: Which pairs.
-        """
+        """The distances [m] of these pairs (k,) at theta (n,), without their directions."""
         geometry, pin = self._own()[1], self._pin
         pin.updateGeometryPlacements(
             self._model.model, self._model.data, self._geometry, geometry, self._model.q(theta)

@@ -8,7 +8,6 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from ..support.checks import Array
-from ..support.errors import InputError
 from ..support.fields import number_in
 from .document import Reading, floats
 from .tree import Joint
@@ -37,17 +36,15 @@ def read_axis(element: ET.Element, kind: str, reading: Reading) -> tuple[Array, 
     axis = element.find("axis")
     if axis is None or kind in ("fixed", "floating"):
         return default, 1.0
-    try:
+    with reading.numbers_of(element, "its <axis> is malformed: "):
         vector = np.array(floats(axis.get("xyz", "1 0 0"), 3))
-    except ValueError as error:
-        raise reading.error(element, "number-malformed", f"its <axis> is malformed: {error}") from error
     norm = float(np.linalg.norm(vector))
     if norm < 1e-9:
         remedy = "give the axis it moves along or about"
         raise reading.error(element, "number-malformed", "a moving joint with a zero axis", remedy)
     if abs(norm - 1.0) > AXIS_TOL:
         what = f"its axis {axis.get('xyz')} has length {norm:.4g}; only the direction counts"
-        reading.note("axis-not-unit", element, what, "write a unit vector", repaired=True)
+        reading.note("axis-not-unit", element, what, "write a unit vector")
     unit = vector / norm
     nearest = np.round(unit)
     return (nearest if np.abs(unit - nearest).max() <= SNAP else unit), norm
@@ -71,7 +68,7 @@ def read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], read
         what = "no <limit>" if element.find("limit") is None else f"a <limit> without {' and '.join(missing)}"
         what += "; taken as unbounded both ways" if both else "; URDF reads it as 0"
         remedy = f"write lower and upper in the URDF, or limits.{element.get('name')} in arm.toml"
-        reading.note("limit-incomplete", element, what, remedy, repaired=True)
+        reading.note("limit-incomplete", element, what, remedy)
     lower, upper = given.get("lower", -np.inf if both else 0.0), given.get("upper", np.inf if both else 0.0)
     if lower >= WIDE or upper <= -WIDE:
         what = f"its limits lower {lower:g}, upper {upper:g} leave no place to stand"
@@ -124,7 +121,5 @@ def _numbers(joint: ET.Element, tag: str, names: Iterable[str], reading: Reading
     """The numbers of an element by name, infinite ones too."""
     element = joint.find(tag)
     given = {} if element is None else element.attrib
-    try:
+    with reading.numbers_of(joint, "", "write it in digits, with a point"):
         return {name: number_in(given[name], f"its limit {name}", -np.inf, np.inf) for name in names if name in given}
-    except InputError as error:
-        raise reading.error(joint, "number-malformed", str(error), "write it in digits, with a point") from error

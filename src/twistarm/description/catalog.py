@@ -9,24 +9,26 @@ from ..support.errors import missing_extra
 
 
 class ModelsEntry(NamedTuple):
-    """An arm of the example-robot-data wheel: its file, base and tip."""
+    """An arm of the example-robot-data wheel: its file, base and tip, and the folder of its packages."""
 
-    file: str
+    file: Path
     base: str
     tip: str
+    share: Path
 
 
 _MODELS = {
-    "panda": ModelsEntry("panda_description/urdf/panda.urdf", "panda_link0", "panda_hand_tcp"),
-    "ur3": ModelsEntry("ur_description/urdf/ur3_robot.urdf", "base_link", "tool0"),
-    "ur5": ModelsEntry("ur_description/urdf/ur5_robot.urdf", "base_link", "tool0"),
-    "ur10": ModelsEntry("ur_description/urdf/ur10_robot.urdf", "base_link", "tool0"),
-    "kinova": ModelsEntry("kinova_description/robots/kinova.urdf", "j2s6s200_link_base", "j2s6s200_end_effector"),
-    "xarm7": ModelsEntry("xarm_description/urdf/xarm7.urdf", "link_base", "link_eef"),
-    "z1": ModelsEntry("z1_description/urdf/z1.urdf", "link00", "gripperStator"),
-    "so100": ModelsEntry("so_arm_description/urdf/so100.urdf", "base", "gripper"),
-    "so101": ModelsEntry("so_arm_description/urdf/so101.urdf", "base_link", "gripper_frame_link"),
+    "panda": ("panda_description/urdf/panda.urdf", "panda_link0", "panda_hand_tcp"),
+    "ur3": ("ur_description/urdf/ur3_robot.urdf", "base_link", "tool0"),
+    "ur5": ("ur_description/urdf/ur5_robot.urdf", "base_link", "tool0"),
+    "ur10": ("ur_description/urdf/ur10_robot.urdf", "base_link", "tool0"),
+    "kinova": ("kinova_description/robots/kinova.urdf", "j2s6s200_link_base", "j2s6s200_end_effector"),
+    "xarm7": ("xarm_description/urdf/xarm7.urdf", "link_base", "link_eef"),
+    "z1": ("z1_description/urdf/z1.urdf", "link00", "gripperStator"),
+    "so100": ("so_arm_description/urdf/so100.urdf", "base", "gripper"),
+    "so101": ("so_arm_description/urdf/so101.urdf", "base_link", "gripper_frame_link"),
 }
+"""File, base and tip of each arm."""
 
 
 def robots_dir() -> Path:
@@ -64,12 +66,12 @@ def models_share() -> Path | None:
     return share if share.is_dir() else None
 
 
-def model_entry(name: str) -> tuple[Path, ModelsEntry] | None:
-    """File and entry of an arm of the wheel, or None for another name. MissingExtraError without the wheel."""
-    entry = _MODELS.get(name)
-    if entry is None:
+def model_entry(name: str) -> ModelsEntry | None:
+    """The entry of an arm of the wheel, or None for another name. MissingExtraError without the wheel."""
+    if name not in _MODELS:
         return None
     share = models_share()
     if share is None:
         raise missing_extra(f"the catalogue arm {name!r}", "example-robot-data", "models")
-    return share / "example-robot-data" / "robots" / entry.file, entry
+    file, base, tip = _MODELS[name]
+    return ModelsEntry(share / "example-robot-data" / "robots" / file, base, tip, share)

@@ -60,7 +60,7 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
     A, b = coupling_matrix(couplings, moving, coordinates)
     screws, home, points = _walk(joints, dict(zip(moving, b, strict=True)))
     masters = [description.joints[name] for name in coordinates]
-    threads = {moving[pair.rows[0]] for pair in lower_pairs(screws, A) if pair.kind == "helical"}
+    helical = {moving[pair.rows[0]] for pair in lower_pairs(screws, A) if pair.kind == "helical"}
     limits = JointLimits(**{field: np.array([getattr(joint, field) for joint in masters]) for field in FIELDS})
     findings: list[Finding] = []
     followers = [name for name in moving if couplings[name].master not in (None, name)]
@@ -69,7 +69,7 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
         findings += narrowing
     return Chain(
         coordinates=coordinates,
-        types=tuple("helical" if joint.name in threads else joint.type for joint in masters),
+        types=tuple("helical" if joint.name in helical else joint.type for joint in masters),
         moving=moving,
         screws=screws,
         home=home @ tool,
@@ -116,7 +116,6 @@ def _narrowed(
         f"it follows {affine.master} beyond its own limits [{follower.lower:g}, {follower.upper:g}]; "
         + (f"{affine.master} is kept in [{lower:.4g}, {upper:.4g}]" if usable else "its limits are not kept"),
         "make both joints' limits fit the mimic's multiplier and offset",
-        repaired=usable,
     )
     if not usable:
         return limits, [noted]
@@ -125,20 +124,12 @@ def _narrowed(
 
 
 def _locked_outside(description: Description, locked_joints: Mapping[str, float]) -> list[Finding]:
-    return [
-        finding(
-            "outside-limits",
-            description.place(joint),
-            Text(
-                "it is locked at {value}, outside its limits {lower} … {upper}",
-                value=Quantity(value, unit),
-                lower=Quantity(joint.lower, unit),
-                upper=Quantity(joint.upper, unit),
-            ),
-            "lock it inside its limits",
-        )
-        for name, value in locked_joints.items()
-        for joint in [description.joints[name]]
-        for unit in [unit_of(joint.type)]
-        if not joint.lower <= value <= joint.upper
-    ]
+    found = []
+    for name, value in locked_joints.items():
+        joint = description.joints[name]
+        if not joint.lower <= value <= joint.upper:
+            bounds = {"value": value, "lower": joint.lower, "upper": joint.upper}
+            numbers = {key: Quantity(number, unit_of(joint.type)) for key, number in bounds.items()}
+            what = Text("it is locked at {value}, outside its limits {lower} … {upper}", **numbers)
+            found.append(finding("outside-limits", description.place(joint), what, "lock it inside its limits"))
+    return found

@@ -6,7 +6,7 @@ import codecs
 import errno
 import os
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
@@ -68,14 +68,22 @@ class Reading:
         """The file itself, by its full path."""
         return Place(str(self.path))
 
-    def note(self, code: str, at: Place | ET.Element | None, what: str, remedy: str, *, repaired: bool = False) -> None:
+    def note(self, code: str, at: Place | ET.Element | None, what: str, remedy: str) -> None:
         """Add a finding about an element, another place, or the file as a whole."""
         place = at if isinstance(at, Place) else self.place(at)
-        self.findings.append(finding(code, place, what, remedy, repaired=repaired))
+        self.findings.append(finding(code, place, what, remedy))
 
     def error(self, element: ET.Element, code: str, what: str, remedy: str = "") -> DescriptionError:
         """The error for an element that cannot be repaired."""
         return refusal(code, self.place(element), what, remedy)
+
+    @contextmanager
+    def numbers_of(self, element: ET.Element, before: str, remedy: str = "") -> Generator[None]:
+        """Errors about numbers as those of an element, with words before them."""
+        try:
+            yield
+        except ValueError as error:
+            raise self.error(element, "number-malformed", f"{before}{error}", remedy) from error
 
     def require_usable(self) -> None:
         """Raise DescriptionError if anything noted so far is an error."""

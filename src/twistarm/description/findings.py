@@ -125,7 +125,7 @@ class Finding:
     """One observation about a description.
 
     `code` is stable and machine-readable (see `CODES`). `place` names the file, its line and the element. `what` gives
-    the fact and its meaning, `remedy` the advice to the owner. `repaired` tells that twistarm works on a repaired copy.
+    the fact and its meaning, `remedy` the advice to the owner.
     """
 
     code: str
@@ -133,7 +133,6 @@ class Finding:
     place: Place
     what: str
     remedy: str
-    repaired: bool = False
 
     def __str__(self) -> str:
         return str(self.text)
@@ -145,9 +144,9 @@ class Finding:
         return Text("{severity}: {place}: {what} ({remedy})", **parts)
 
 
-def finding(code: str, place: Place, what: str, remedy: str, *, repaired: bool = False) -> Finding:
+def finding(code: str, place: Place, what: str, remedy: str) -> Finding:
     """A finding with the severity that belongs to its code."""
-    return Finding(code, CODES[code].severity, place, one_line(what, LONGEST_WHAT), remedy, repaired)
+    return Finding(code, CODES[code].severity, place, one_line(what, LONGEST_WHAT), remedy)
 
 
 def refusal(code: str, place: Place, what: str, remedy: str = "") -> DescriptionError:

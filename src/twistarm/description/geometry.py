@@ -52,7 +52,7 @@ class Materials:
             self._reading.note("bad-geometry", None, f"{what}; the first colour of a name counts", remedy)
         for rgba in self._odd:
             what = f"the colour rgba={rgba[:60]!r} is not four numbers from 0 to 1; the nearest colour is drawn, if any"
-            self._reading.note("bad-geometry", None, what, 'write rgba="RED GREEN BLUE ALPHA"', repaired=True)
+            self._reading.note("bad-geometry", None, what, 'write rgba="RED GREEN BLUE ALPHA"')
 
     def _own(self, material: ET.Element) -> Colour | None:
         """The colour that the element gives. Three numbers are opaque, and others become the nearest from 0 to 1."""
@@ -107,7 +107,7 @@ class Geometries:
             origin, size, colour = read_origin(element), _size(shape), self._materials.colour(material)
         except ValueError:
             what = f"its <{element.tag}> <{shape.tag}> has no usable size or place; it is not drawn"
-            self._reading.note("bad-geometry", link, what, "give every size and origin as numbers", repaired=True)
+            self._reading.note("bad-geometry", link, what, "give every size and origin as numbers")
             return None
         if shape.tag == "mesh":
             uri = shape.get("filename", "")
@@ -120,7 +120,7 @@ class Geometries:
         if min(size) < 0.0 or not seen:
             drawn = "the size without its sign is drawn" if seen else "nothing of it is to be seen"
             what = f"its <{shape.tag}> has the size {' '.join(f'{x:g}' for x in size)}; {drawn}"
-            self._reading.note("bad-geometry", link, what, "give sizes above 0", repaired=True)
+            self._reading.note("bad-geometry", link, what, "give sizes above 0")
         return Geometry(shape.tag, origin, tuple(map(abs, size)), None, colour) if seen else None  # type: ignore[arg-type]
 
 

@@ -62,17 +62,11 @@ def drop_unusable_inertials(robot: ET.Element, reading: Reading) -> None:
     for link in robot.findall("link"):
         first = link.find("inertial")
         link[:] = [child for child in link if child.tag != "inertial" or child is first]
-        if first is None:
-            continue
-        if problem := inertial_problem(first):
+        if first is not None and (problem := inertial_problem(first)):
             link.remove(first)
             what = f"its <inertial> {problem}; the link counts as massless"
             remedy = "write mass in kg and the six inertias in kg m² as plain numbers"
-            reading.note("inertial-unusable", link, what, remedy, repaired=True)
-        # Pinocchio takes a number with space around it for zero, and all six if one is missing.
-        for element in (*first.findall("mass"), *first.findall("inertia")):
-            for name in ("value",) if element.tag == "mass" else INERTIA:
-                element.set(name, element.get(name, "0").strip())
+            reading.note("inertial-unusable", link, what, remedy)
 
 
 def inertial_problem(inertial: ET.Element) -> str:

@@ -12,10 +12,10 @@ from typing import get_args
 
 import numpy as np
 
-from ..support.checks import Array, frozen
+from ..support.checks import frozen
 from ..support.errors import DescriptionError, closest, listed
 from ..support.messages import Text, package_folder
-from .bounds import LIMIT_NAMES, WIDE, limit_numbers, note_softened, rate, read_axis, read_bounds, softened
+from .bounds import WIDE, limit_numbers, note_softened, rate, read_axis, read_bounds, softened
 from .catalog import models_share
 from .document import Reading, existing_file, floats, parse_xml, read_text
 from .expansion.expand import expand_xacro, is_xacro
@@ -103,7 +103,7 @@ def build_description(text: str, reading: Reading) -> Description:
     if not robot.get("name"):  # which Pinocchio refuses
         robot.set("name", reading.path.stem)
         what = f"the <robot> has no name; called {reading.path.stem!r} after the file"
-        reading.note("word-unread", None, what, 'write <robot name="…">', repaired=True)
+        reading.note("word-unread", None, what, 'write <robot name="…">')
     check_structure(robot, reading)
     note_unread_words(robot, reading)
     parts = split_planar_joints(robot, reading)
@@ -122,7 +122,6 @@ def build_description(text: str, reading: Reading) -> Description:
     note_softened(joints.values(), reading)
     _note_missing_rates(joints.values(), rates, reading)
     drop_unusable_inertials(robot, reading)
-    _strip_to_kinematics(robot)
     return Description(
         name=robot.get("name", ""),
         path=reading.path,
@@ -130,7 +129,7 @@ def build_description(text: str, reading: Reading) -> Description:
         links={link.name: link for link in links},
         joints=joints,
         text=text,
-        repaired=ET.tostring(robot, encoding="unicode"),
+        repaired=_for_pinocchio(robot, joints),
         findings=tuple(reading.findings),
     )
 
@@ -158,19 +157,15 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
     if kind not in _JOINT_TYPES:
         remedy = f"URDF has {', '.join(_JOINT_TYPES)}{closest(kind, _JOINT_TYPES)}"
         raise reading.error(element, "joint-type-unknown", f"joint type {kind!r} is unknown", remedy)
-    try:
+    remedy = "give xyz and rpy as three numbers each, or in the place of rpy quat_xyzw as four"
+    with reading.numbers_of(element, "its <origin> is malformed: ", remedy):
         origin = read_origin(element)
-    except ValueError as error:
-        what = f"its <origin> is malformed: {error}"
-        remedy = "give xyz and rpy as three numbers each, or in the place of rpy quat_xyzw as four"
-        raise reading.error(element, "number-malformed", what, remedy) from error
     _note_degrees(element, reading)
     axis, axis_length = read_axis(element, kind, reading)
     numbers = limit_numbers(element, reading)
     written = read_bounds(element, kind, numbers, reading)
     lower, upper = softened(element, kind, written, reading)
     rates[element.get("name", "")] = numbers
-    _make_loadable(element, axis, written)
     return Joint(
         name=element.get("name", ""),
         type=kind,
@@ -206,12 +201,8 @@ def _read_mimic(element: ET.Element, reading: Reading) -> Mimic | None:
     mimic = element.find("mimic")
     if mimic is None or element.get("type") == "fixed":
         return None
-    try:
-        (multiplier,) = floats(mimic.get("multiplier", "1"), 1)
-        (offset,) = floats(mimic.get("offset", "0"), 1)
-    except ValueError as error:
-        what, remedy = f"its <mimic> is malformed: {error}", "give multiplier and offset as one number each"
-        raise reading.error(element, "number-malformed", what, remedy) from error
+    with reading.numbers_of(element, "its <mimic> is malformed: ", "give multiplier and offset as one number each"):
+        (multiplier,), (offset,) = floats(mimic.get("multiplier", "1"), 1), floats(mimic.get("offset", "0"), 1)
     return Mimic(mimic.get("joint", ""), multiplier, offset)
 
 
@@ -224,64 +215,44 @@ def _note_missing_rates(joints: Iterable[Joint], given: Rates, reading: Reading)
             worst = min(absent.values())
             what = f"{kind} limit {f'{worst:g}' if worst else 'absent or 0'} on {', '.join(absent)}: taken as not given"
             remedy = f"give {kind} in arm.toml, or in a URDF" + (", before planning" if kind == "velocity" else "")
-            reading.note("rate-not-given", None, what, remedy, repaired=True)
+            reading.note("rate-not-given", None, what, remedy)
 
 
-def _make_loadable(element: ET.Element, axis: Array, bounds: tuple[float, float]) -> None:
-    """Rewrite one joint so that Pinocchio reads it with the same meaning.
+def _for_pinocchio(robot: ET.Element, joints: Mapping[str, Joint]) -> str:
+    """The kinematics and the inertias alone, as Pinocchio reads them with the same meaning.
 
+    Origins and inertias are copied as they are written, with plain space between numbers and 0 for missing inertias.
     A continuous joint becomes revolute with very wide limits, so that q is one number per joint. Floating joints
     outside the chain become fixed. Limits are complete and finite, axes are unit vectors.
     """
-    kind = element.get("type")
-    if kind == "floating":
-        element.set("type", "fixed")
-    if element.get("type") == "fixed":
-        return
-    element.set("type", "prismatic" if kind == "prismatic" else "revolute")
-    _only(element, "axis").set("xyz", " ".join(repr(float(x)) for x in axis))
-    limit = _only(element, "limit")
-    limit.attrib.clear()
-    lower, upper = np.clip(bounds, -WIDE, WIDE)
-    for name, value in {"lower": lower, "upper": upper, "velocity": WIDE, "effort": WIDE}.items():
-        limit.set(name, repr(float(value)))
+    made = ET.Element("robot", {name: robot.get(name, "") for name in ("name", "version") if name in robot.attrib})
 
+    def copy_of(part: ET.Element | None, tag: str, into: ET.Element, **absent: str) -> None:
+        element = None if part is None else part.find(tag)
+        if element is not None:
+            given = {name: " ".join(element.attrib[name].split()) for name in _COPIED[tag] if name in element.attrib}
+            ET.SubElement(into, tag, absent | given)
 
-def _only(element: ET.Element, tag: str) -> ET.Element:
-    """The first child of that tag, created if absent. Further ones are removed."""
-    found = element.findall(tag)
-    if len(found) > 1:
-        element[:] = [child for child in element if child.tag != tag or child is found[0]]
-    return found[0] if found else ET.SubElement(element, tag)
-
-
-_KEPT = {
-    "robot": ("name", "version"),
-    "link": ("name",),
-    "joint": ("name", "type"),
-    "parent": ("link",),
-    "child": ("link",),
-    "origin": ("xyz", "rpy", "quat_xyzw"),
-    "axis": ("xyz",),
-    "limit": LIMIT_NAMES,
-    "inertial": (),
-    "mass": ("value",),
-    "inertia": INERTIA,
-}
-"""Elements and attributes that Pinocchio reads. Others would slow its search."""
-
-
-def _strip_to_kinematics(robot: ET.Element) -> None:
-    """Keep only joints, and links with inertia, which Pinocchio needs. Shapes are in the tree."""
-    robot[:] = [element for element in robot if element.tag in ("link", "joint")]
     for link in robot.findall("link"):
-        link[:] = link.findall("inertial")
-    for element in robot.iter():
-        kept = _KEPT[element.tag]
-        if len(element.attrib) > len(kept) or not element.attrib.keys() <= set(kept):
-            for name in element.attrib.keys() - kept:
-                del element.attrib[name]
-        element[:] = [child for child in element if child.tag in _KEPT]
-    for origin in robot.iter("origin"):
-        for name, value in origin.attrib.items():
-            origin.set(name, " ".join(value.split()))
+        body, inertial = ET.SubElement(made, "link", name=link.get("name", "")), link.find("inertial")
+        if inertial is not None:
+            part = ET.SubElement(body, "inertial")
+            copy_of(inertial, "origin", part)
+            copy_of(inertial, "mass", part)
+            copy_of(inertial, "inertia", part, **dict.fromkeys(INERTIA, "0"))
+    for element in robot.findall("joint"):
+        joint = joints[element.get("name", "")]
+        kind = {"continuous": "revolute", "floating": "fixed"}.get(joint.type, joint.type)
+        part = ET.SubElement(made, "joint", name=joint.name, type=kind)
+        copy_of(element, "origin", part)
+        ET.SubElement(part, "parent", link=joint.parent)
+        ET.SubElement(part, "child", link=joint.child)
+        if kind != "fixed":
+            ET.SubElement(part, "axis", xyz=" ".join(repr(float(x)) for x in joint.axis))
+            lower, upper = (repr(float(bound)) for bound in np.clip(joint.hard, -WIDE, WIDE))
+            ET.SubElement(part, "limit", lower=lower, upper=upper, velocity=repr(WIDE), effort=repr(WIDE))
+    return ET.tostring(made, encoding="unicode")
+
+
+_COPIED = {"origin": ("xyz", "rpy", "quat_xyzw"), "mass": ("value",), "inertia": INERTIA}
+"""Elements with attributes for Pinocchio."""

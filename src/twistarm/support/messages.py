@@ -73,18 +73,14 @@ class Text(str):
     def __reduce__(self) -> tuple[Callable[[], Text], tuple[()]]:
         return partial(Text, self.template, **self.values), ()
 
-    def rendered(self, write: Callable[[Value], str]) -> str:
-        """The message with every quantity, posture and argument as `write` gives it."""
-        values = {
-            name: write(value) if isinstance(value, Value) else rendered(value, write)
-            for name, value in self.values.items()
-        }
-        return self.template.format(**values)
-
 
 def rendered(message: Any, write: Callable[[Value], str]) -> Any:
-    """`message` in other words if it is a `Text`; anything else stays."""
-    return message.rendered(write) if isinstance(message, Text) else message
+    """A `Text` with every quantity, posture and argument as `write` gives it; anything else stays."""
+    if isinstance(message, Value):
+        return write(message)
+    if not isinstance(message, Text):
+        return message
+    return message.template.format(**{name: rendered(value, write) for name, value in message.values.items()})
 
 
 def joined(separator: str, messages: Iterable[str | Value]) -> str:

@@ -7,24 +7,22 @@ import io
 import json
 import os
 from dataclasses import dataclass
-from itertools import product
 from math import prod
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
-from ..support.checks import Array, as_number, as_vector, as_whole, require_choice
-from ..support.errors import InputError, missing_extra, one_line, shown
+from ..support.checks import Array, as_number, as_vector, require_choice
+from ..support.errors import InputError, missing_extra, one_line
 from ..support.files import as_path, open_regular, write_whole
-from ..theory.screws import exp
 
 FORMAT = "twistarm reach map 1"
 
-MOST_PLACES, FARTHEST = 10**7, 1e6
-"""Places of the base that are tried, and the distance [m] of a target that is a mistake in the units."""
+LARGEST = 1e6
+"""The largest side of a cube [m] in a file."""
 
 ARRAYS = ("directions", "counts", "manipulability", "margin")
 
@@ -62,13 +60,6 @@ class Grid:
     def along(self, axis: int) -> Array:
         """The centres [m] along an axis."""
         return np.array(self.voxel * np.arange(self.lower[axis], self.lower[axis] + self.shape[axis]))
-
-
-class BasePoses(NamedTuple):
-    """Poses g (k, 4, 4) of the base in the targets' frame, the best first, and the mean share (k,) reached from it."""
-
-    share: Array
-    g: Array
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -133,39 +124,6 @@ class ReachMap:
             )
         return self
 
-    def base_poses(self, targets: ArrayLike, *, z: float = 0.0, yaws: int = 24, count: int = 5) -> BasePoses:
-        """The best places of the base, upright and a voxel apart, to reach targets in the directions of the map.
-
-        The cubes that hold the targets decide: their mean share, then their least manipulability. Directions other than
-        down turn with the base. Check a place by `solve_ik`.
-
-        Args:
-            targets: Points (N, 3) [m], within some metres of each other.
-            z: Height of the base in their frame [m].
-            yaws: Number of headings, equally spaced.
-            count: Number of places to return.
-
-        Raises:
-            InputError: An argument cannot be used, or there are more than 10^7 places to try.
-        """
-        p, turns = as_vector(targets, "targets").reshape(-1, 3), as_whole(yaws, "yaws", 1, 3600)
-        far = max(np.abs(self.grid.along(i)).max() for i in (0, 1))
-        lower, upper = p.min(axis=0, initial=FARTHEST) - far, p.max(axis=0, initial=-FARTHEST) + far
-        if not 0 < turns * np.prod((upper - lower)[:2] / self.grid.voxel) <= MOST_PLACES:
-            raise InputError(f"targets must be points (N, 3) within some metres of each other; got {shown(targets)}")
-        x, y = (np.arange(lower[i], upper[i] + self.grid.voxel, self.grid.voxel) for i in (0, 1))
-        places = np.array([*product(x, y, [as_number(z, "z")])])
-        g = exp([0, 0, 0, 0, 0, 1], 2.0 * np.pi * np.arange(turns) / turns)
-        share, least = np.zeros((turns, len(places))), np.full((turns, len(places)), np.inf)
-        for k, each in product(range(turns), p):
-            q = (each - places) @ g[k, :3, :3]
-            share[k] += self.at(q)
-            least[k] = np.minimum(least[k], np.nan_to_num(self.manipulability.reshape(-1)[self.grid.cells(q)]))
-        best = np.lexsort((least.ravel(), np.round(share, 9).ravel()))[::-1][: as_whole(count, "count", 1, MOST_PLACES)]
-        g = g[best // len(places)]
-        g[:, :3, 3] = places[best % len(places)]
-        return BasePoses(share.reshape(-1)[best] / len(p), g)
-
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the map as .npz, whole or not at all. The same map gives the same bytes. Returns the path."""
         head = {name: getattr(self, name) for name in ("name", "frame", "digest", "settings")}
@@ -187,7 +145,7 @@ class ReachMap:
             most = max(len(arrays["directions"]), 1)
             fits = arrays["counts"].dtype == np.uint16 and arrays["directions"].shape[1:] == (3,)
             fits &= all(arrays[each].shape == grid.shape and arrays[each].dtype == np.float32 for each in ARRAYS[2:])
-            fits &= 0.0 < grid.voxel < FARTHEST and len(grid.lower) == len(grid.shape) == 3 and grid.count > 0
+            fits &= 0.0 < grid.voxel < LARGEST and len(grid.lower) == len(grid.shape) == 3 and grid.count > 0
             if not (fits and arrays["counts"].max() <= most):
                 raise ValueError("its arrays do not fit each other")
             return cls(grid=grid, **head, **arrays)

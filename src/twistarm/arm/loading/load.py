@@ -28,7 +28,8 @@ from ...support.checks import require_mapping
 from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, shown
 from ...support.files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
 from ...support.messages import Argument, Text, plural
-from ..arm import Arm, Coupling, Proof
+from ..arm import Arm
+from ..arm_data import Coupling, Proof
 from ..baking import BAKED, SUFFIX, fields_of, unsealed
 from ..pinocchio_model import why_no_pinocchio
 from .overrides import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
@@ -247,9 +248,8 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
         return replace(read_arm_file(own), source=text)
     entry = catalog.model_entry(text)
     if entry is not None:
-        file, (_, base, tip) = entry
-        share = file.parents[len(Path(entry[1].file).parts) + 1]
-        return ArmSpecification(file, text, name=text, base=base, tip=tip, package_dirs=(share,))
+        base, tip, folders = entry.base, entry.tip, (entry.share,)
+        return ArmSpecification(entry.file, text, name=text, base=base, tip=tip, package_dirs=folders)
     why, near = why_no_file(path), ""
     if why != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
         with suppress(OSError, ValueError):

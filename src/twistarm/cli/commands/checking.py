@@ -213,7 +213,8 @@ def collisions(
     out.show(
         {"arm": arm, "allowed": allowed, "samples": found.samples, "share": found.share, "findings": made.findings},
         *lines,
-        Table("pairs that collide", columns, "colliding", order),
+        Table("pairs that collide", columns, "colliding"),
+        *([order] if found.pairs else []),
         *(finding.text for finding in made.findings),
         files={"srdf": lambda: srdf_text(made)},
     )

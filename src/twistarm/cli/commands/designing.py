@@ -18,8 +18,8 @@ from ...theory.rotations import to_rpy
 from ..asked_motion import motion_of_file
 from ..numbers import PLACE, numbers, parse_numbers, quantity, whole
 from ..options import Answer, ArmArgument, Avoid, CsvAnswer, Source, Theta, answers, avoided
-from ..output import STDOUT, Outputs, note, plain, progress_bar, warn
-from ..tables import Column, Table, joint_heads, number, outside, quantity_text, theta_typed, unit_text
+from ..output import STDOUT, Outputs, note, plain, progress_bar
+from ..tables import Column, Table, joint_heads, number, quantity_text, theta_typed, unit_text
 from ..targets import Directions, Positions, Rpys, typed_targets
 from .arms import joints_table
 from .motion import MOTION_KINDS, MaxTime, Step, Unwrap, motion_texts
@@ -63,9 +63,7 @@ def payload(source: ArmArgument, out: CsvAnswer, theta: Theta = None, motion: Mo
     arm = source.load()
     if motion is not None and theta is not None:
         raise InputError("--motion has its own configurations: leave out --theta")
-    x: Any = None if theta is None else theta.of(arm)
-    for words in [] if x is None else outside(arm, x, out.radians):
-        warn(words)
+    x: Any = None if theta is None else theta.anywhere(arm)
     found = payload_of(arm, x if motion is None else motion_of_file(arm, motion)[1])
     needs, x = found.needs(mass), found.theta.reshape(-1, arm.n)
     by = [found.names[row] if row >= 0 else "nothing" for row in found.limiting.ravel()]

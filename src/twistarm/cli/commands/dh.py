@@ -37,7 +37,8 @@ def dh(source: ArmArgument, out: CsvAnswer, convention: Convention = "standard",
     caption = f"a row is {ROWS[found.convention]}; a joint adds its coordinate to theta, or to d if it is prismatic"
     out.show(
         {"arm": arm, **entries(found, "convention base tool residual")},
-        Table(f"{arm.name}: {found.convention} convention", columns, "rows", caption),
+        Table(f"{arm.name}: {found.convention} convention", columns, "rows"),
+        caption,
         f"the table differs from the arm by {found.residual:.1g} m or rad at most",
         files={"csv": lambda: dh_csv(found)},
     )

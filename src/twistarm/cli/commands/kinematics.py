@@ -13,9 +13,9 @@ from ...support.csv_lines import csv_text
 from ...support.errors import InputError
 from ...theory.rotations import to_xyzw
 from ..options import Answer, ArmArgument, CsvAnswer, Theta
-from ..output import entries, warn
+from ..output import entries
 from ..rows import ROWS_SHOWN, Columns, configurations_in
-from ..tables import Column, Table, jacobian_table, number, outside, pose_entries, pose_table, theta_typed
+from ..tables import Column, Table, jacobian_table, number, pose_entries, pose_parts, theta_typed
 
 Configurations = Annotated[
     str | None,
@@ -45,13 +45,11 @@ def fk(
     data = {"arm": arm, "joint_names": arm.joint_names, "base": arm.base, "frame": name}
     title = f"{name} seen from {arm.base}"
     if configurations is None:
-        x = arm.ready if theta is None else theta.of(arm)
-        for words in outside(arm, x, out.radians):
-            warn(words)
+        x = arm.ready if theta is None else theta.anywhere(arm)
         g = arm.pose(x, name)
-        table = pose_table(title, g, out.radians)
+        told = pose_parts(title, g, out.radians)
         files = {"csv": lambda: _poses_csv([1], g[None])}
-        out.show(data | {"theta": x, **pose_entries(g)}, table, theta_typed(arm, x, out.radians), files=files)
+        out.show(data | {"theta": x, **pose_entries(g)}, *told, theta_typed(arm, x, out.radians), files=files)
         return
     lines, many = configurations_in(arm, configurations, columns)
     poses = arm.pose(many, name)
@@ -86,9 +84,7 @@ def jacobian(
 ) -> None:
     """The spatial and body Jacobians (rows v, ω) and the singular values of the body Jacobian."""
     arm = source.load()
-    x = arm.ready if theta is None else theta.of(arm)
-    for words in outside(arm, x, out.radians):
-        warn(words)
+    x = arm.ready if theta is None else theta.anywhere(arm)
     names = [f"{one}_jacobian" for one in ([kind] if kind else ["spatial", "body"])]
     matrices = {name: getattr(arm, name)(x) for name in names}
     measure = arm.manipulability(x)

@@ -30,7 +30,7 @@ from ..command import Shared
 from ..numbers import whole
 from ..options import ArmArgument, SceneFile, Source, Theta, answers
 from ..output import Outputs, say, warn
-from ..tables import jacobian_table, outside, pose_table
+from ..tables import jacobian_table, pose_parts
 from .arms import show_arm
 from .checking import comparisons, verdict
 from .inverse import show_solution
@@ -121,9 +121,7 @@ def view(
         raise InputError("--watch is for one arm: leave out the second ARM")
     pixels = _pixels(size or "1280x720")
     arm, files = loaded(source.load)
-    x = None if theta is None else theta.of(arm)
-    for words in [] if x is None else outside(arm, x, out.radians):
-        warn(words)
+    x = None if theta is None else theta.anywhere(arm)
     motion = None if play is None else motion_of_file(arm, play)[1]
     if out.files:
         start = x if motion is None else motion(0.0)
@@ -171,7 +169,7 @@ def demo(page: PageOptions, view: View = True) -> None:
     g = arm.fk(arm.ready)
     spatial = jacobian_table(arm, "spatial Jacobian", arm.spatial_jacobian(arm.ready))
     body = jacobian_table(arm, "body Jacobian", arm.body_jacobian(arm.ready))
-    out.show({}, pose_table(f"{arm.tip} seen from {arm.base}", g, False), "", spatial, "", body)
+    out.show({}, *pose_parts(f"{arm.tip} seen from {arm.base}", g, False), "", spatial, "", body)
     say("", "3. The screw view proven against Pinocchio and yourdfpy", "")
     result = crosscheck(arm).require()
     out.show({}, verdict(result), *comparisons(result))

@@ -75,17 +75,17 @@ class LimitsFile:
         except InputError as error:
             raise unusable(self.path, str(error)) from error
         for joint, (low, high) in soft.items():
-            i, place = names.index(joint), Place(self.path.name, None, "joint", joint)
-            lower = limits.lower[i] if low is None else max(limits.lower[i], low)
-            upper = limits.upper[i] if high is None else min(limits.upper[i], high)
             if low is None and high is None:
                 continue
+            i, place = names.index(joint), Place(self.path.name, None, "joint", joint)
+            hard = limits.lower[i], limits.upper[i]
+            lower, upper = max(hard[0], -inf if low is None else low), min(hard[1], inf if high is None else high)
             if lower < upper:
                 limits = limits.with_({"lower": {joint: lower}, "upper": {joint: upper}}, names)
                 what = f"its soft limits are kept: [{lower:g}, {upper:g}]"
                 noted.append(finding("limits-adjusted", place, what, "set has_soft_limits: false for its whole range"))
             else:
-                what = f"its soft limits leave no room in [{limits.lower[i]:g}, {limits.upper[i]:g}]; not kept"
+                what = f"its soft limits leave no room in [{hard[0]:g}, {hard[1]:g}]; not kept"
                 noted.append(finding("outside-limits", place, what, "correct them, or set has_soft_limits: false"))
         return limits, tuple(noted)
 
