@@ -59,12 +59,14 @@ def lacks(arm: Arm, theta: Array, half: Half, direction: Array, frame: str, befo
 
 def cannot_move(axis: Array, frame: str, held: str = "") -> str:
     """The words for a unit vector (3,) along which no joint moves the tool with `held` fixed."""
-    return f"{CANNOT_MOVE}: {_while(held)}no joint moves its tool along {axis_in_words(axis, frame)}"
+    holding = f"with {held} held, " if held else ""
+    return f"{CANNOT_MOVE}: {holding}no joint moves its tool along {axis_in_words(axis, frame)}"
 
 
 def cannot_turn(axis: Array, frame: str, held: str = "") -> str:
     """The words for a unit vector (3,) about which no joint turns the tool with `held` fixed."""
-    return f"{CANNOT_TURN}: {_while(held)}no joint turns its tool about {axis_in_words(axis, frame)}"
+    holding = f"with {held} held, " if held else ""
+    return f"{CANNOT_TURN}: {holding}no joint turns its tool about {axis_in_words(axis, frame)}"
 
 
 def must_turn(axis: Array, frame: str) -> str:
@@ -87,10 +89,6 @@ def singular(what: str, share: float, joint: str | None, axis: str = "") -> str:
 def position_limit(side: str, joint: str) -> str:
     """The words for the "lower" or "upper" end of a joint or motor."""
     return f"the {side} position limit of {joint}"
-
-
-def _while(held: str) -> str:
-    return f"with {held} held, " if held else ""
 
 
 def largest_rank(arm: Arm, half: Half, before: Sequence[int], frame: str) -> int:

@@ -50,10 +50,6 @@ def roll_axis(body_screws: Array, coupling: Array, reach: float) -> Array:
         out = float(cross(apart, w[before]) @ across) / float(across @ across)
     if aside > max(abs(out), ALIGNED * reach):
         return Z
-    sense = np.sign(out) if abs(out) > ALIGNED * reach else _usual_sense(last)
+    decisive = next(value for value in last[[2, 0, 1]] if abs(value) >= DECISIVE * np.linalg.norm(last))
+    sense = np.sign(out if abs(out) > ALIGNED * reach else decisive)
     return frozen(np.round(sense * last, DECIMALS) + 0.0)
-
-
-def _usual_sense(axis: Array) -> float:
-    decisive = next(value for value in axis[[2, 0, 1]] if abs(value) >= DECISIVE)
-    return float(np.sign(decisive))

@@ -124,20 +124,12 @@ def _narrowed(
 
 
 def _locked_outside(description: Description, locked_joints: Mapping[str, float]) -> list[Finding]:
-    return [
-        finding(
-            "outside-limits",
-            description.place(joint),
-            Text(
-                "it is locked at {value}, outside its limits {lower} … {upper}",
-                value=Quantity(value, unit),
-                lower=Quantity(joint.lower, unit),
-                upper=Quantity(joint.upper, unit),
-            ),
-            "lock it inside its limits",
-        )
-        for name, value in locked_joints.items()
-        for joint in [description.joints[name]]
-        for unit in [unit_of(joint.type)]
-        if not joint.lower <= value <= joint.upper
-    ]
+    found = []
+    for name, value in locked_joints.items():
+        joint = description.joints[name]
+        if not joint.lower <= value <= joint.upper:
+            bounds = {"value": value, "lower": joint.lower, "upper": joint.upper}
+            numbers = {key: Quantity(number, unit_of(joint.type)) for key, number in bounds.items()}
+            what = Text("it is locked at {value}, outside its limits {lower} … {upper}", **numbers)
+            found.append(finding("outside-limits", description.place(joint), what, "lock it inside its limits"))
+    return found
