@@ -7,6 +7,9 @@ import xml.etree.ElementTree as ET
 from typing import NamedTuple
 from xml.parsers import expat
 
+_START_TAG = re.compile(rb"<(?:[^>\"']|\"[^\"]*\"|'[^']*')*>")
+"""A start tag. A > may stand inside quotes."""
+
 
 class Span(NamedTuple):
     """Byte offsets of an element: its first, the end of its start tag, and its end."""
@@ -66,7 +69,9 @@ class SourceText:
 
         def start(tag: str, attributes: dict[str, str]) -> None:
             at = parser.CurrentByteIndex
-            opened.append((builder.start(tag, attributes), at, self._tag_end(at)))
+            written = _START_TAG.match(self._data, at)
+            assert written is not None, "expat has read it"
+            opened.append((builder.start(tag, attributes), at, written.end()))
 
         def end(tag: str) -> None:
             element, at, tag_end = opened.pop()
@@ -80,12 +85,6 @@ class SourceText:
         parser.CharacterDataHandler = builder.data
         parser.Parse(self._data, True)
         return builder.close()
-
-    def _tag_end(self, start: int) -> int:
-        """The offset behind the > of the start tag; a > may stand inside quotes."""
-        found = re.compile(rb"<(?:[^>\"']|\"[^\"]*\"|'[^']*')*>").match(self._data, start)
-        assert found is not None, "expat has read it"
-        return found.end()
 
 
 def _with_attribute(tag: str, name: str, value: str | None) -> str:

@@ -53,7 +53,7 @@ def to_urdf(arm: Arm, folder: str | os.PathLike[str] = ".") -> str:
             add_joint(robot, f"{arm.tip}_mount", "fixed", (arm.tip_link, arm.tip), arm.tool)
         replace_capsules(robot)
     ET.indent(robot)
-    return f'<?xml version="1.0"?>\n{ET.tostring(robot, "unicode")}\n{WRITTEN_XML}\n'
+    return f"{ET.tostring(robot, 'unicode')}\n{WRITTEN_XML}\n"
 
 
 def lost_meshes(text: str, folder: str | os.PathLike[str]) -> list[str]:

@@ -56,7 +56,7 @@ class _Row:
     frame: Array = field(default_factory=lambda: np.eye(4), init=False)
 
     def __post_init__(self) -> None:
-        _check_name(self.name, "a joint's name")
+        _checked(self.name)
         with inside(f"joint {self.name!r}"):
             object.__setattr__(self, "axis", joints.revolute(self.axis, self.point)[3:, 0])
             self.frame[:3, :3], self.frame[:3, 3] = self.turned, self.point
@@ -94,7 +94,7 @@ class ArmBuilder:
     _base: str = field(default=BASE, repr=False)
 
     def __post_init__(self) -> None:
-        _check_name(self.name, "the arm's name")
+        _checked(self.name, "the arm's name")
 
     def revolute(self, name: str, axis: ArrayLike, point: ArrayLike, **limits: float | None) -> ArmBuilder:
         """A turn [rad] about the line along `axis` through `point`. Without bounds it is continuous.
@@ -129,7 +129,7 @@ class ArmBuilder:
             pitch: Slide of a turn [m/rad].
             **limits: Some of `lower`, `upper`, `velocity` and `effort`, in SI units.
         """
-        with inside(f"joint {name!r}"):
+        with inside(f"joint {_checked(name)!r}"):
             advance = number(pitch, "pitch", -LARGEST, LARGEST)
         slide = _Row(f"{name}_z", "prismatic", axis, point, master=name, multiplier=advance)
         return self._with(_Row(name, "revolute", axis, point, limits), slide)
@@ -142,7 +142,7 @@ class ArmBuilder:
             axis: The direction of the line (3,).
             point: A point (3,) of the line [m].
         """
-        turn = _Row(f"{name}_rz", "revolute", axis, point)
+        turn = _Row(f"{_checked(name)}_rz", "revolute", axis, point)
         return self._with(turn, _Row(f"{name}_z", "prismatic", axis, point))
 
     def spherical(self, name: str, point: ArrayLike, axes: ArrayLike | None = None) -> ArmBuilder:
@@ -156,7 +156,7 @@ class ArmBuilder:
             point: The centre (3,) [m].
             axes: The rotation (3, 3) of the joint's axes at rest.
         """
-        with inside(f"joint {name!r}"):
+        with inside(f"joint {_checked(name)!r}"):
             turns = zip(("rz", "ry", "rx"), joints.spherical(point, axes).T, strict=True)
         return self._with(*(_Row(f"{name}_{end}", "revolute", twist[3:], point) for end, twist in turns))
 
@@ -174,7 +174,7 @@ class ArmBuilder:
             point: A point (3,) of the axis of the turn [m].
             x_axis: The direction of the first slide; None for one by a rule.
         """
-        with inside(f"joint {name!r}"):
+        with inside(f"joint {_checked(name)!r}"):
             turned = joints.plane_axes(normal, x_axis)
         return self._with(_Row(name, "planar", (0.0, 0.0, 1.0), point, turned=turned))
 
@@ -188,7 +188,7 @@ class ArmBuilder:
         Raises:
             InputError: `home` is not one pose in SE(3), or the tool is given already.
         """
-        _check_name(name, "the tool's name")
+        _checked(name, "the tool's name")
         if self._home is not None:
             raise InputError(f"the tool {self._tool!r} is given already; give it once")
         g = require_one(as_pose(home, "home"), "home", 2)
@@ -263,6 +263,7 @@ def arm_of_urdf(
     return proven(assemble(replace(description, path=None), specification, {} if limits is None else limits))
 
 
-def _check_name(name: object, what: str) -> None:
+def _checked(name: object, what: str = "a joint's name") -> str:
     if not isinstance(name, str) or not name.strip() or not name.isprintable():
         raise InputError(f"{what} must be a text of printable characters; got {shown(name)}")
+    return name

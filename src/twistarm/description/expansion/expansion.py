@@ -174,7 +174,7 @@ class Expansion:
     def _required(self, name: str) -> str:
         value = os.environ.get(name) if name in self._env_vars else None
         if value is None:
-            remedy = Text("pass {allowed} if it may know it, and set it", allowed=Argument("env_vars", [...]))
+            remedy = Text("pass {allowed} if it may know it, and set it", allowed=Argument("env_vars", [name]))
             raise Refused("xacro-failed", f"environment variable {name!r} is not set for it", remedy)
         return value
 

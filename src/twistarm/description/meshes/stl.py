@@ -26,7 +26,10 @@ def stl_corners(data: bytes) -> Array:
     promised = int.from_bytes(data[COUNT:HEAD], "little") if len(data) >= HEAD else -1
     is_solid = data[:LOOKED_AT].lstrip().lower().startswith(b"solid") and b"\0" not in data[:HEAD]
     if is_solid and len(data) != HEAD + FACET * promised:
-        return _corners_of_text(data)
+        vertices = _VERTEX.findall(data)
+        if len(vertices) % 3:
+            raise RefusedError("it is cut short in the middle of a facet")
+        return np.array(vertices, dtype=np.bytes_).astype(np.float64).reshape(-1, 3, 3)
     present = (len(data) - HEAD) // FACET
     if promised > MOST_MISSING * present > 0:
         raise RefusedError("it is no STL")  # the count would tell bytes of another kind of file
@@ -34,10 +37,3 @@ def stl_corners(data: bytes) -> Array:
         what = f": {promised:,} triangles are announced and {present:,} are there" if promised >= 0 else ""
         raise RefusedError(f"it is cut short{what}")
     return np.ndarray((promised, 3, 3), "<f4", data, HEAD + 12, (FACET, 12, 4))
-
-
-def _corners_of_text(data: bytes) -> Array:
-    vertices = _VERTEX.findall(data)
-    if len(vertices) % 3:
-        raise RefusedError("it is cut short in the middle of a facet")
-    return np.array(vertices, dtype=np.bytes_).astype(np.float64).reshape(-1, 3, 3)

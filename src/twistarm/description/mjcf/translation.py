@@ -68,8 +68,7 @@ def translated(root: ET.Element, reading: Reading) -> Translated:
     writer = _Writer(mjcf, compiled(mjcf))
     writer.write_bodies()
     writer.couple()
-    semantics = writer.semantics(reading)
-    gravity = writer.gravity()
+    semantics, gravity = writer.semantics(reading), writer.gravity()
     for code, parts in mjcf.notes.items():
         what, remedy = TOLD[code]
         more = f" and {len(parts) - SHOWN} more" if len(parts) > SHOWN else ""
@@ -118,7 +117,12 @@ class _Writer:
             if i in self.unweighed:
                 self.mjcf.note("mjcf-part-not-read", f"the mass of {name!r}, for want of a mesh")
             elif model.body_mass[i] > 0:
-                contents[name].append(self._inertial(i))
+                inertial = ET.Element("inertial")
+                add_origin(inertial, pose(model.body_ipos[i], model.body_iquat[i]))
+                ET.SubElement(inertial, "mass", value=number_text([model.body_mass[i]]))
+                moments = number_text(np.diag(model.body_inertia[i])[np.triu_indices(3)]).split()
+                ET.SubElement(inertial, "inertia", dict(zip(INERTIA, moments, strict=True)))
+                contents[name].append(inertial)
             for k in range(model.body_geomadr[i], model.body_geomadr[i] + model.body_geomnum[i]):
                 contents[name] += self._shape(k)
         for k, site in enumerate(self._names("SITE", model.nsite)):
@@ -161,14 +165,6 @@ class _Writer:
             self.pairs.add((min(parent, name), max(parent, name)))
         if link != name:
             self._fixed(name, link, g)
-
-    def _inertial(self, i: int) -> ET.Element:
-        element, moments = ET.Element("inertial"), self.model.body_inertia[i]
-        add_origin(element, pose(self.model.body_ipos[i], self.model.body_iquat[i]))
-        ET.SubElement(element, "mass", value=number_text([self.model.body_mass[i]]))
-        words = number_text(np.diag(moments)[np.triu_indices(3)]).split()
-        ET.SubElement(element, "inertia", dict(zip(INERTIA, words, strict=True)))
-        return element
 
     def _fixed(self, name: str, parent: str, g: Array) -> None:
         add_joint(self.robot, free_name(f"{name}_fixed", self.taken), "fixed", (parent, name), g)
