@@ -18,7 +18,7 @@ from reason_targets import CASES, arms_of, draw
 from twistarm import ArmBuilder, NotConvergedError
 from twistarm.cli.wording import words
 from twistarm.ik import Approach, Pose, Position, StopReason, TolerancedPose, solve_ik, solve_ik_batch
-from twistarm.ik.explain import split_rotation
+from twistarm.ik.solution import split_rotation
 
 WRONG = 0.01
 """The share of targets of a case and an arm that may be given another reason."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..arm.arm import Arm, require_arm
 from ..collision import Scene, require_scene
 from ..ik import reachable, solve_ik
-from ..ik.explain import in_one_line
+from ..ik.solution import in_one_line
 from ..ik.targets import Approach
 from ..planning import FreeMove, JointMove, PathError, Segment, Trajectory, plan
 from ..planning.cartesian.branches import branches

@@ -16,9 +16,8 @@ from ..support.checks import Array, frozen
 from ..support.errors import printable
 from ..support.messages import plural
 from .closed_form.methods import Method
-from .explain import reached, why_not
 from .ranges import holding, joint_ranges
-from .solution import missed_by_rounding
+from .solution import missed_by_rounding, reached, why_not
 from .solve import solve_ik
 from .targets import AnyTarget, target_of
 from .task_space import Tolerances

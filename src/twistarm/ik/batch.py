@@ -17,6 +17,7 @@ from ..support.checks import Array, RealArray, as_positive, as_whole, frozen, re
 from ..support.errors import InputError, shown
 from .answer import FIELDS, NOT_FINISHED, STOPS, Records, StopReason, answer_in, write_answer
 from .certainty import settled
+from .collision_free import collision_free
 from .deadline import Deadline
 from .ranges import joint_ranges
 from .request import Request, checked, named
@@ -162,7 +163,6 @@ def solve_ik_batch(
     """
     if scene is not None:
         from ..collision import require_scene
-        from .collision_free import free_batch
 
         require_scene(scene, arm)
         ends = Deadline.after(None if max_time is None else as_positive(max_time, "max_time"))
@@ -170,7 +170,7 @@ def solve_ik_batch(
             arm, targets, theta0, position_tol=position_tol, orientation_tol=orientation_tol, restarts=restarts,
             max_time=max_time, rng=rng, posture=posture, threads=threads, progress=progress,
         )  # fmt: skip
-        return free_batch(batch, scene, solve_ik, ends, threads)
+        return _free(batch, scene, ends, threads)
     chain = require_arm(arm).require_core("solve_ik_batch")
     how = position_tol, orientation_tol, restarts, rng, max_time
     start = arm.ready if theta0 is None else named(arm, theta0)
@@ -186,6 +186,20 @@ def solve_ik_batch(
     require_callback(progress, "progress", "(fraction)")
     records = _by_core(chain, arm, asked, request, workers, progress)
     return IKBatch(arm, _finished(arm, records, asked), asked)
+
+
+def _free(batch: IKBatch, scene: Scene, deadline: Deadline, threads: int) -> IKBatch:
+    """The batch with free answers in place of those that collide, and the contacts where none was found."""
+    records = batch.records.copy()
+    met = np.flatnonzero(batch.converged)
+    contacts: dict[int, tuple[Contact, ...]] = {}
+    for i in met[scene.collides(batch.theta[met], threads=threads)].tolist():
+        found = collision_free(scene, batch[i], solve_ik, deadline)
+        if found.contacts:
+            contacts[i] = found.contacts
+        else:
+            write_answer(records, i, found._answer)
+    return replace(batch, records=records, contacts=contacts)
 
 
 def _finished(arm: Arm, records: Records, targets: tuple[AnyTarget, ...] | None) -> Records:

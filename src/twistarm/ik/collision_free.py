@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..arm.arm import Arm
 from ..support.checks import Array
-from .answer import write_answer
 from .deadline import Deadline
 from .ranges import joint_ranges
 from .solution import IKResult
 
 if TYPE_CHECKING:
-    from ..collision import Contact, Scene
-    from .batch import IKBatch
+    from ..collision import Scene
 
 SPREADS = (0.3, 1.0, np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
 """Widths [rad, m] of the starts about theta0 in each round of searches; inf for the whole range."""
@@ -46,20 +43,6 @@ def collision_free(scene: Scene, first: IKResult, solve: Solve, deadline: Deadli
             break
     first._contacts = scene.contacts(first.theta)
     return first
-
-
-def free_batch(batch: IKBatch, scene: Scene, solve: Solve, deadline: Deadline, threads: int) -> IKBatch:
-    """The batch with free answers in place of those that collide, and the contacts where none was found."""
-    records = batch.records.copy()
-    met = np.flatnonzero(batch.converged)
-    contacts: dict[int, tuple[Contact, ...]] = {}
-    for i in met[scene.collides(batch.theta[met], threads=threads)].tolist():
-        found = collision_free(scene, batch[i], solve, deadline)
-        if found.contacts:
-            contacts[i] = found.contacts
-        else:
-            write_answer(records, i, found._answer)
-    return replace(batch, records=records, contacts=contacts)
 
 
 def _rounds(arm: Arm, first: IKResult, start: Array) -> Iterator[Array]:

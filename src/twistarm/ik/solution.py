@@ -1,24 +1,25 @@
-"""The answer of inverse kinematics: a configuration, its distance from the target, and the reason."""
+"""The answer of inverse kinematics: a configuration, its distance from the target, and the reason in words."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..arm.abilities import abilities_of, cannot_move, cannot_turn, position_limit
 from ..arm.almost_exact import angle_in_words, length_in_words
 from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.directions import value_in_words
 from ..support.display import told
-from ..support.errors import NotConvergedError
-from ..support.messages import Text, joined
-from ..support.unit_hints import theta_hint
+from ..support.errors import NotConvergedError, printable
+from ..support.messages import Argument, Quantity, Text, joined
+from ..support.unit_hints import length_hint, theta_hint
 from .answer import CLOSED_FORM, DAMPED, FIELDS, NEAREST, STOPS, Answer, StopReason
-from .explain import explain, summary
 from .ranges import joint_ranges
-from .targets import AnyTarget, target_of
+from .targets import AnyTarget, Approach, Pose, TolerancedPose, target_of
 from .task_space import Tolerances
 
 if TYPE_CHECKING:
@@ -26,6 +27,29 @@ if TYPE_CHECKING:
 
 NEGLIGIBLE_LENGTH = 1e-8
 """Shorter lengths [m] are not mentioned."""
+
+
+OFF_BY = {
+    Pose: "as one turn about one axis",
+    Approach: "from the tool's axis to the direction",
+    TolerancedPose: "beyond its tolerances, as the length of a rotation vector",
+}
+"""What the angle of an orientation error is, by the kind of target."""
+
+AT_BOUND = 1e-6
+"""How near [rad, m] to its bound a joint stands at it."""
+
+NEGLIGIBLE = math.radians(0.005)
+"""Angles [rad] that would be printed as 0.00°."""
+
+NARROW_MISS = 10.0
+"""A target that is missed by fewer tolerances may have been asked for too exactly."""
+
+WIDER = (2.0, 4.0, NARROW_MISS)
+"""How many times as wide a position tolerance is tried where the rotation is missed."""
+
+SEARCHES = 100
+"""So many, at most, each time."""
 
 
 def missed_by_rounding(position_error: float, orientation_error: float) -> str:
@@ -205,3 +229,190 @@ class IKResult:
 
 def _restored(arm: Arm, fields: list[Any], *known: Any) -> IKResult:
     return IKResult(arm, Answer(*fields), *known)
+
+
+def explain(solution: IKResult) -> str:
+    """The solution in words, line by line."""
+    asked = f"asked of {solution.arm.name}: {solution.target.describe()}"
+    lines = [asked, Text("reached: {errors}", errors=reached(solution))]
+    if not solution.converged:
+        lines += why_not(solution)
+    searches = "1 search" if solution.restarts == 1 else f"{solution.restarts} searches"
+    lines.append(f"found by {solution.method}: {solution.iterations} iterations, {searches}")
+    notes = [Text("note: {note}", note=note) for note in solution.notes]
+    return joined("\n", map(printable, [*lines, *notes]))
+
+
+def why_not(solution: IKResult) -> list[str]:
+    """The reason why the target is not met, line by line."""
+    return [f"reason: {solution.stop.value}", *(f"  {line}" for line in _why(solution))]
+
+
+def summary(solution: IKResult) -> str:
+    """One line: what was asked, how far off the answer is, the reason."""
+    return joined("; ", [_missed(solution), solution.stop.value])
+
+
+def in_one_line(solution: IKResult) -> str:
+    """What was asked, how far off the answer is, the reason and its details."""
+    why = [printable(line) for line in _why(solution)]
+    if not (why and why[0].startswith(solution.stop.value)):
+        why = [solution.stop.value, *why]
+    return joined("; ", [_missed(solution), *why])
+
+
+def _missed(solution: IKResult) -> str:
+    what = "{arm} does not meet {target}: {errors}"
+    return Text(what, arm=solution.arm.name, target=solution.target.describe(), errors=reached(solution))
+
+
+def reached(solution: IKResult) -> str:
+    """The two errors in words."""
+    if math.isinf(solution.position_error):
+        return "nothing yet"
+    parts: list[str] = []
+    met = solution.tolerances.or_rounding(solution.arm.rounding)
+    if solution.rounded:
+        return "met to within the rounding of the arm's axes"
+    if len(solution.target._position_tolerance):
+        wider = _wider(solution.position_error, met.position, "position_tol", "m")
+        hint = length_hint(solution.target.position_error(np.eye(4)), solution.arm.reach)
+        hint = f" ({hint}: lengths are in metres)" if hint else ""
+        off = Text("position {off} off{wider}{hint}", off=_length(solution.position_error), wider=wider, hint=hint)
+        parts.append(off if solution.position_error > met.position else "position met")
+    if len(solution.target._rotation_tolerance):
+        wider = _wider(solution.orientation_error, met.orientation, "orientation_tol", "rad") or _eased(solution)
+        angle, which = _degrees(solution.orientation_error), OFF_BY[type(solution.target)]
+        off = Text("orientation {angle} off, {which}{wider}", angle=angle, which=which, wider=wider)
+        parts.append(off if solution.orientation_error > met.orientation else "orientation met")
+    return joined(", ", parts)
+
+
+def _wider(error: float, tolerance: float, argument: str, unit: str) -> str:
+    """The tolerance and the argument that widens it, for an error of few tolerances."""
+    if error >= NARROW_MISS * tolerance:
+        return ""
+    what = " (the tolerance is {tolerance}; {argument} widens it)"
+    return Text(what, tolerance=Quantity(tolerance, unit), argument=Argument(argument, None))
+
+
+def _eased(solution: IKResult) -> str:
+    """The wider position tolerance with which the arm meets the rotation."""
+    chain, target, met = solution.arm.compiled, solution.target, solution.tolerances
+    if chain is None or solution.position_error > met.position or not len(target._position_tolerance):
+        return ""
+    for times in WIDER:
+        wide = times * met.position
+        found = chain.solve(target.kind, target.numbers, solution.theta, wide, met.orientation, SEARCHES, 0, None, None)
+        if found is not None and found.stop == 0:
+            return Text(" (met with {wide})", wide=Argument("position_tol", Quantity(wide, "m", 3)))
+    return ""
+
+
+def _why(solution: IKResult) -> list[str]:
+    if math.isinf(solution.position_error):
+        return ["it was not finished in time, and theta is its start; give a longer max_time"]
+    if solution.stop is StopReason.TIMED_OUT:
+        return ["this is the best so far; give a longer max_time, or a theta0 nearer to the answer"]
+    if solution.stop is StopReason.IN_COLLISION:
+        help_ = "move the obstacle, ask for another direction, or give a smaller margin"
+        return [*map(str, solution.contacts[:3]), help_]
+    if solution.stop is StopReason.EXHAUSTED:
+        what = "the search for the nearest did not settle" if solution.method == NEAREST else "no search met the target"
+        return [f"{what}; try more restarts, another rng or another theta0"]
+    lines = _blocked(solution) if solution.stop is StopReason.BLOCKED_BY_LIMITS else _missing(solution)
+    bounds = at_bounds(solution)
+    lines += [f"at {', '.join(bounds)}"] if bounds else []
+    certain = "the arm's closed form has no answer inside the limits: that is certain"
+    return [*lines, certain] if solution.certain else lines
+
+
+def at_bounds(solution: IKResult) -> list[str]:
+    """The joints at a bound, in words."""
+    arm, lower, upper = solution.arm, solution.arm.limits.lower, solution.arm.limits.upper
+    turns = joint_ranges(arm).turns
+    words = []
+    for i, name in enumerate(arm.joint_names):
+        at_lower, at_upper = (abs(solution.theta[i] - bound) <= AT_BOUND for bound in (lower[i], upper[i]))
+        if not turns[i] and (at_lower or at_upper):
+            side = "only" if at_lower and at_upper else "lower" if at_lower else "upper"
+            words.append(f"{position_limit(side, name)} ({value_in_words(solution.theta[i], arm.units[i])})")
+    return words
+
+
+def _blocked(solution: IKResult) -> list[str]:
+    """The joint values outside the limits, and the error that remains without limits."""
+    arm, theta, turns = solution.arm, solution.unlimited, joint_ranges(solution.arm).turns
+    if theta is None:
+        return []
+    needs = []
+    for i, name in enumerate(arm.joint_names):
+        inside = np.clip(theta[i], arm.limits.lower[i], arm.limits.upper[i])
+        if theta[i] != inside and not turns[i]:
+            side = "lower" if theta[i] < inside else "upper"
+            value, bound = (value_in_words(x, arm.units[i]) for x in (theta[i], inside))
+            needs.append(f"{name} {value} ({side} bound {bound})")
+    where = f"for one with {', '.join(needs)}" if needs else "a hair beyond them"
+    turned = solution.target.orientation_error(arm.fk(theta))
+    if turned <= solution.tolerances.or_rounding(arm.rounding).orientation:
+        return [f"without limits it could be met, {where}"]
+    if solution.position_error > solution.tolerances.position:
+        return [f"without limits its position could be met, {where}", *_impossible(solution, theta)]
+    return [
+        f"{_degrees(solution.orientation_error - turned)} of the rotation are prevented by limits",
+        f"without limits it could be met to within {_degrees(turned)}, {where}",
+        *_impossible(solution, theta),
+    ]
+
+
+def _missing(solution: IKResult) -> list[str]:
+    """The position that is out of reach, and the rotation that is missing."""
+    if solution.position_error <= solution.tolerances.position:
+        return _missing_rotation(solution)
+    lines = [f"the nearest position the arm reaches inside its limits is {_length(solution.position_error)} away"]
+    arm, g = solution.arm, solution.arm.fk(solution.theta)
+    error, axes = solution.target._position_rows(g, np.eye(6, 3))
+    offset = g[:3, :3] @ axes.T @ error
+    immovable = [axis for axis in abilities_of(arm).immovable if abs(axis @ offset) > solution.tolerances.position]
+    lines += [cannot_move(axis, "base") for axis in immovable]
+    return lines + _impossible(solution, solution.theta)
+
+
+def _impossible(solution: IKResult, theta: Array) -> list[str]:
+    """The rotation beyond all joints at theta (n,)."""
+    impossible, _, axis = split_rotation(solution, theta)
+    lacks = solution.stop is StopReason.IMPOSSIBLE_DIRECTION
+    if impossible <= (0.0 if lacks else NEGLIGIBLE):
+        return []
+    held = "the position" if len(solution.target._position_tolerance) else ""
+    return [f"{cannot_turn(axis, 'tool', held)}; {_degrees(impossible)} of the rotation are missing"]
+
+
+def _missing_rotation(solution: IKResult) -> list[str]:
+    """The missing rotation and why, larger part first."""
+    prevented, impossible = split_rotation(solution, solution.theta)[1], _impossible(solution, solution.theta)
+    limits = [f"{_degrees(prevented)} of the rotation are prevented by limits or reach"]
+    limits = limits if prevented > NEGLIGIBLE else []
+    lines = [*impossible, *limits] if solution.stop is StopReason.IMPOSSIBLE_DIRECTION else [*limits, *impossible]
+    return lines or [f"{_degrees(solution.orientation_error)} of the rotation are missing"]
+
+
+def split_rotation(solution: IKResult, theta: Array) -> tuple[float, float, Array]:
+    """The rotation error [rad] at theta (n,) with the position held, split: beyond all joints, the rest, the axis (3,).
+
+    The axis, in tool axes, is that of the part beyond all joints. The compiled core splits the error
+    (core/include/twistarm/ik/reason.hpp). Rotation rows times the null space of the position rows span what can be
+    undone. Without the core both parts are 0.
+    """
+    chain, target = solution.arm.compiled, solution.target
+    found = None if chain is None else chain.split_rotation(target.kind, target.numbers, theta)
+    return (0.0, 0.0, np.zeros(3)) if found is None else (float(found[0]), float(found[1]), found[2:])
+
+
+def _length(metres: float) -> str:
+    return f"{metres:.3f} m" if metres >= 0.1 else f"{1e3 * metres:.3g} mm"
+
+
+def _degrees(radians: float) -> str:
+    degrees = math.degrees(radians)
+    return f"{degrees:.1f}°" if degrees >= 0.1 else f"{degrees:.2g}°"

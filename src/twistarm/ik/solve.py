@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from ..arm.arm import Arm, require_arm
 from . import textbook
 from .certainty import settled
+from .collision_free import collision_free
 from .deadline import Deadline
 from .request import checked, named
 from .solution import IKResult
@@ -71,7 +72,6 @@ def solve_ik(
     """
     if scene is not None:
         from ..collision import require_scene
-        from .collision_free import collision_free
 
         require_scene(scene, arm)
         first = solve_ik(

@@ -10,7 +10,7 @@ import numpy as np
 from ..arm.arm import Arm
 from ..collision import Scene
 from ..ik import solve_ik
-from ..ik.explain import in_one_line
+from ..ik.solution import in_one_line
 from ..ik.targets import KINDS
 from ..support.checks import Array
 from ..support.errors import NotConvergedError

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..arm.arm import Arm
-from ..ik.explain import in_one_line
+from ..ik.solution import in_one_line
 from ..ik.solve import solve_ik
 from ..ik.targets import KINDS, AnyTarget, Approach, Pose, Position, shape_hint, target_for
 from ..ik.task_space import Tolerances

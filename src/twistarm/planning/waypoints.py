@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm
-from ..ik.explain import in_one_line
+from ..ik.solution import in_one_line
 from ..ik.solve import solve_ik
 from ..ik.targets import KINDS as TARGETS
 from ..ik.targets import TargetLike
