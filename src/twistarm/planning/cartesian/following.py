@@ -113,7 +113,8 @@ def _too_far(arm: Arm, moving: MovingTarget, path: JointPath) -> Flags:
         [RESERVE * POSITION_TOL, RESERVE * ANGLE_TOL], [moving.tolerances.position, moving.tolerances.orientation]
     )
     far = np.stack(moving.errors(s, arm.fk(path(s))), axis=1) > allowed
-    return far.reshape(len(h), -1).any(axis=1)
+    somewhere: Flags = far.reshape(len(h), -1).any(axis=1)
+    return somewhere
 
 
 def _outside(arm: Arm, path: JointPath) -> Flags:
