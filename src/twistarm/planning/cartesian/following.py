@@ -106,15 +106,14 @@ def _too_far(arm: Arm, moving: MovingTarget, path: JointPath) -> Flags:
     """Tell in which pieces (m,) the tool is too far from the curve at a check point."""
     starts, h = path.breakpoints[:-1], np.diff(path.breakpoints)
     count = int(np.clip(MOST_CHECKS // len(h), FEWEST_CHECKS, CHECKS))
-    s = (
-        starts[:, None] + h[:, None] * np.arange(1, count) / count
-    ).ravel()  # the samples themselves meet their targets
+    inside = np.arange(1, count) / count  # at the ends of pieces are samples, which meet their targets
+    s = (starts[:, None] + h[:, None] * inside).ravel()
     allowed = np.maximum(
         [RESERVE * POSITION_TOL, RESERVE * ANGLE_TOL], [moving.tolerances.position, moving.tolerances.orientation]
     )
     far = np.stack(moving.errors(s, arm.fk(path(s))), axis=1) > allowed
-    somewhere: Flags = far.reshape(len(h), -1).any(axis=1)
-    return somewhere
+    far_in: Flags = np.logical_or.reduce(far.reshape(len(h), -1), axis=1)
+    return far_in
 
 
 def _outside(arm: Arm, path: JointPath) -> Flags:
