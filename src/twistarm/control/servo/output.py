@@ -134,17 +134,17 @@ class ServoOutput(Brief):
         return min(max(share, 0.0), 1.0)
 
     @classmethod
-    def stale(cls, theta_dot: Array, why: str) -> ServoOutput:
+    def stale(cls, theta_dot: Array, reason: str) -> ServoOutput:
         """The output of a step that had no usable command or state.
 
         Args:
             theta_dot: Rates (n,) [rad/s, m/s].
-            why: The explanation, in words.
+            reason: The reason, in words.
 
         Returns:
             The output, with reason and status STALE.
         """
-        return cls(theta_dot, ServoReason.STALE, 0.0, _NOTHING_LOST, 0.0, None, (0.0, 0.0), _why=why)
+        return cls(theta_dot, ServoReason.STALE, 0.0, _NOTHING_LOST, 0.0, None, (0.0, 0.0), _why=reason)
 
     @classmethod
     def of(cls, step: CoreStep, bounds: ServoBounds, asked: StepRequest, contact: Contact | None) -> ServoOutput:
