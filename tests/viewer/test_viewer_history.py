@@ -123,7 +123,7 @@ OTHERS: dict[str, Callable[[Stage], Any]] = {
 @pytest.mark.parametrize("other", OTHERS)
 def test_whatever_else_moves_the_arm_ends_the_way_to_a_pose(stage: Stage, other: str) -> None:
     ask(stage, "theta", theta=list(HOME))
-    done(ask(stage, "plan", kind="cubic", stop=False))
+    done(ask(stage, "plan", kind="s_curve", stop=False))
     ask(stage, "go", id=said(stage, "program")["poses"][1]["id"], ease=True)
     stage.advance(0.2)
     there = {"joint": np.array([0.11, *stage.theta[1:]]), "undo": HOME}.get(other, stage.theta)

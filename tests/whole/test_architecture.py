@@ -152,7 +152,6 @@ VIEWER_FLOORS = (
 UPPER_CIRCLES = (
     {"ik/batch.py", "ik/collision_free.py", "ik/solve.py"},
     {"ik/explain.py", "ik/solution.py"},
-    {"planning/trajectory.py", "planning/files"},
     {"viewer/server"},
     {"viewer/stage.py", "viewer/parts"},
 )
