@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from ...arm.arm import Arm
 from ...support.checks import Array
-from ..bernstein import bernstein
 from ..joint_path import JointPath
-from ..piecewise import extremes
+from ..piecewise import bernstein, extremes
 from ..spline import unforced
 from ..tolerances import leeway
 from ..within import POSITION_TOL as ROUNDING
