@@ -144,7 +144,7 @@ VIEWER_FLOORS = (
     ("stage", "draw"),
     ("parts",),
     ("protocol", "scene"),
-    ("page_files",),
+    ("page_files", "memo"),
 )
 """The rooms and modules of the view, top to bottom."""
 
@@ -153,8 +153,6 @@ UPPER_CIRCLES = (
     {"ik/batch.py", "ik/collision_free.py", "ik/solve.py"},
     {"ik/explain.py", "ik/solution.py"},
     {"planning/trajectory.py", "planning/files"},
-    {"viewer/server"},
-    {"viewer/stage.py", "viewer/parts"},
 )
 """Files or folders of upper rooms that may import each other for types, or late. No other module may."""
 

@@ -6,7 +6,6 @@ import threading
 import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ...arm.arm import Arm
 from ...description.document import noted_files
@@ -14,10 +13,7 @@ from ...support.errors import one_line
 from ...support.files import as_paths, stamp
 from ...support.interrupts import Closeable
 from ...support.path_redaction import without_places
-from ..stage import Stage
-
-if TYPE_CHECKING:
-    from .server import Server
+from .server import Server
 
 PERIOD = 0.25
 """Time between two looks at the files [s]. A look costs a microsecond or two for each file and needs no library. It
@@ -87,10 +83,7 @@ class Watch(Closeable):
                 arm = self._load()
             files |= meshes_of(arm)
             if not self._closed.is_set():
-                self._tell(
-                    "; ".join(["loaded again", *self._server.exchange(Stage(arm), self._server.scene.successor(arm))]),
-                    wrong=False,
-                )
+                self._tell("; ".join(["loaded again", *self._server.exchange(arm)]), wrong=False)
         except Exception as error:
             if self._server.stage.driven:  # since a moment ago
                 self._wait()
