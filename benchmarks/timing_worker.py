@@ -4,12 +4,12 @@ It reads one JSON object per line and answers with one line each, as `worker.py`
 
   {"do": "along", "breakpoints", "coefficients", "velocity", "acceleration", "grid"}   {"duration", "excess", "ns"}
   {"do": "to", "way", "velocity", "acceleration", "jerk"}                             {"duration", "ns"}
-  {"do": "through", "waypoints", "velocity", "acceleration", "starts"}                {"duration", "excess", "ns"}
+  {"do": "through", "waypoints", "velocity", "acceleration"}                          {"duration", "excess", "ns"}
   {"do": "line", "seed", "arm", "length"}                                             {"duration", "ns"}
 
-`grid` is the number of intervals, or null for an automatic grid. `starts` is the number of a long search's starts, 0
-for the library. `excess` is the largest excess over a limit, as a part of it. The library's own evaluation gives it, at
-20 times as many instants as the result has pieces. `ns` is the least of several calls.
+`grid` is the number of intervals, or null for an automatic grid. `excess` is the largest excess over a limit, as a part
+of it, by the library's own evaluation at 20 times as many instants as the result has pieces. `ns` is the least of
+several calls.
 """
 
 from __future__ import annotations
@@ -79,16 +79,11 @@ def twistarm_to(asked: Asked) -> Answer:
 def twistarm_through(asked: Asked) -> Answer:
     from twistarm import arm_from_screws, plan_joint
 
-    if asked["starts"]:
-        from .long_search import fastest_quintic
-
-        found, ns = timed(lambda: fastest_quintic(asked), calls=1)
-        return {"duration": found, "ns": ns}
     n = len(asked["velocity"])
     names = [f"joint{i + 1}" for i in range(n)]
     given = {rate: dict(zip(names, asked[rate], strict=True)) for rate in ("velocity", "acceleration")}
     arm = arm_from_screws(np.eye(6)[:, [5] * n], np.eye(4), joints=names, limits=given)
-    motion, ns = timed(lambda: plan_joint(arm, asked["waypoints"], kind="quintic"))
+    motion, ns = timed(lambda: plan_joint(arm, asked["waypoints"], kind="time_optimal"))
     t = np.linspace(0.0, motion.duration, 20 * len(motion.breakpoints))
     return {"duration": motion.duration, "ns": ns, "excess": excess((motion(t, 1), motion(t, 2)), asked)}
 

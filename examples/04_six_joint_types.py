@@ -59,7 +59,7 @@ with tempfile.TemporaryDirectory() as scratch:
         assert worst < 1e-12
 
         bounds = {"velocity": 2.0, "acceleration": 4.0}
-        motion = plan_joint(arm, [np.zeros(arm.n), farthest[kind]], kind="quintic", limits=bounds)
+        motion = plan_joint(arm, [np.zeros(arm.n), farthest[kind]], limits=bounds)
         theta = motion(np.linspace(0.0, motion.duration, 200))
         assert claim(kind, theta, arm.fk(theta)[:, :3, 3])
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from twistarm import load_arm, load_trajectory, plan_joint
+from twistarm import load_arm, load_trajectory, plan_joint, save_trajectory
 from twistarm.control.stream import Ending, FollowControl, FollowCycle, SimulatedJoints, follow
 
 LATENCY, PERIOD = 0.05, 0.01  # s: of the drives, of the loop
@@ -15,8 +15,8 @@ LATENCY, PERIOD = 0.05, 0.01  # s: of the drives, of the loop
 arm = load_arm("rover_arm")
 goal = arm.ready + [0.2, 0.3, -0.4, 0.2, 1.0]
 with tempfile.TemporaryDirectory() as folder:  # as it would come to the robot: in a file
-    planned = plan_joint(arm, [arm.ready, goal], kind="quintic")
-    motion = load_trajectory(arm, planned.to_csv(Path(folder) / "motion.csv"))
+    planned = plan_joint(arm, [arm.ready, goal])
+    motion = load_trajectory(arm, save_trajectory(planned, Path(folder) / "motion.csv"))
 
 
 def followed(pause: float = np.inf, feedback_ends: float = np.inf) -> tuple[Any, ...]:

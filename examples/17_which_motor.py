@@ -5,7 +5,7 @@ from twistarm import load_arm, payload, plan_joint
 MASS, TORQUE, SPEED, EFFICIENCY = 2.0, 0.6, 300.0, 0.7  # kg; the motor's N m and rad/s; the gear's share
 
 arm = load_arm("rover_arm")
-motion = plan_joint(arm, ["stowed", "reach", "ready"], kind="quintic")
+motion = plan_joint(arm, ["stowed", "reach", "ready"])
 held = payload(arm, motion)
 needs = held.needs(MASS)
 assert (needs.share < 1.0).all()

@@ -4,15 +4,15 @@ import numpy as np
 
 from twistarm import arm_from_screws
 
-KINDS = ("cubic", "quintic", "trapezoid")
-WAYS = [(kind, stop) for kind in KINDS for stop in (False, True)]
-STRAIGHT = [way for way in WAYS if way[1] or way[0] == "trapezoid"]
+LAWS, SPLINES = ("s_curve", "time_optimal"), ("cubic", "quintic")
+WAYS = [(law, stop) for law in LAWS for stop in (False, True)]
+TIMED = [(kind, stop) for kind in SPLINES for stop in (False, True)]
 
 RATE = 1e-9
 """Relative excess over a rate limit that is rounding: what the planner promises."""
 
-MET = 1e-9
-"""Relative: a limit that is met exactly, but for the planner's own margin of 1e-10 per power of time."""
+MET = 1e-3
+"""Relative: a limit that is met, but for the grid of a time-optimal law."""
 
 PASSES = 1e-9
 """A waypoint is passed to the rounding of a spline's solution [rad, m]."""
@@ -44,6 +44,9 @@ def with_rates(arm, **changes):
     return arm.limits.with_(RATES | changes, arm.joint_names)
 
 
-def use(motion, limits):
-    """The largest part of a velocity or acceleration limit that the motion uses."""
-    return max((motion.peak(1) / limits.velocity).max(), (motion.peak(2) / limits.acceleration).max())
+def use(motion, limits, kind="time_optimal"):
+    """The largest part of a limit that the motion uses. Only an s-curve limits the jerk, by default to a in 0.1 s."""
+    rates = [limits.velocity, limits.acceleration]
+    if kind == "s_curve":
+        rates.append(np.where(np.isinf(limits.jerk), limits.acceleration / 0.1, limits.jerk))
+    return max((motion.peak(order) / rate).max() for order, rate in enumerate(rates, start=1))

@@ -39,8 +39,6 @@ NB_MODULE(_core, module) {
     module.def("task", &bindings::task, nb::arg().none(), nb::arg().none(), nb::arg());
     module.def("path_velocity", &bindings::path_velocity, nb::arg().none(), nb::arg().none(), nb::arg().none(),
                nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg());
-    module.def("shortest_spline", &bindings::shortest_spline, nb::arg().none(), nb::arg().none(), nb::arg().none(),
-               nb::arg().none(), nb::arg().none(), nb::arg());
     bindings::OneAnswer::define(module);
     bindings::AllAnswers::define(module);
     nb::class_<Chain>(module, "Chain")

@@ -74,6 +74,7 @@ from .planning import load_motion as load_motion
 from .planning import load_trajectory as load_trajectory
 from .planning import plan as plan
 from .planning import plan_joint as plan_joint
+from .planning import save_trajectory as save_trajectory
 from .support.errors import ComparisonError as ComparisonError
 from .support.errors import DescriptionError as DescriptionError
 from .support.errors import InputError as InputError

@@ -46,14 +46,6 @@ def path_velocity(
     None for what is no plain array, and for paths of more rows or of a higher degree than the core takes.
     """
 
-def shortest_spline(
-    way: object, velocity: object, acceleration: object, jerk: object, durations: object, degree: int, /
-) -> Array | None:
-    """Durations (s,), but for a factor of all, of a spline of the ways (s, r) of that degree, near those given (s,).
-
-    None for what is no plain array, and for other degrees than 3 and 5.
-    """
-
 class AllAnswers(Found):
     """The fields of `AllAnswers` in `ik/all_solutions.py`, and two more.
 

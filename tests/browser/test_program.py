@@ -97,7 +97,7 @@ def test_poses_are_recorded_gone_to_planned_and_played(page: Any, arm: Arm, view
     assert shown(page)["theta"] == viewer.recorded["over the box"].tolist()
     assert_array_equal(viewer.recorded["over the box"], thetas[1])
 
-    plan(page, "cubic")
+    plan(page, "s_curve")
     motion = plan_joint(arm, thetas, limits=with_defaults(arm))
     assert not shown(page)["running"]
     assert shown(page)["theta"] == thetas[0].tolist()
@@ -167,8 +167,9 @@ def test_the_list_is_edited_by_keyboard_and_mouse_on_two_pages(page: Any, other:
     page.keyboard.type("me")
     page.keyboard.press("Enter")
     until_listed(other, ["half a name", "c"])
-    plan(page, "trapezoid")
-    until(other, "document.getElementById('plan-kind').value === 'trapezoid'")  # of all pages
+    page.get_by_label("Round corners within").fill("0")
+    plan(page, "time_optimal")
+    until(other, "document.getElementById('plan-kind').value === 'time_optimal'")  # of all pages
     assert "straight in joint space" in other.locator("#program-note").text_content()
     other.get_by_label("Kind of motion").select_option("quintic")
     assert other.locator("#program-note").inner_text() == "The motion was planned with other settings: plan again."
@@ -176,7 +177,7 @@ def test_the_list_is_edited_by_keyboard_and_mouse_on_two_pages(page: Any, other:
     duration = other.evaluate("twistarm.parts.player.duration")
     for each in (page, other):  # the arm stood there already: no frame told of it
         until(each, f"document.getElementById('time').textContent === '0.00 / {duration:.2f} s'")
-    plan(page, "trapezoid")
+    plan(page, "time_optimal")
     page.get_by_role("button", name="Move down half a name").click()
     until(other, "document.getElementById('program-note').textContent.includes('plan again')")
     assert_one_player(page, other)
@@ -203,8 +204,8 @@ def test_a_plot_is_clicked_to_seek_and_hovered_to_read(page: Any, arm: Arm, view
     thetas = postures(arm, 3)
     for theta in thetas:
         record(page, viewer, theta)
-    plan(page, "quintic")
-    motion = plan_joint(arm, thetas, kind="quintic", limits=with_defaults(arm))
+    plan(page, "time_optimal")
+    motion = plan_joint(arm, thetas, kind="time_optimal", limits=with_defaults(arm))
     velocity = page.locator(".plot").nth(1)
     box = velocity.bounding_box()
     page.mouse.click(box["x"] + 46 + 0.4 * (box["width"] - 56), box["y"] + 60)
@@ -325,12 +326,12 @@ def test_a_list_is_saved_and_loaded_and_the_motion_exported(
     assert page.evaluate("twistarm.parts.program.poses.map(({ by }) => by)") == ["joint", "joint", "screw"]
     moves[2].select_option("joint")
 
-    plan(page, "trapezoid")
+    plan(page, "time_optimal")
     with page.expect_download() as exporting:
         page.get_by_role("link", name="CSV").click()
     assert exporting.value.suggested_filename == "rover_arm_motion.csv"
     exporting.value.save_as(tmp_path / "motion.csv")
-    motion = plan_joint(arm, thetas, kind="trapezoid", limits=with_defaults(arm))
+    motion = plan_joint(arm, thetas, kind="time_optimal", limits=with_defaults(arm))
     assert load_trajectory(arm, tmp_path / "motion.csv").duration == motion.duration
 
 
@@ -449,19 +450,10 @@ def test_a_pose_is_kept_in_the_arms_own_file_by_a_button_that_names_it(page: Any
     assert load_arm(file).named_states["flat"].tolist() == [0.0] * 5
 
 
-def test_kinds_that_the_moves_do_not_allow_are_greyed_and_no_radius_stops(page: Any, arm: Arm, viewer: Viewer) -> None:
+def test_no_radius_stops(page: Any, arm: Arm, viewer: Viewer) -> None:
     open_poses(page, viewer)
     for theta in postures(arm, 2):
         record(page, viewer, theta)
-    kind, run = page.get_by_label("Kind of motion"), page.get_by_role("button", name="Plan", exact=True)
-    kind.select_option("cubic")
-    assert run.is_enabled()
-    page.get_by_label("Move to pose 2").select_option("line")
-    until(page, "document.querySelector('#plan-kind [value=cubic]').disabled")
-    assert run.is_disabled()
-    assert "joint moves alone" in page.locator("#program-note").inner_text()
-    page.get_by_label("Move to pose 2").select_option("joint")
-    until(page, "!document.querySelector('#plan-kind [value=cubic]').disabled")
     page.get_by_label("Round corners within").fill("0")
-    run.click()
+    page.get_by_role("button", name="Plan", exact=True).click()
     until(page, "twistarm.parts.program.asked?.stop === true")

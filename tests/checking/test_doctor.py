@@ -95,7 +95,7 @@ REAL = {
 REFUSED = {
     "kortex_description/robots/gen3_lite_gen3_lite_2f.xacro": ({}, "xacro-failed", 'Invalid parameter "gripper"'),
     "kortex_description/robots/gen3.xacro": ({}, "xacro-failed", "arms/gen3/dof/"),
-    "annin_ar4_description/urdf/ar.urdf.xacro": ({}, "xacro-arguments", "uses ar_model, which has no default"),
+    "annin_ar4_description/urdf/ar.urdf.xacro": ({}, "xacro-arguments", "ar_model"),
     "annin_ar4_description/urdf/ar_gazebo.urdf.xacro": (
         {"xacro_args": {"ar_model": "mk3"}}, "package-needed-not-found", "annin_ar4_driver"
     ),

@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 from test_cli import PROGRAM, Capture, error_of, printed
-from twistarm import load_arm, load_trajectory, plan_joint
+from twistarm import load_arm, load_trajectory, plan_joint, save_trajectory
 from twistarm.cli.application import run
 from twistarm.control.stream import Cycle
 from twistarm.control.stream import run as stream
@@ -187,9 +187,9 @@ def test_options_reach_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(scope="module")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     arm = load_arm("rr_planar")
-    motion = plan_joint(arm, [[0.3, 0.8], [0.6, 0.4]], kind="quintic", limits={"velocity": 1.0, "acceleration": 4.0})
+    motion = plan_joint(arm, [[0.3, 0.8], [0.6, 0.4]], limits={"velocity": 1.0, "acceleration": 4.0})
     motion = replace(motion, labels=((0.1, "close gripper"),))
-    return motion.to_json(tmp_path_factory.mktemp("follow") / "motion.json")
+    return save_trajectory(motion, tmp_path_factory.mktemp("follow") / "motion.json")
 
 
 def test_simulated_joints_follow_it_to_its_end(capsys: Capture, file: Path, tmp_path: Path) -> None:

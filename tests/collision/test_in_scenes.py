@@ -24,6 +24,7 @@ from twistarm import (
     load_arm,
     plan,
     plan_joint,
+    save_trajectory,
     solve_ik,
     solve_ik_all,
     solve_ik_batch,
@@ -224,7 +225,7 @@ def test_assert_free_names_time_and_pair(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text('[[box]]\nname = "wall"\nsize = [0.2, 2, 4]\nxyz = [0, 0, -1]', "utf-8")
     for x, free in ((0.3, True), (0.15, False)):
         motion = plan_joint(arm, [[1.0, 0.0], [x, 0.0]])
-        motion.to_csv(tmp_path / "motion.csv")
+        save_trajectory(motion, tmp_path / "motion.csv")
         for each in (motion, tmp_path / "motion.csv"):
             assert_free(arm, each)
             if free:

@@ -98,7 +98,7 @@ def test_what_was_driven_by_hand_is_followed_again(rover, robot, clock, recorded
 
 
 def test_the_labels_of_a_followed_motion_are_recorded(rover, robot, clock, tmp_path):
-    motion = plan_joint(rover, [rover.ready, rover.ready + 0.1], kind="quintic")
+    motion = plan_joint(rover, [rover.ready, rover.ready + 0.1])
     motion = replace(motion, labels=((0.2, "close gripper"),))
     with Recorder(rover, tmp_path / "run.mcap", robot) as recorder:
         assert follow(rover, motion, recorder, robot, clock=clock, on_cycle=recorder).completed

@@ -21,7 +21,7 @@ EXACT = 1 + 1e-6
 def motion(rover):
     """Bang-bang: at each moment a joint accelerates or brakes at its limit, which is where clocks break limits."""
     way = [rover.ready, rover.ready + [0.1, 0.3, -0.4, 0.2, 1.0], rover.ready + [-0.1, 0.1, -0.6, -0.3, -1.0]]
-    return plan_joint(rover, way, kind="trapezoid")
+    return plan_joint(rover, way, kind="time_optimal", stop_at_waypoints=True)
 
 
 def told(robot):
@@ -71,7 +71,7 @@ def test_it_is_followed_as_it_was_planned(rover, motion, robot, clock):
 def test_however_it_is_paused_and_slowed_the_limits_hold_and_it_stays_on_its_path(name):
     arm, rng = load_arm(name, limits={"velocity": 1.0, "acceleration": 2.0}), np.random.default_rng(5)
     way, waited = [arm.ready, *(arm.ready + 0.4 * (arm.random_theta(rng, 2) - arm.ready))], []
-    for kind, speed in (("trapezoid", 1.0), ("cubic", 0.6)):
+    for kind, speed in (("time_optimal", 1.0), ("s_curve", 0.6)):
         motion = plan_joint(arm, way, kind=kind)
         clock, control = FakeClock(late={40: 3 * PERIOD, 90: 7 * PERIOD}), FollowControl()
         robot, asked = Robot(arm.ready, clock), [0.0]

@@ -112,7 +112,7 @@ def test_the_limit_is_met_exactly_and_not_passed(name: str) -> None:
 
 
 def test_along_a_motion_jumps_of_the_acceleration_count(rover: twistarm.Arm) -> None:
-    motion = plan_joint(rover, ["stowed", "ready"], kind="trapezoid")
+    motion = plan_joint(rover, ["stowed", "ready"], kind="time_optimal")
     found = payload(rover, motion)
     assert found.t is not None
     assert found.mass.shape == found.t.shape

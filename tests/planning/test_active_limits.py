@@ -21,10 +21,10 @@ def gantry() -> Arm:
     return replace(arm_of("two"), limits=JointLimits.unbounded(2))
 
 
-@pytest.mark.parametrize("kind", ["trapezoid", "time_optimal"])
-def test_a_line_is_bound_by_acceleration_velocity_acceleration(gantry, kind):
+@pytest.mark.parametrize("stop", [False, True])
+def test_a_line_is_bound_by_acceleration_velocity_acceleration(gantry, stop):
     """Lynch & Park §9.2.2.2: V/A to come to full speed, as long to stop, the rest of the way at V."""
-    motion = plan_joint(gantry, [[0, 0], [3.0, 1.5]], kind=kind, limits=LIMITS)
+    motion = plan_joint(gantry, [[0, 0], [3.0, 1.5]], kind="time_optimal", limits=LIMITS, stop_at_waypoints=stop)
     found = active_limits(gantry, motion, limits=LIMITS)
     assert [each.describe() for each in found] == [
         "acceleration of joint 'x'",

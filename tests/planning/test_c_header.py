@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 
 from test_export import with_motors
 from test_trajectory import motion, standstill
-from twistarm import plan_joint
+from twistarm import plan_joint, save_trajectory
 from twistarm.cli.application import run
 from twistarm.support.errors import InputError
 
@@ -56,7 +56,7 @@ def compilers():
 
 def compiled(folder, language, *defines):
     (folder / "program.txt").write_text(PROGRAM)
-    standstill().to_header(folder / "other-1.h")
+    save_trajectory(standstill(), folder / "other-1.h")
     (folder / "other-1.h").rename(folder / "other_1.h")
     command = [*language, *WARNINGS, *defines, f"-I{folder}", str(folder / "program.txt"), "-o", str(folder / "run")]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
@@ -82,9 +82,9 @@ def instants(trajectory):
 @pytest.mark.parametrize("language", [C99, CPP17], ids=["C99", "C++17"])
 def test_in_double_it_is_the_trajectory(rover, tmp_path, language):
     way = [rover.ready, rover.ready + [0.1, 0.3, -0.4, 0.2, 1.0], rover.ready]
-    planned = plan_joint(rover, way, kind="quintic", limits={"acceleration": 2.0})
+    planned = plan_joint(rover, way, limits={"acceleration": 2.0})
     planned = replace(planned, labels=((0.5, 'close "it" ü */ ??/'), (1.0, "\\n%s")))
-    planned.to_header(tmp_path / "motion.h")
+    save_trajectory(planned, tmp_path / "motion.h")
     t = instants(planned)
     values, words = compiled(tmp_path, language, "-DLABELS")(t, rover.n)
     for order, value in enumerate(values):
@@ -94,7 +94,7 @@ def test_in_double_it_is_the_trajectory(rover, tmp_path, language):
 
 def test_in_single_precision_and_in_what_drives_count(tmp_path):
     arm, planned = with_motors()
-    planned.to_header(tmp_path / "motion.h", counts=True)
+    save_trajectory(planned, tmp_path / "motion.h", counts=True)
     t = instants(planned)
     values, words = compiled(tmp_path, C99, "-DTWISTARM_REAL=float")(t, 3)
     motors = planned.to_motors()
@@ -105,17 +105,17 @@ def test_in_single_precision_and_in_what_drives_count(tmp_path):
 
 
 def test_nan_is_the_start_and_a_motion_of_one_piece_compiles(tmp_path):
-    motion().to_header(tmp_path / "motion.h")
+    save_trajectory(motion(), tmp_path / "motion.h")
     values, _ = compiled(tmp_path, C99)(np.array([np.nan, 1.0]), 2)
     assert values[:, 0].tolist() == [[0.0, 0.0]] * 3
     assert_allclose(values[0, 1], motion()(1.0), atol=1e-12)
 
 
 def test_what_cannot_be_a_header(tmp_path):
-    with pytest.raises(InputError, match=r"a header is named \*.h, \*.hpp, .*; got .*motion.c"):
-        motion().to_header(tmp_path / "motion.c")
+    with pytest.raises(InputError, match=r"a motion is written to \*.csv, .*; got .*motion.c"):
+        save_trajectory(motion(), tmp_path / "motion.c")
     with pytest.raises(InputError, match="this trajectory knows no motors"):
-        motion().to_header(tmp_path / "motion.h", counts=True)
+        save_trajectory(motion(), tmp_path / "motion.h", counts=True)
     assert list(tmp_path.iterdir()) == []
 
 

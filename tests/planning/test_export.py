@@ -8,14 +8,14 @@ import pytest
 
 from catalogue import load
 from test_trajectory import motion
-from twistarm import Actuators, load_trajectory, plan_joint
+from twistarm import Actuators, load_trajectory, plan_joint, save_trajectory
 from twistarm.planning import Trajectory
 from twistarm.support.errors import InputError
 
 
 def test_csv_has_a_column_per_joint_and_rate_and_reads_back_exactly(tmp_path):
     trajectory = replace(motion(), joint_names=("slide", "elbow, left"), units=("m", "rad"))
-    path = trajectory.to_csv(tmp_path / "a.csv", dt=0.3)
+    path = save_trajectory(trajectory, tmp_path / "a.csv", dt=0.3)
     with open(path, newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
     assert header == [
@@ -33,7 +33,7 @@ def test_csv_has_a_column_per_joint_and_rate_and_reads_back_exactly(tmp_path):
 
 def test_json_is_a_joint_trajectory(tmp_path):
     trajectory = motion()
-    message = json.loads(trajectory.to_json(tmp_path / "a.json", dt=0.3).read_text())
+    message = json.loads(save_trajectory(trajectory, tmp_path / "a.json", dt=0.3).read_text())
     assert list(message) == ["joint_names", "points"]
     assert message["joint_names"] == ["joint1", "joint2"]
     t, *values = trajectory.sample(0.3)
@@ -49,19 +49,19 @@ def test_json_is_a_joint_trajectory(tmp_path):
 
 
 def test_a_failure_leaves_what_was_there(tmp_path, monkeypatch):
-    path = tmp_path / "a"
+    path = tmp_path / "a.csv"
     path.write_text("old")
     monkeypatch.setattr(os, "replace", lambda *_: (_ for _ in ()).throw(OSError(5, "Input/output error")))
     with pytest.raises(InputError, match=r"cannot write .*: Input/output error"):
-        motion().to_csv(path)
+        save_trajectory(motion(), path)
     assert path.read_text() == "old"
-    assert os.listdir(tmp_path) == ["a"]
+    assert os.listdir(tmp_path) == ["a.csv"]
 
 
 def test_json_refuses_steps_below_a_nanosecond(tmp_path):
     line = Trajectory(("a",), ("m",), [[0.0], [1.0]], [0.0, 1e-8], [0.0, 1e-8], np.array([1e8, 0.0])[:, None, None])
     with pytest.raises(InputError, match=r"dt = 2e-10 s is too short for JointTrajectory.* nanoseconds"):
-        line.to_json(tmp_path / "a.json", 2e-10)
+        save_trajectory(line, tmp_path / "a.json", dt=2e-10)
     assert os.listdir(tmp_path) == []
 
 
@@ -70,7 +70,7 @@ LABELS = ((0.0, "=1+1"), (0.9, "close gripper"), (0.9, "blow"), (1.0, "lift, slo
 
 def test_labels_stand_in_rows_at_their_times(tmp_path):
     trajectory = replace(motion(), labels=LABELS)
-    with open(trajectory.to_csv(tmp_path / "a.csv", dt=0.3), newline="", encoding="utf-8") as file:
+    with open(save_trajectory(trajectory, tmp_path / "a.csv", dt=0.3), newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
     assert header[-2:] == ["label", "label"]
     assert {float(row[0]): row[-2:] for row in rows if row[-2] or row[-1]} == {
@@ -79,7 +79,7 @@ def test_labels_stand_in_rows_at_their_times(tmp_path):
     t = np.array([float(row[0]) for row in rows])
     assert sorted({*np.round(trajectory.sample(0.3).t, 9), 1.0}) == np.round(t, 9).tolist()
     assert np.array_equal(np.array([row[1:-2] for row in rows], float)[:, 0], trajectory(t)[:, 0])
-    message = json.loads(trajectory.to_json(tmp_path / "a.json", dt=0.3).read_text())
+    message = json.loads(save_trajectory(trajectory, tmp_path / "a.json", dt=0.3).read_text())
     assert [(label["time"], label["text"]) for label in message["labels"]] == list(LABELS)
 
 
@@ -111,10 +111,12 @@ def by_hand(theta, theta_dot):
 def test_the_motors_columns_follow_the_joints(tmp_path):
     arm, trajectory = with_motors()
     trajectory = replace(trajectory, limits=None)
-    path = trajectory.to_csv(tmp_path / "a.csv", dt=0.1)
+    path = save_trajectory(trajectory, tmp_path / "a.csv", dt=0.1)
     with open(path, newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
-    assert header[:16] == next(csv.reader(plain(trajectory).to_csv(tmp_path / "b.csv").open(encoding="utf-8")))
+    assert header[:16] == next(
+        csv.reader(save_trajectory(plain(trajectory), tmp_path / "b.csv").open(encoding="utf-8"))
+    )
     assert header[16:] == [
         "shoulder.motor_position [rad]", "shoulder.motor_velocity [rad/s]", "shoulder.counts [deg]",
         "shoulder.counts_rate [deg/s]",
@@ -133,8 +135,8 @@ def test_the_motors_columns_follow_the_joints(tmp_path):
 
 def test_the_motors_stand_beside_the_points_of_a_joint_trajectory(tmp_path):
     arm, trajectory = with_motors()
-    message = json.loads(trajectory.to_json(tmp_path / "a.json", dt=0.1).read_text())
-    without = json.loads(plain(trajectory).to_json(tmp_path / "b.json", dt=0.1).read_text())
+    message = json.loads(save_trajectory(trajectory, tmp_path / "a.json", dt=0.1).read_text())
+    without = json.loads(save_trajectory(plain(trajectory), tmp_path / "b.json", dt=0.1).read_text())
     motors = message.pop("motors")
     assert message == without
     assert motors["names"] == ["shoulder", "left", "right"]
@@ -144,7 +146,7 @@ def test_the_motors_stand_beside_the_points_of_a_joint_trajectory(tmp_path):
     keys = ("positions", "velocities", "counts", "counts_rates")
     for key, expected in zip(keys, by_hand(theta, theta_dot), strict=True):
         assert np.allclose([point[key] for point in motors["points"]], expected, rtol=1e-12, atol=1e-12)
-    given = plain(trajectory).to_json(tmp_path / "c.json", dt=0.1, actuators=arm.actuators)
+    given = save_trajectory(plain(trajectory), tmp_path / "c.json", dt=0.1, actuators=arm.actuators)
     assert given.read_text() == (tmp_path / "a.json").read_text()
 
 
@@ -158,5 +160,5 @@ def test_actuators_of_other_joints_are_refused(tmp_path):
     with pytest.raises(
         InputError, match="actuators must drive the trajectory's joints, 'joint1', 'joint2', in this order"
     ):
-        motion().to_csv(tmp_path / "a.csv", actuators=arm.actuators)
+        save_trajectory(motion(), tmp_path / "a.csv", actuators=arm.actuators)
     assert os.listdir(tmp_path) == []

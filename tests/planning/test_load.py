@@ -12,16 +12,11 @@ import yaml
 from numpy.testing import assert_allclose, assert_array_equal
 
 from test_export import LABELS, plain, with_motors
-from twistarm import Actuators, load_arm, load_trajectory, plan_joint
+from twistarm import Actuators, load_trajectory, plan_joint, save_trajectory
 from twistarm.cli.application import run
-from twistarm.planning import Trajectory
 from twistarm.support.errors import InputError, LimitError
 
-WRITERS = {
-    ".csv": Trajectory.to_csv,
-    ".json": Trajectory.to_json,
-    ".mcap": lambda motion, path, *dt: motion.to_mcap(path, load_arm("rover_arm"), *dt),
-}
+ENDINGS = (".csv", ".json", ".mcap")
 RATES = {"velocity": 1.0, "acceleration": 2.0}
 
 
@@ -32,12 +27,12 @@ def motion(rover):
     return replace(planned, labels=tuple((time * planned.duration / 5.0, text) for time, text in LABELS))
 
 
-@pytest.mark.parametrize("ending", WRITERS)
-@pytest.mark.parametrize("kind", ["cubic", "quintic", "trapezoid"])
+@pytest.mark.parametrize("ending", ENDINGS)
+@pytest.mark.parametrize("kind", ["s_curve", "time_optimal"])
 def test_what_was_written_is_read_back(rover, motion, tmp_path, kind, ending):
     planned = plan_joint(rover, motion.waypoints, kind=kind, limits=RATES)
     planned = replace(planned, labels=((0.0, "open"), (1.0, "close"), (1.0, "-5 °C, \"now\": '…' \\"), (1.2345, "ü😀")))
-    read = load_trajectory(rover, WRITERS[ending](planned, tmp_path / f"motion{ending}", 0.02))
+    read = load_trajectory(rover, save_trajectory(planned, tmp_path / f"motion{ending}", dt=0.02, arm=rover))
     assert read.labels == planned.labels
     assert read.joint_names == planned.joint_names
     assert read.actuators is rover.actuators
@@ -50,20 +45,20 @@ def test_what_was_written_is_read_back(rover, motion, tmp_path, kind, ending):
             for rate, limit in RATES.items():
                 assert_array_equal(getattr(read.limits, rate), np.minimum(limit, getattr(planned.limits, rate)))
     between = np.linspace(0.0, planned.duration, 2001)
-    jump = 2.0 * rover.limits.acceleration.max() if kind == "trapezoid" else 2.0 * planned.peak(3).max() * 0.02
+    jump = 2.0 * rover.limits.acceleration.max() if kind == "time_optimal" else 2.0 * planned.peak(3).max() * 0.02
     assert np.abs(read(between) - planned(between)).max() <= jump * 0.02**2 / 32
 
 
-@pytest.mark.parametrize("ending", WRITERS)
+@pytest.mark.parametrize("ending", ENDINGS)
 def test_a_motion_of_no_length_is_read_back(rover, tmp_path, ending):
     still = plan_joint(rover, [rover.ready], limits=RATES)
-    assert load_trajectory(rover, WRITERS[ending](still, tmp_path / f"still{ending}")).duration == 0.0
+    assert load_trajectory(rover, save_trajectory(still, tmp_path / f"still{ending}", arm=rover)).duration == 0.0
 
 
 def test_a_file_for_the_firmware_alone(tmp_path):
     arm, planned = with_motors()
-    path = planned.to_csv(tmp_path / "firmware.csv", 0.05, counts=True)
-    whole = planned.to_csv(tmp_path / "whole.csv", 0.05)
+    path = save_trajectory(planned, tmp_path / "firmware.csv", dt=0.05, counts=True)
+    whole = save_trajectory(planned, tmp_path / "whole.csv", dt=0.05)
     with path.open(newline="") as counted, whole.open(newline="") as every:
         ours, theirs = csv.DictReader(counted), csv.DictReader(every)
         rows = list(ours)
@@ -72,7 +67,7 @@ def test_a_file_for_the_firmware_alone(tmp_path):
     with pytest.raises(InputError, match="the motors .* do not determine joint 'slide'"):
         load_trajectory(arm, path)
     with pytest.raises(InputError, match="this trajectory knows no motors"):
-        plain(planned).to_csv(tmp_path / "none.csv", counts=True)
+        save_trajectory(plain(planned), tmp_path / "none.csv", counts=True)
     assert not (tmp_path / "none.csv").exists()
 
 
@@ -84,7 +79,7 @@ def test_counts_are_read_back_where_the_motors_drive_every_joint(tmp_path):
     every = Actuators(("lift", "a", "b", "left", "right"), arm.joint_names, G, np.arange(5.0), units, ticks)
     arm = replace(arm, actuators=every)
     planned = plan_joint(arm, [arm.ready, arm.random_theta(2)], limits=RATES)
-    read = load_trajectory(arm, planned.to_csv(tmp_path / "counts.csv", 0.05, counts=True))
+    read = load_trajectory(arm, save_trajectory(planned, tmp_path / "counts.csv", dt=0.05, counts=True))
     assert_allclose(read(read.times), planned(read.times), atol=1e-12)
     assert_allclose(read(read.times, 1), planned(read.times, 1), atol=1e-12)
 
@@ -133,6 +128,10 @@ BAD_CSV = {
         "line 7: no arm moves so far or so fast; got",
     ),
     "beyond": (line(7, lambda text: ",".join([text.split(",")[0], "9", *text.split(",")[2:]])), "joint 'slide' at 9 m"),
+    "times in ms": (
+        lambda lines: lines[:1] + [f"{1e3 * float(each.split(',')[0])},{each.partition(',')[2]}" for each in lines[1:]],
+        "velocities mean .* times the change of the positions: check the unit of the times",
+    ),
     "a limit of 0": (line(2, lambda text: text.rsplit(",", 1)[0] + ",0"), "line 2: wrist_roll.acceleration_limit"),
     "no line": (lambda lines: lines[:1], "holds no point of a motion"),
 }
@@ -140,10 +139,28 @@ BAD_CSV = {
 
 @pytest.mark.parametrize(("change", "why"), BAD_CSV.values(), ids=list(BAD_CSV))
 def test_a_bad_line_is_told(rover, motion, tmp_path, change, why):
-    file = replace(motion, labels=()).to_csv(tmp_path / "a.csv", 0.02)
+    file = save_trajectory(replace(motion, labels=()), tmp_path / "a.csv", dt=0.02)
     with pytest.raises((InputError, LimitError), match=why) as caught:
         load_trajectory(rover, changed(file, change))
     assert "changed.csv" in str(caught.value)
+
+
+def test_a_motion_that_would_swing_beyond_a_limit_between_its_points_is_refused(rover, tmp_path):
+    """From rest up to the elbow's limit at speed: the cubic between these points goes beyond it."""
+    top = rover.limits.upper[2]
+    rows = ["time [s]," + ",".join(f"{name}.{rate}" for name in rover.joint_names for rate in ("position", "velocity"))]
+    units = [unit for unit in rover.units for unit in (f" [{unit}]", f" [{unit}/s]")]
+    rows[0] = "time [s]," + ",".join(f"{name}{unit}" for name, unit in zip(rows[0].split(",")[1:], units, strict=True))
+    for time, elbow, speed in (
+        (0.0, top - 0.5, 0.0),
+        (1.0, top - 0.1, 0.8),
+        (2.0, top - 0.1, -0.8),
+        (3.0, top - 0.5, 0.0),
+    ):
+        rows.append(",".join([f"{time},0,0,0,0,{elbow},{speed}", "0,0,0,0"]))
+    (tmp_path / "swing.csv").write_text("\n".join(rows) + "\n")
+    with pytest.raises(LimitError, match=r"swing.csv: .*joint 'elbow' would swing to"):
+        load_trajectory(rover, tmp_path / "swing.csv")
 
 
 def at(*path, value=None):
@@ -179,7 +196,7 @@ BAD_MESSAGES = {
 
 @pytest.mark.parametrize(("change", "why"), BAD_MESSAGES.values(), ids=list(BAD_MESSAGES))
 def test_a_bad_message_is_told(rover, motion, tmp_path, change, why):
-    message = json.loads(motion.to_json(tmp_path / "a.json", 0.1).read_text())
+    message = json.loads(save_trajectory(motion, tmp_path / "a.json", dt=0.1).read_text())
     change(message)
     for ending, write in ((".json", json.dumps), (".yaml", yaml.safe_dump)):
         path = tmp_path / f"changed{ending}"

@@ -15,7 +15,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory
 
-from twistarm import load_trajectory, plan_joint
+from twistarm import load_trajectory, plan_joint, save_trajectory
 from twistarm.control.stream import Inbox, Recorder, SimulatedJoints, run
 
 KINDS = {
@@ -42,7 +42,7 @@ def messages_of(file):
 
 def test_ros_reads_a_motion(rover, tmp_path):
     motion = plan_joint(rover, [rover.ready, rover.ready + 0.1])
-    messages = messages_of(motion.to_mcap(tmp_path / "motion.mcap", rover, 0.05))
+    messages = messages_of(save_trajectory(motion, tmp_path / "motion.mcap", arm=rover, dt=0.05))
     samples = motion.sample(0.05)
     ((_, told),) = messages["/joint_trajectory"]
     assert list(told.joint_names) == list(rover.joint_names)

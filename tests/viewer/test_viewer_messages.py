@@ -136,7 +136,7 @@ def told(arm: Arm) -> Iterator[dict[str, Any]]:
         done(ask(stage, "theta", theta=list(theta)))
         done(ask(stage, "record", name=name))
         yield from stage.messages()
-    done(ask(stage, "plan", kind="cubic", stop=True))
+    done(ask(stage, "plan", kind="s_curve", stop=True))
     stage.draw_path(tool_path(arm, [THETA, (0.0, 0.1, 0.05)]))
     yield from stage.messages()
     stage.take_commands()

@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import ArrayLike, NDArray
 
 from recorded_poses import HOME, LEFT, REACH, ask, done, said
-from twistarm import Arm, ArmBuilder, Viewer, load_trajectory, plan_joint
+from twistarm import Arm, ArmBuilder, Viewer, load_trajectory, plan_joint, save_trajectory
 from twistarm.arm.usual_limits import with_defaults
 from twistarm.planning.trajectory import Trajectory
 from twistarm.support.errors import InputError
@@ -119,7 +119,7 @@ ROUNDED = 0.5000001e-6
 """Plots have six decimals."""
 
 
-@pytest.mark.parametrize("kind", ["cubic", "trapezoid"])
+@pytest.mark.parametrize("kind", ["s_curve", "time_optimal"])
 def test_plots_are_samples_of_the_trajectory_and_of_what_limits_it(stage: Stage, kind: Any) -> None:
     assert said(stage, "plots")["times"] == []
     done(ask(stage, "plan", kind=kind, stop=False))
@@ -143,8 +143,8 @@ def test_plots_are_samples_of_the_trajectory_and_of_what_limits_it(stage: Stage,
 
 
 def test_a_jump_is_plotted_as_a_jump(arm: Arm) -> None:
-    """A trapezoid's acceleration changes at once: between two samples a nanosecond of the motion apart."""
-    motion = plan_joint(arm, [HOME, REACH], kind="trapezoid", limits={"velocity": 1.0, "acceleration": 2.0})
+    """A time-optimal motion's acceleration changes at once: between two samples a nanosecond of the motion apart."""
+    motion = plan_joint(arm, [HOME, REACH], kind="time_optimal", limits={"velocity": 1.0, "acceleration": 2.0})
     message = plots(arm, motion)
     times, values = np.array(message["times"]), np.array(message["acceleration"])
     jumps = np.abs(np.diff(values, axis=1)).max(axis=0) > 1e-6
@@ -154,7 +154,7 @@ def test_a_jump_is_plotted_as_a_jump(arm: Arm) -> None:
 
 def test_a_trajectory_of_python_is_plotted_against_its_own_limits_or_the_arm_s(arm: Arm, tmp_path: Path) -> None:
     motion = plan_joint(arm, [HOME, REACH], limits={"velocity": 0.4, "acceleration": 1.7})
-    read = load_trajectory(arm, motion.to_csv(tmp_path / "m.csv"))
+    read = load_trajectory(arm, save_trajectory(motion, tmp_path / "m.csv"))
     for each, velocity, acceleration in (
         (motion, [0.4] * 3, [1.7] * 3),
         (read, [0.4] * 3, [1.7] * 3),
@@ -170,7 +170,7 @@ def test_a_trajectory_of_python_is_plotted_against_its_own_limits_or_the_arm_s(a
 
 def test_a_motion_of_many_pieces_and_one_of_none(arm: Arm) -> None:
     rng = np.random.default_rng(4)
-    many = plan_joint(arm, arm.random_theta(rng, size=200), kind="trapezoid", limits=with_defaults(arm))
+    many = plan_joint(arm, arm.random_theta(rng, size=200), kind="time_optimal", limits=with_defaults(arm))
     assert len(plots(arm, many)["times"]) == MOST_POINTS <= 300  # about a plot's width in pixels
     still = plan_joint(arm, [HOME, HOME], limits=with_defaults(arm))
     assert plots(arm, still)["times"] == [0.0]

@@ -130,7 +130,7 @@ def test_a_list_is_never_longer_than_one_message(stage: Stage) -> None:
 # the plan ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("kind", "stop"), [("cubic", False), ("quintic", True), ("trapezoid", False)])
+@pytest.mark.parametrize(("kind", "stop"), [("s_curve", False), ("time_optimal", False), ("time_optimal", True)])
 def test_the_plan_is_that_of_plan_joint_and_waits_to_be_played(stage: Stage, kind: Any, stop: bool) -> None:
     shares: list[float] = []
     job = ask(stage, "plan", kind=kind, stop=stop)
@@ -150,7 +150,7 @@ def test_the_plan_is_that_of_plan_joint_and_waits_to_be_played(stage: Stage, kin
     assert_array_equal(stage.theta, HOME)
     assert shares[-1] == 1.0
     assert said(stage, "program")["planned"]
-    straight = "" if kind == "cubic" else "straight in joint space between the poses: the tool's way is a curve; "
+    straight = "straight in joint space between the poses: the tool's way is a curve; " if stop else ""
     assert [said(stage, "program")[name] for name in ("kind", "stop")] == [kind, stop]
     assert said(stage, "program")["note"] == (
         f"{straight}no limits given, used instead: velocity 1 rad/s for yaw; acceleration 3 rad/s² for yaw, pitch; "
@@ -162,7 +162,7 @@ def test_the_plan_is_that_of_plan_joint_and_waits_to_be_played(stage: Stage, kin
 
 
 def test_an_edited_list_is_no_longer_that_of_the_motion(stage: Stage) -> None:
-    done(ask(stage, "plan", kind="cubic", stop=False))
+    done(ask(stage, "plan", kind="s_curve", stop=False))
     first = said(stage, "program")["poses"][0]["id"]
     ask(stage, "rename", id=first, name="start")
     assert said(stage, "program")["planned"]
@@ -177,7 +177,7 @@ def test_an_edited_list_is_no_longer_that_of_the_motion(stage: Stage) -> None:
 
 
 def test_a_list_edited_while_it_was_planned(stage: Stage) -> None:
-    job = ask(stage, "plan", kind="cubic", stop=False)
+    job = ask(stage, "plan", kind="s_curve", stop=False)
     assert job is not None
     result = job.work(lambda share: None)
     ask(stage, "delete", id=said(stage, "program")["poses"][1]["id"])
@@ -191,30 +191,30 @@ def test_what_cannot_be_planned_is_said(stage: Stage) -> None:
     for number in ids[:2]:
         ask(stage, "delete", id=number)
     with pytest.raises(InputError, match="a motion needs at least two poses; the list has 1: record another"):
-        ask(stage, "plan", kind="cubic", stop=False)
+        ask(stage, "plan", kind="s_curve", stop=False)
     ask(stage, "go", id=ids[2], ease=False)
     ask(stage, "record", name="again")
     with pytest.raises(InputError, match="the poses of the list are all the same"):
-        ask(stage, "plan", kind="cubic", stop=False)
+        ask(stage, "plan", kind="s_curve", stop=False)
 
 
 def test_a_motion_along_a_limit_stays_inside(stage: Stage) -> None:
     edge = [(0, 1.5, 0), (0, 1.49, 0.2), (0, -1.5, 0)]  # a spline that turns on a limit would swing beyond it
     poses = [{"name": "", "theta": list(theta)} for theta in edge]
     ask(stage, "poses", joints=["yaw", "pitch", "slide"], poses=poses)
-    done(ask(stage, "plan", kind="quintic", stop=False))
+    done(ask(stage, "plan", kind="s_curve", stop=False))
     assert (stage.playback.trajectory(np.linspace(0, 99, 9999))[:, 2] <= 0.2 + 1e-9).all()
 
 
 def test_while_a_servo_drives_poses_are_recorded_and_nothing_is_gone_to(stage: Stage) -> None:
     first = said(stage, "program")["poses"][0]["id"]
-    job = ask(stage, "plan", kind="cubic", stop=False)
+    job = ask(stage, "plan", kind="s_curve", stop=False)
     assert job is not None
     result = job.work(lambda share: None)
     stage.take_commands()
     ask(stage, "record", name="jogged")
     assert names(stage)[-1] == "jogged"
-    for kind, fields in (("go", {"id": first, "ease": False}), ("plan", {"kind": "cubic", "stop": True})):
+    for kind, fields in (("go", {"id": first, "ease": False}), ("plan", {"kind": "s_curve", "stop": True})):
         with pytest.raises(InputError, match="a servo drives"):
             ask(stage, kind, **fields)
     with pytest.raises(InputError, match="not loaded: a servo drives the arm"):
@@ -223,9 +223,9 @@ def test_while_a_servo_drives_poses_are_recorded_and_nothing_is_gone_to(stage: S
 
 
 def test_a_plan_keeps_the_speed_and_the_loop_of_the_player(stage: Stage) -> None:
-    done(ask(stage, "plan", kind="cubic", stop=False))
+    done(ask(stage, "plan", kind="s_curve", stop=False))
     ask(stage, "pace", speed=2.0, loop=True)
-    done(ask(stage, "plan", kind="trapezoid", stop=True))
+    done(ask(stage, "plan", kind="time_optimal", stop=True))
     player = said(stage, "player")
     assert (player["speed"], player["loop"]) == (2.0, True)
     ask(stage, "play")
@@ -316,8 +316,6 @@ def test_the_poses_at_which_the_arm_stops_in_place_of_rounding_are_named() -> No
 
 def test_an_arc_leads_through_a_pose_to_the_next() -> None:
     stage = recorded((ARM.ready, "joint"), (meeting(0.0, 0.08, -0.08), "via"), (meeting(0.0, 0.16, 0.0), "joint"))
-    with pytest.raises(InputError, match="a cubic leads through joint moves alone"):
-        planned(stage, kind="cubic")
     points = way(planned(stage))
     middle, radius = HERE + [0.0, 0.08, 0.0], 0.08
     assert_allclose(np.linalg.norm(points - middle, axis=1), radius, atol=WAY)

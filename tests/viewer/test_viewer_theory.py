@@ -246,7 +246,8 @@ def test_which_moved_farther_is_measured_in_the_reach(slide: float, turn: float,
     assert told(stage) is not None
     stage.show(np.array([slide, turn]))
     assert told(stage)["moved"] == moved  # type: ignore[index]
-    motion = plan_joint(SLEDGE, [[0, 0], [slide, turn]], limits={"velocity": 1.0, "acceleration": 1.0})
+    limits = {"velocity": 1.0, "acceleration": 1.0}
+    motion = plan_joint(SLEDGE, [[0, 0], [slide, turn]], kind="time_optimal", limits=limits)  # straight
     for record in sampled_theory(SLEDGE, np.zeros(2), motion)["numbers"][1:-1]:
         assert record["moved"] == moved
 

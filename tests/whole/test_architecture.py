@@ -149,11 +149,7 @@ VIEWER_FLOORS = (
 """The rooms and modules of the view, top to bottom."""
 
 
-UPPER_CIRCLES = (
-    {"ik/batch.py", "ik/collision_free.py", "ik/solve.py"},
-    {"ik/explain.py", "ik/solution.py"},
-    {"planning/trajectory.py", "planning/files"},
-)
+UPPER_CIRCLES = ({"ik/batch.py", "ik/collision_free.py", "ik/solve.py"}, {"ik/explain.py", "ik/solution.py"})
 """Files or folders of upper rooms that may import each other for types, or late. No other module may."""
 
 

@@ -153,14 +153,24 @@ class Arm(ArmData):
         return {link: poses[link].reshape(*x.shape[:-1], 4, 4) for link in links}
 
     def walked_poses(self, theta: Array, others: Mapping[str, float] = NOTHING) -> dict[str, Array]:
-        """Every link's pose (N, 4, 4) in the base frame at theta (N, n), by exponentials along the tree of joints."""
+        """Every link's pose (N, 4, 4) in the base frame, by exponentials along the tree of joints.
+
+        Args:
+            theta: Configurations (N, n) [rad, m].
+            others: Values of joints outside the chain; the rest are at 0.
+        """
         assert self.description is not None
         poses = self.description.link_poses(self.joint_values(theta, others))
         back = inverse(poses[self.base])
         return {link: np.array(np.broadcast_to(back @ g, (len(theta), 4, 4))) for link, g in poses.items()}
 
     def joint_values(self, theta: Array, others: Mapping[str, float] = NOTHING) -> dict[str, Array]:
-        """The value (N,) of each moving joint at theta (N, n); joints outside the chain are at `others`, or 0."""
+        """The value (N,) of each moving joint, couplings included.
+
+        Args:
+            theta: Configurations (N, n) [rad, m].
+            others: Values of joints outside the chain; the rest are at 0.
+        """
         columns = dict(zip(self.joint_names, theta.T, strict=True)) | {k: np.array(x) for k, x in others.items()}
         zero = np.zeros(len(theta))
         return {

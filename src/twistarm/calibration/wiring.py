@@ -54,8 +54,8 @@ STARTS = np.array([(sign * s, e) for s in SCALES for sign in (1.0, -1.0) for e i
 MOST_CLAIMS = 6.0
 """More is not claimed by and by: two motors of which anything is wrong, or six reversed ones."""
 
-MOST_SIGNS, PATTERNS = 8, 4
-"""Motors up to which every pattern of signs is tried, and how many patterns are followed."""
+MOST_SIGNS = 8
+"""Motors up to which every pattern of signs is tried."""
 
 MOST_ROWS, FEW_ROWS = 200, 30
 """Moments of a fit and of a search for starts: neighbouring moments of a camera have the same errors."""
@@ -169,10 +169,6 @@ class Wiring:
         r = problem.residual(q, ones)
         return replace(one, q=q, total=float(r @ r))
 
-    def anything(self, near: Explanation) -> Explanation:
-        """Scale and zero of every motor fitted."""
-        return self.fit(near, kinds=(ANYTHING,) * self.k)
-
     def squares(self, swap: tuple[int, ...], starts: Array, rows: int = FEW_ROWS) -> Array:
         """The sums of squares (M,) of unknowns (M, Q) with the same base, over some rows."""
         problem, k, P = self.problems[swap], self.k, self.motors.P
@@ -260,9 +256,9 @@ def explained(wiring: Wiring) -> tuple[Found, list[Explanation]]:
 
 
 def _search(wiring: Wiring, elsewhere: bool, most: float = MOST_CLAIMS) -> Found:
-    """The explanation with the fewest faults: from the sound arm, else from a free fit of all motors.
+    """The explanation with the fewest faults: from the sound arm, else from the likeliest pattern of signs.
 
-    At most `most` is claimed on the way from the sound arm.
+    At most `most` is claimed on the way, beside these signs.
     """
     sound = wiring.sound(elsewhere=elsewhere)
     found = _climbed(wiring, sound, most)
@@ -271,14 +267,10 @@ def _search(wiring: Wiring, elsewhere: bool, most: float = MOST_CLAIMS) -> Found
     flips = sign_patterns(wiring.k)
     q = np.zeros((len(flips), len(sound.q)))
     q[:, 12 + wiring.k :] = flips - 1.0
-    promising = q[np.argsort(wiring.squares((), q), kind="stable")[:PATTERNS]]
-    free = min((wiring.anything(replace(sound, q=near)) for near in (sound.q, *promising)), key=lambda one: one.total)
-    if not wiring.explains(free):
-        return found
-    at = Found(free, (), wiring.scale(free.total))
-    for i in range(wiring.k):
-        free = min((wiring.fit(free, kinds=free.with_kind(i, kind)) for kind in KINDS), key=at.cost)
-    return _climbed(wiring, free, most)
+    likely = flips[wiring.squares((), q).argmin()]
+    signs = wiring.fit(sound, kinds=tuple("reversed" if sign < 0 else SOUND for sign in likely))
+    other = _climbed(wiring, signs, most + signs.claims)
+    return other if wiring.explains(other.best) else found
 
 
 def sign_patterns(k: int) -> Array:
@@ -294,7 +286,7 @@ def _climbed(wiring: Wiring, one: Explanation, most: float = MOST_CLAIMS) -> Fou
     Those that claim least are fitted first. One that claims too much for what it could explain is left out.
     """
     while True:
-        loose = wiring.anything(one)
+        loose = wiring.fit(one, kinds=(ANYTHING,) * wiring.k)
         found = Found(one, (), wiring.scale(min(loose.total, one.total)))
         wanting = one.total - loose.total > CLEAR * found.scale or not wiring.explains(one)
         # Whether a log shows a swap matters even where none is claimed.

@@ -75,12 +75,15 @@ def _answer(
     """The options of `answers`."""
 
 
+ALL_OF_ANSWERS = params_of(_answer)
+
+
 def answers(names: str, kinds: Kinds | None = None, over_description: bool = False, **helps: str) -> Shared:
     """The options output, form, force, rad and json, as far as a command has them, as one argument `Outputs`.
 
     `kinds` are those of its files, and `helps` other texts in its help. The files are checked before it begins.
     """
-    params = [copy(param) for param in params_of(_answer) if param.name in names.split()]
+    params = [copy(param) for param in ALL_OF_ANSWERS if param.name in names.split()]
     for param in params:
         param.help = helps.get(param.name, param.help)
 

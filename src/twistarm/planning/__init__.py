@@ -6,10 +6,12 @@ from .joint_space import plan_joint
 from .load import load_trajectory
 from .motion import plan
 from .motion_file import MotionFile, load_motion
+from .save import save_trajectory
 from .segments import ArcMove, Dwell, FreeMove, JointMove, LineMove, ScrewMove, Segment
 from .trajectory import Samples, Trajectory
 
 __all__ = [
     "ActiveLimit", "ArcMove", "Dwell", "FreeMove", "JointMove", "LineMove", "MotionFile", "PathError", "Samples",
     "ScrewMove", "Segment", "Trajectory", "active_limits", "load_motion", "load_trajectory", "plan", "plan_joint",
+    "save_trajectory",
 ]  # fmt: skip

@@ -74,6 +74,13 @@ class JointPath:
         breakpoints = np.append(self.breakpoints[piece] + by, self.length)
         return JointPath(breakpoints, shifted(self.coefficients[:, piece], by)), piece
 
+    def cut_at(self, places: Array) -> JointPath:
+        """Cut the path at these places (k,) too."""
+        breakpoints = np.union1d(self.breakpoints, places)
+        piece = self.piece_at(breakpoints[:-1])
+        moved = shifted(self.coefficients[:, piece], breakpoints[:-1] - self.breakpoints[piece])
+        return JointPath(breakpoints, moved)
+
     def piece_at(self, s: Array) -> Indices:
         """Return the indices of the pieces at s (...); at a breakpoint the later one."""
         inner = self.breakpoints[1:-1]

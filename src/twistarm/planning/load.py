@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from .files.mcap_file import read_mcap
 from .files.points import Points
 from .piecewise import through
 from .trajectory import Trajectory
-from .within import farthest_outside
+from .within import farthest_outside, require_positions
 
 READERS: Mapping[str, Callable[[Arm, Path], Points]] = {
     ".csv": read_csv,
@@ -36,12 +37,18 @@ SHORTEST_STEP = 0.9e-9
 LARGEST = 1e9
 """Times [s], positions [rad, m] and rates of every arm are far smaller. Larger values overflow in polynomials."""
 
+DISAGREES, COMPARED, FEWEST, TINY = 5.0, 0.1, 3, 1e-300
+"""Rates disagree with values by this median factor. Steps above that share of the greatest count, so many at least."""
+
+SWING = 1e-4
+"""A polynomial between two points may leave a position limit by so much [rad, m], as that of a coarse file does."""
+
 BEYOND_LIMIT = 1e-6
 """Beyond a position limit by less [rad, m] is rounding of the file."""
 
 
 def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
-    """Read a motion of `arm` from a file of `to_csv`, `to_json`, `to_mcap` or another program.
+    """Read a motion of `arm` from a file of `save_trajectory` or another program.
 
     Between two instants a polynomial meets the positions, rates and accelerations of both. It is quintic, cubic, or
     straight for positions alone, as in ROS's joint_trajectory_controller. The first instant is t = 0. The arm is at
@@ -50,7 +57,7 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
 
     - CSV: columns `time [s]`, and for each joint `<joint>.position [rad]` and `<joint>.velocity [rad/s]`, with or
       without `<joint>.acceleration [rad/s^2]` (m for slides), in any order. Counts of the motors' drives may replace
-      them, as `to_csv(counts=True)` writes. Columns of limits are optional. Other columns are ignored.
+      them, as `save_trajectory(counts=True)` writes. Columns of limits are optional. Other columns are ignored.
     - JSON, YAML: a `trajectory_msgs/JointTrajectory` in rad and m, joints in any order, others ignored. YAML may last
       some minutes at most.
     - MCAP, with the extra `mcap`: the setpoints of a recorded stream, as sent. Of another recording of ROS 2 its only
@@ -64,9 +71,9 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
         The `Trajectory`.
 
     Raises:
-        InputError: The file cannot be read, a joint is missing, a value is not finite, or a time does not increase. The
-            message gives the line or the point.
-        LimitError: A position lies outside the arm's limits.
+        InputError: The file cannot be read, a joint is missing, a value is not finite, a time does not increase, or
+            rates contradict positions and times. The message gives the line or the point.
+        LimitError: A position lies outside the arm's limits, or the motion between two points leaves them.
     """
     require_arm(arm)
     file = as_path(path)
@@ -77,6 +84,7 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
     if len(points.t) == 0:
         raise InputError(f"{file} holds no point of a motion")
     _require_usual(points)
+    _require_agreement(points)
     (k, j), off, _ = farthest_outside(points.theta, arm.limits)
     if off > BEYOND_LIMIT:
         what = "{place}: joint {joint!r} at {value} is {beyond} beyond its limit; record a motion within the limits"
@@ -89,11 +97,33 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
     else:
         breakpoints, coefficients = t, through(t, theta, points.theta_dot, points.theta_ddot)
     try:
-        return Trajectory(
+        motion = Trajectory(
             arm.joint_names, arm.units, theta, t, breakpoints, coefficients, arm.actuators, labels, limits=points.limits
         )
-    except InputError as error:
-        raise InputError(joined(": ", [str(file), error.message])) from error
+        require_positions(motion, arm.limits, "check the times and rates of the file", SWING)
+    except (InputError, LimitError) as error:
+        raise type(error)(joined(": ", [str(file), error.message])) from error
+    return motion
+
+
+def _require_agreement(points: Points) -> None:
+    """Raise InputError where rates carry the joints much farther, or much less far, than the values say."""
+    names, rows = ("positions", "velocities", "accelerations"), (points.theta, points.theta_dot, points.theta_ddot)
+    for i, (values, rates) in enumerate(pairwise(rows)):
+        if values is None or rates is None:
+            continue
+        change, carried = np.diff(values, axis=0), 0.5 * (rates[1:] + rates[:-1]) * np.diff(points.t)[:, None]
+        size = np.maximum(np.abs(change), np.abs(carried))
+        # Where both rates are zero, or hardly anything moves, nothing can be compared.
+        compared = (carried != 0.0) & (size > COMPARED * size.max(initial=0.0))
+        if compared.sum() < FEWEST:
+            continue
+        ratio = float(np.median(np.abs(carried[compared]) / np.maximum(np.abs(change[compared]), TINY)))
+        if not 1.0 / DISAGREES < ratio < DISAGREES:
+            raise InputError(
+                f"{points.place(0)}: over the times that follow, the {names[i + 1]} mean {ratio:.3g} times the change "
+                f"of the {names[i]}: check the unit of the times [s] and of the {names[i + 1]}"
+            )
 
 
 def _require_usual(points: Points) -> None:

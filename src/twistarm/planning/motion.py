@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
@@ -23,6 +23,7 @@ from .piecewise import side_by_side
 from .route import Leg, Router
 from .segments import SEGMENTS, Dwell, FreeMove, Move, Segment, place
 from .spans import Progress
+from .stops import best_stops
 from .stretches import Corner, path_along, runs
 from .time_laws.bounds import PathBounds
 from .time_laws.double_s import double_s
@@ -249,19 +250,11 @@ def _fastest(arm: Arm, run: list[Leg], corners: list[Corner], limits: JointLimit
     def timed(i: int, j: int) -> Timed:
         return _timed(arm, run[i:j], corners[i : j - 1], limits, kind)
 
-    def option(stops: Iterable[int]) -> list[Timed]:
-        return [timed(i, j) for i, j in pairwise([0, *stops, len(run)])]
-
-    def duration(stops: Iterable[int]) -> float:
-        return sum(each.duration for each in option(stops))
-
-    every = tuple(range(1, len(run)))
-    known, alone = np.append(0.0, timed(0, len(run)).ends), np.array([each.duration for each in option(every)])
-    slow = tuple((np.flatnonzero(known[2:] - known[:-2] > alone[1:] + alone[:-1]) + 1).tolist())
-    best = min(((), every, slow), key=duration)
-    for corner in best:
-        best = min(best, tuple(each for each in best if each != corner), key=duration)
-    return option(best)
+    stops: tuple[int, ...] = ()
+    if len(run) > 1:
+        alone = np.array([timed(i, i + 1).duration for i in range(len(run))])
+        stops = best_stops(lambda i, j: timed(i, j).duration, alone, timed(0, len(run)).ends)
+    return [timed(i, j) for i, j in pairwise([0, *stops, len(run)])]
 
 
 def _timed(arm: Arm, legs: list[Leg], corners: list[Corner], limits: JointLimits, kind: str) -> Timed:

@@ -38,13 +38,28 @@ def quintic(waypoints: Array, times: Array) -> Array:
     acceleration at each inner waypoint. Continuous jerk and snap give a banded system of equations.
     """
     rates = np.zeros((2, *waypoints.shape))
-    inner = len(waypoints) - 2
-    if inner > 0:
-        bands, given = _jerk_and_snap(np.diff(waypoints, axis=0), np.diff(times))
-        solve = scipy("linalg").solve_banded
-        solved = solve((3, 3), bands, given, overwrite_ab=True, overwrite_b=True, check_finite=False)
-        rates[:, 1:-1] = solved.reshape(inner, 2, -1).swapaxes(0, 1)
+    if len(waypoints) > 2:
+        rates[:, 1:-1] = _smooth_rates(np.diff(waypoints, axis=0), np.diff(times))
     return through(times, waypoints, *rates)
+
+
+def unforced_quintic(waypoints: Array, times: Array) -> Array:
+    """The C⁴ quintic spline with free velocity and acceleration at both ends, (6, k − 1, n).
+
+    Its third and fourth derivatives are zero at both ends.
+    """
+    way, durations = np.pad(np.diff(waypoints, axis=0), ((1, 1), (0, 0))), np.diff(times)
+    # A segment of endless duration beyond each end has no jerk and no snap.
+    rates = _smooth_rates(way, np.pad(durations, 1, constant_values=np.inf))
+    return through(times, waypoints, *rates)
+
+
+def _smooth_rates(way: Array, h: Array) -> Array:
+    """Velocity and acceleration (2, k − 2, n) at the inner waypoints, where jerk and snap are continuous."""
+    bands, given = _jerk_and_snap(way, h)
+    solve = scipy("linalg").solve_banded
+    solved: Array = solve((3, 3), bands, given, overwrite_ab=True, overwrite_b=True, check_finite=False)
+    return solved.reshape(len(h) - 1, 2, -1).swapaxes(0, 1)
 
 
 def _jerk_and_snap(way: Array, h: Array) -> tuple[Array, Array]:
@@ -90,41 +105,7 @@ def quintic_rests(waypoints: Array, times: Array) -> Array:
     return _straight(waypoints, times, (6.0, -15.0, 10.0, 0.0, 0.0, 0.0))
 
 
-def trapezoid(waypoints: Array, times: Array, ramps: Array) -> tuple[Array, Array]:
-    """Straight from waypoint to waypoint with trapezoidal velocity; all joints ramp, coast and brake together.
-
-    `ramps` (k − 1,) [s] is how long each segment accelerates, at most half of it. The fraction travelled then has speed
-    1 / (T − ramp) and acceleration speed / ramp (Lynch & Park §9.2.2.2). A segment is three pieces, or two where it
-    does not coast. Returns breakpoints (p + 1,) and coefficients (3, p, n).
-    """
-    breakpoints, pieces = [times[:1]], []
-    for i, (start, step) in enumerate(zip(waypoints[:-1], np.diff(waypoints, axis=0), strict=True)):
-        inner, fractions = _ramp_coast_brake(times[i], times[i + 1], ramps[i])
-        fractions = fractions[:, :, None] * step
-        fractions[-1] += start
-        breakpoints += [inner, times[i + 1 : i + 2]]
-        pieces.append(fractions)
-    return np.concatenate(breakpoints), np.concatenate(pieces, axis=1)
-
-
 def _straight(waypoints: Array, times: Array, unit: tuple[float, ...]) -> Array:
     coefficients = rescaled(np.array(unit)[:, None, None] * np.diff(waypoints, axis=0), 1.0 / np.diff(times))
     coefficients[-1] += waypoints[:-1]
     return coefficients
-
-
-COAST_TOL = 1e-15
-"""A coast shorter than this share of the time at its end is a rounding error."""
-
-
-def _ramp_coast_brake(start: float, end: float, ramp: float) -> tuple[Array, Array]:
-    """Times at which the phases change, and coefficients (3, 2 or 3) of the fraction travelled in each."""
-    duration = end - start
-    if duration - 2.0 * ramp <= COAST_TOL * end:
-        ramp = duration / 2.0
-    speed = 1.0 / (duration - ramp)
-    bend, ramped = speed / ramp / 2.0, speed * ramp / 2.0
-    accelerate, coast, brake = (bend, 0.0, 0.0), (0.0, speed, ramped), (-bend, speed, 1.0 - ramped)
-    if ramp == duration / 2.0:
-        return np.array([start + ramp]), np.array([accelerate, brake]).T
-    return np.array([start + ramp, end - ramp]), np.array([accelerate, coast, brake]).T

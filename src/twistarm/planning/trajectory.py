@@ -2,28 +2,19 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from math import ceil
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm.arm import Arm
 from ..limits.actuators import Actuators
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, as_floats, as_number, frozen, require, require_names
 from ..support.display import in_brief, told
 from ..support.errors import InputError, listed, shown
-from ..support.files import writable, write_whole
-from .files.c_header import SUFFIXES, header_text
-from .files.csv_file import csv_text
-from .files.joint_trajectory import json_text
-from .files.mcap_file import mcap_bytes
-from .files.motor_values import motors_of, require_motors
 from .piecewise import derivative, evaluate, extremes
 
 RATE_UNITS = ("", "/s", "/s²", "/s³")
@@ -160,104 +151,6 @@ class Trajectory:
             motors.names, motors.motor_units, waypoints, self.times, self.breakpoints, coefficients, labels=self.labels
         )
 
-    def to_csv(
-        self,
-        path: str | os.PathLike[str],
-        dt: float = 0.01,
-        *,
-        actuators: Actuators | None = None,
-        counts: bool = False,
-    ) -> Path:
-        """Write CSV: a row every `dt` [s] and one at the end.
-
-        A row has the time, then position, velocity and acceleration of each joint. The header names column and unit,
-        `slide.position [m]`. A planned motion adds its constant limits, `slide.velocity_limit [m/s]` and
-        `slide.acceleration_limit [m/s^2]`. Each motor (of `actuators`, else of the arm) adds
-        `left.motor_position [rad]`, `left.motor_velocity [rad/s]`, `left.counts [tick]` and
-        `left.counts_rate [tick/s]`, not rounded. A last column `label` has each label in a row at its time. Numbers
-        read back as the same floats. The file is written whole or not at all. `load_trajectory` reads it.
-
-        Args:
-            path: The file to write.
-            dt: Time between rows [s].
-            actuators: The motors; by default those of the arm.
-            counts: Whether to write only time, counts and labels, for firmware that knows no joints.
-
-        Returns:
-            The path written.
-
-        Raises:
-            InputError: The file cannot be written, dt is not positive, or the actuators do not fit.
-        """
-        return write_whole(path, csv_text(self, dt, actuators, counts=counts))
-
-    def to_json(self, path: str | os.PathLike[str], dt: float = 0.01, *, actuators: Actuators | None = None) -> Path:
-        """Write a `trajectory_msgs/JointTrajectory` as JSON: a point every `dt` [s] and one at the end.
-
-        Each point has positions, velocities, accelerations [rad, m, s] and time_from_start (`sec`, `nanosec`),
-        increasing from 0. The last velocity is zero. Two fields may follow. `motors` has names, units, count_units and
-        points of positions, velocities, counts and counts_rates. `labels` have `time` [s] and `text`. The file is
-        written whole or not at all.
-
-        Args:
-            path: The file to write.
-            dt: Time between points [s].
-            actuators: The motors; by default those of the arm.
-
-        Returns:
-            The path written.
-
-        Raises:
-            InputError: The file cannot be written, dt is not positive, or the actuators do not fit.
-        """
-        return write_whole(path, json_text(self, dt, actuators))
-
-    def to_mcap(self, path: str | os.PathLike[str], arm: Arm, dt: float = 0.01) -> Path:
-        """Write ROS 2 messages, as rosbag2 records them: Foxglove, Rerun and `load_trajectory` read the file.
-
-        The motion is one `trajectory_msgs/JointTrajectory` on `/joint_trajectory`. At each of its points
-        `/joint_states` has positions and velocities [rad, m, s], and `/tf` the pose of every link. `/robot_description`
-        is the arm's description, if it has one. `/labels` are `std_msgs/String`. Stamps begin at 0. Motors are left
-        out. The extra `mcap` is needed.
-
-        Args:
-            path: The file to write, named .mcap at its end.
-            arm: The arm of the motion.
-            dt: Time between points [s].
-
-        Returns:
-            The path written.
-
-        Raises:
-            InputError: The file cannot be written, dt is not positive, or the arm has other joints.
-            MissingExtraError: rosbags is not installed.
-        """
-        return write_whole(path, mcap_bytes(self, arm, dt))
-
-    def to_header(
-        self, path: str | os.PathLike[str], *, actuators: Actuators | None = None, counts: bool = False
-    ) -> Path:
-        """Write a C99 and C++17 header: a table of polynomials and functions that evaluate them.
-
-        In motion.h, `motion_theta(t, theta)`, `motion_velocity` and `motion_acceleration` evaluate this trajectory, in
-        float or double. Names begin with the file's. Labels are a table too.
-
-        Args:
-            path: The file to write, named .h, .hpp, .hh or .hxx at its end.
-            actuators: The motors; by default those of the arm.
-            counts: Whether the header gives counts of the motors' drives instead of joint values.
-
-        Returns:
-            The path written.
-
-        Raises:
-            InputError: The file cannot be written, its ending is unknown, or the actuators do not fit.
-        """
-        target = writable(path)
-        if target.suffix not in SUFFIXES:
-            raise InputError(f"a header is named *{', *'.join(SUFFIXES)}; got {os.fspath(path)}")
-        return write_whole(target, header_text(self, target.name, actuators, counts=counts))
-
     def _held(self, values: Array, at: Array, order: int) -> Array:
         before, after = at <= 0, at >= self.duration
         if order == 0:
@@ -290,3 +183,18 @@ def _as_labels(labels: Iterable[tuple[float, str]], duration: float) -> tuple[tu
 def _check_order(order: int) -> None:
     if not isinstance(order, int | np.integer) or not 0 <= order < len(RATE_UNITS):
         raise InputError(f"order must be 0 (position), 1, 2 or 3 (jerk); got {shown(order)}")
+
+
+def motors_of(trajectory: Trajectory, actuators: Actuators | None) -> Actuators | None:
+    """Return the motors to write: those given, else those of the planned arm, else None."""
+    motors = trajectory.actuators
+    if actuators is not None:
+        motors = require(actuators, Actuators, "actuators", "as arm.actuators is")
+    return motors if motors is not None and motors.names else None
+
+
+def require_motors(motors: Actuators | None) -> Actuators:
+    """Return the motors. Raises InputError for None."""
+    if motors is None:
+        raise InputError("this trajectory knows no motors: give actuators=, or plan for an arm with [actuators]")
+    return motors

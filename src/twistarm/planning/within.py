@@ -66,9 +66,17 @@ def require_within(trajectory: Trajectory, limits: JointLimits, advice: str = "p
     `advice` tells a user what to do about an excursion beyond a position limit. Only motions planned elsewhere have
     one.
     """
+    require_positions(trajectory, limits, advice)
+    require_rates(trajectory, limits)
+
+
+def require_positions(
+    trajectory: Trajectory, limits: JointLimits, advice: str, tolerance: float = POSITION_TOL
+) -> None:
+    """Raise LimitError where `trajectory` leaves the position limits by more than the tolerance [rad, m]."""
     tau, values = extremes(trajectory.coefficients, np.diff(trajectory.breakpoints))
     (c, s, j), beyond, side = farthest_outside(values, limits)
-    if beyond > POSITION_TOL:
+    if beyond > tolerance:
         unit, time = trajectory.units[j], trajectory.breakpoints[s] + tau[c, s, j]
         raise LimitError(
             Text(
@@ -83,7 +91,6 @@ def require_within(trajectory: Trajectory, limits: JointLimits, advice: str = "p
                 advice=advice,
             )
         )
-    require_rates(trajectory, limits)
 
 
 def require_rates(trajectory: Trajectory, limits: JointLimits, moved: str = "joint") -> None:

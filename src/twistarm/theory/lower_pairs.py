@@ -5,13 +5,11 @@ The inverse of `joints`: from twists back to revolute, prismatic, helical, cylin
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ..support.checks import Array, frozen
-from .joints import plane_axes
+from ..support.checks import Array
 from .screws import Screw, to_screw
 
 Kind = Literal["revolute", "prismatic", "helical", "cylindrical", "spherical", "planar"]
@@ -20,26 +18,19 @@ SAME_TOL = 1e-13
 """Axes and points this close, relative to 1 m, are the same but for rounding; angles typed to seven digits are not."""
 
 
-@dataclass(frozen=True, eq=False)
-class LowerPair:
+class LowerPair(NamedTuple):
     """One lower pair of a chain, made of `span` consecutive moving joints.
 
-    `frame` (4, 4) is its frame in the base frame at rest. Its z lies along the axis or normal. Its origin lies on the
-    line, at the centre of a ball, or where a planar joint turns. The pair's coordinates are `rates` (k,) times the
-    values of the moving joints `rows`, in the order of `joints`: rz, z (cylindrical); rz, ry, rx (spherical); x, y, rz
-    (planar). A helical pair has one coordinate, the turn [rad], and the `pitch` [m/rad].
+    `axis` (3,) is its axis or normal at rest in base axes, of a ball the first. The pair's coordinates are those of
+    the moving joints `rows`, in the order of `joints`: rz, z (cylindrical); rz, ry, rx (spherical); x, y, rz (planar).
+    A helical pair has one coordinate, the turn [rad], and the `pitch` [m/rad].
     """
 
     kind: Kind
     rows: tuple[int, ...]
     span: int
-    rates: Array
-    frame: Array
+    axis: Array
     pitch: float = 0.0
-
-    def __post_init__(self) -> None:
-        for name in ("rates", "frame"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
 
 def lower_pairs(screws: Array, A: Array) -> tuple[LowerPair, ...]:
@@ -68,21 +59,18 @@ def _planar(screw: Screw, A: Array, i: int) -> LowerPair | None:
     rows = (i, i + 1, i + 2)
     if not (_independent(A, rows) and _slides(screw, i) and _slides(screw, i + 1) and _turns(screw, i + 2)):
         return None
-    R = screw.axis[list(rows)].T
-    return LowerPair("planar", rows, 3, screw.magnitude[list(rows)], _pose(R, screw.point[i + 2])) if _so3(R) else None
+    return LowerPair("planar", rows, 3, screw.axis[i + 2]) if _so3(screw.axis[list(rows)].T) else None
 
 
 def _spherical(screw: Screw, A: Array, i: int) -> LowerPair | None:
     rows = (i, i + 1, i + 2)
     if not (_independent(A, rows) and all(_turns(screw, row) for row in rows)):
         return None
-    R = screw.axis[list(reversed(rows))].T
-    lines = screw.point[list(rows)]
+    axes, lines = screw.axis[list(rows)], screw.point[list(rows)]
     # The lines' points nearest to the origin are q − w wᵀq, and three orthonormal w make Σ w wᵀ = I.
     centre = lines.sum(axis=0) / 2
-    off = np.cross(screw.axis[list(rows)], centre - lines)
-    meet = np.abs(off).max() <= SAME_TOL * (1 + np.abs(centre).max())
-    return LowerPair("spherical", rows, 3, screw.magnitude[list(rows)], _pose(R, centre)) if _so3(R) and meet else None
+    meet = np.abs(np.cross(axes, centre - lines)).max() <= SAME_TOL * (1 + np.abs(centre).max())
+    return LowerPair("spherical", rows, 3, axes[0]) if _so3(axes[::-1].T) and meet else None
 
 
 def _on_one_line(screw: Screw, A: Array, i: int) -> LowerPair | None:
@@ -90,23 +78,19 @@ def _on_one_line(screw: Screw, A: Array, i: int) -> LowerPair | None:
     if i + 1 >= len(A):
         return None
     turn, slide = (i, i + 1) if _turns(screw, i) else (i + 1, i)
-    along, sine = screw.axis[turn] @ screw.axis[slide], np.linalg.norm(np.cross(screw.axis[turn], screw.axis[slide]))
+    axis, sine = screw.axis[turn], np.linalg.norm(np.cross(screw.axis[turn], screw.axis[slide]))
     if not (_turns(screw, turn) and _slides(screw, slide)) or not sine <= SAME_TOL:
         return None
-    frame = _pose(plane_axes(screw.axis[turn]), screw.point[turn])
-    rates = np.array([screw.magnitude[turn], np.sign(along) * screw.magnitude[slide]])
     if _independent(A, (turn, slide)):
-        return LowerPair("cylindrical", (turn, slide), 2, rates, frame)
+        return LowerPair("cylindrical", (turn, slide), 2, axis)
+    advance = np.sign(axis @ screw.axis[slide]) * screw.magnitude[slide] / screw.magnitude[turn]
     ratio = _ratio(A[slide], A[turn])
-    return None if ratio == 0 else LowerPair("helical", (turn,), 2, rates[:1], frame, ratio * rates[1] / rates[0])
+    return None if ratio == 0 else LowerPair("helical", (turn,), 2, axis, float(ratio * advance))
 
 
 def _alone(screw: Screw, i: int) -> LowerPair:
     kind: Kind = "prismatic" if _slides(screw, i) else "revolute" if _turns(screw, i) else "helical"
-    frame = _pose(plane_axes(screw.axis[i]), screw.point[i])
-    return LowerPair(
-        kind, (i,), 1, screw.magnitude[i : i + 1], frame, float(screw.pitch[i]) if kind == "helical" else 0
-    )
+    return LowerPair(kind, (i,), 1, screw.axis[i], float(screw.pitch[i]) if kind == "helical" else 0.0)
 
 
 def _turns(screw: Screw, i: int) -> bool:
@@ -133,9 +117,3 @@ def _ratio(follower: Array, leader: Array) -> float:
 
 def _so3(R: Array) -> bool:
     return bool(np.abs(R.T @ R - np.eye(3)).max() <= SAME_TOL and np.linalg.det(R) > 0)
-
-
-def _pose(R: Array, point: Array) -> Array:
-    g = np.eye(4)
-    g[:3, :3], g[:3, 3] = R, point
-    return g

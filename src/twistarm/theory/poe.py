@@ -87,7 +87,7 @@ def motions(S: Array, x: ArrayLike) -> Array:
 
 
 def products(factors: Array) -> Array:
-    """g₁, g₁ g₂, … of the factors (..., m, 4, 4), which they replace."""
+    """The running products g₁, g₁ g₂, … of motions (..., m, 4, 4), which they replace in the given array."""
     for i in range(1, factors.shape[-3]):
         factors[..., i, :, :] = factors[..., i - 1, :, :] @ factors[..., i, :, :]
     return factors

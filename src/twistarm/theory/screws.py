@@ -139,7 +139,13 @@ def exp(xi: ArrayLike, theta: ArrayLike = 1.0) -> Array:
 
 
 def exp_along(terms: Array, length: Array, theta: Array) -> Array:
-    """`exp` (..., 4, 4) of twists with these `turn_and_slide`, unchecked."""
+    """The motions (..., 4, 4) of `exp` from what `turn_and_slide` computed of the twists, unchecked.
+
+    Args:
+        terms: A, A² and C, each flattened, (..., 3, 16).
+        length: ‖w‖ (...).
+        theta: Multiples (...) of the twists.
+    """
     half = 0.5 * length * theta
     sin_half = np.sin(half)
     coefficients = np.empty((*half.shape, 1, 3))
@@ -150,7 +156,10 @@ def exp_along(terms: Array, length: Array, theta: Array) -> Array:
 
 
 def turn_and_slide(xi: Array) -> tuple[Array, Array]:
-    """A, A² and C of `exp`, each flattened, (..., 3, 16), and ‖w‖ (...), of twists (..., 6)."""
+    """A, A² and C of `exp`, each flattened, (..., 3, 16), and ‖w‖ (...), of twists (..., 6), unchecked.
+
+    They do not depend on θ: for `exp_along` at many θ they are computed once.
+    """
     v, (u, length) = xi[..., :3], rotations.split(xi[..., 3:])
     turning = (length > 0)[..., None]
     along = np.where(turning, u * np.sum(u * v, axis=-1, keepdims=True), v)

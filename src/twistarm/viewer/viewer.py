@@ -14,7 +14,6 @@ from pathlib import Path
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
-from ..calibration import Calibration
 from ..collision import Scene, require_scene
 from ..control.servo import ServoOutput, ServoSettings
 from ..control.stream import Cycle, Inbox
@@ -39,7 +38,6 @@ from .parts.tool_path import NO_PATH, tool_path
 from .protocol.messages import LARGEST_VALUE, Message, as_name
 from .scene.arm_drawing import Drawing
 from .scene.drawing import require_meshcat
-from .scene.residuals import draw_residuals
 from .server.watching import Watch
 from .stage import Stage
 
@@ -287,19 +285,6 @@ class Viewer(Closeable):
         choices = None if solutions is None else choices_of(solutions, others)
         self._server.driver.drop(MOVED)
         self._post("show", arm, lambda stage: stage.show_solutions(choices))
-
-    def show_residuals(self, calibration: Calibration) -> None:
-        """Draw a magnified needle for each row of `calibrate`, from the predicted to the measured place.
-
-        Blue is none, red is large, and a note on the page tells how many times as long. Rows of planes and wires have
-        no needle. The layer Frames switches them. Raises InputError for another arm's, or if no row has a place.
-        """
-        self._require_open()
-        arm = self.arm
-        if require(calibration, Calibration, "calibration", "as calibrate makes it").arm.joint_names != arm.joint_names:
-            raise InputError(f"this calibration is of {calibration.arm.name}, and the view shows {arm.name}")
-        drawn = draw_residuals(calibration)
-        self._post("residuals", arm, lambda stage: self._server.drawing.overlay(*drawn))
 
     def slider(
         self,

@@ -19,7 +19,6 @@ from ..numbers import LENGTH, quantity, typed_number, whole
 from ..options import ArmArgument, Avoid, Json, answers, avoided
 from ..output import Outputs, entries, plain
 from ..tables import Column, Table, number
-from .viewing import Page
 
 Log = Annotated[
     Path, typer.Argument(metavar="LOG", help="CSV: a column per motor, x, y, z [m], and qx, qy, qz, qw if measured.")
@@ -55,7 +54,6 @@ Written = Annotated[
         force="Replace files that are there; write what is confirmed only where the log was taken.",
     ),
 ]
-View = Annotated[bool, typer.Option("--view", help="Show the residuals in the browser, magnified, until Ctrl-C.")]
 
 
 def wiring(
@@ -122,7 +120,6 @@ def calibrate(
     scales: Scales = False,
     next_postures: Next = 0,
     avoid: Avoid = None,
-    view: View = False,
 ) -> int:
     """Fit the arm's axes and zeros to measured positions of its tool, and write the corrected URDF."""
     arm = source.load()
@@ -144,14 +141,7 @@ def calibrate(
         "urdf": lambda: corrected_urdf(found, zeros=not apart, here=outputs.force),
         "toml": lambda: _toml(found.require(here=outputs.force)),
     }
-    try:
-        outputs.say(outputs.write(contents))
-    finally:  # a correction that is refused is the one to look at
-        if view:
-            with Page().viewer(arm, None) as viewer:
-                viewer.show_residuals(found)
-                Page().show_address(viewer, outputs.words)
-                viewer.wait()
+    outputs.say(outputs.write(contents))
     return 0 if found.confirmed else 1
 
 

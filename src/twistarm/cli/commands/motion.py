@@ -28,8 +28,7 @@ from ...planning.files.c_header import SUFFIXES, header_text
 from ...planning.files.csv_file import csv_text
 from ...planning.files.joint_trajectory import json_text
 from ...planning.files.mcap_file import mcap_bytes
-from ...planning.joint_space import Kind
-from ...planning.motion import LAWS
+from ...planning.motion import MotionKind
 from ...support.errors import InputError
 from ..asked_motion import MAX_TIME, Acceleration, Velocity, capped, planned
 from ..numbers import POSE, JointValues, joint_values, quantity
@@ -58,8 +57,7 @@ Written = Annotated[
     ),
 ]
 TIMING = typer.Option(
-    help="How it is timed. Through poses: cubic unless given. With --line, --xyz or a motion.toml: s_curve unless "
-    "given, or time_optimal, quintic."
+    help="How it is timed: s_curve unless given, or time_optimal; with --line, --xyz or a motion.toml also quintic."
 )
 Start = Annotated[
     JointValues | None, joint_values(POSE, "Where it starts, as --to; unless given, the ready pose.", "--from")
@@ -113,7 +111,7 @@ def plan(
     axis: Axis = None,
     line: Line = False,
     start: Start = None,
-    kind: Annotated[Kind | None, TIMING] = None,
+    kind: Annotated[MotionKind | None, TIMING] = None,
     velocity: Velocity = None,
     acceleration: Acceleration = None,
     linear_speed: ToolSpeed = None,
@@ -151,7 +149,7 @@ def plan(
     segments: list[Segment] = []
     with progress_bar("planning") as progress:
         if to and not line and scene is None:
-            how: dict[str, Any] = {"kind": kind or "cubic", "stop_at_waypoints": stop, "unwrap": unwrap}
+            how: dict[str, Any] = {"kind": kind or "s_curve", "stop_at_waypoints": stop, "unwrap": unwrap}
             how |= {} if smooth is None else {"smooth": smooth}
             found = plan_joint(arm, poses, limits=limits, progress=progress, **how)
         else:
@@ -205,10 +203,8 @@ def _require_fitting(
         raise InputError(f"--{tool[0]} is about the way of the tool: add --line, or give positions by --xyz")
     if blend is not None and len(to or xyz) < 2:
         raise InputError("--blend rounds the corners between goals: give two of them, or leave it out")
-    if kind is not None and kind not in LAWS and not by_joints:
-        *others, last = LAWS
-        laws = f"{', '.join(others)} or {last}"
-        raise InputError(f"--kind {kind} leads through the poses of --to alone; on other motions: {laws}")
+    if kind == "quintic" and by_joints:
+        raise InputError("--kind quintic is for moves of the tool; through the poses of --to: s_curve or time_optimal")
 
 
 def _to_goals(goals: Sequence[Any], move: Any, blend: float | None) -> MotionFile:

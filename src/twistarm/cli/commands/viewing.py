@@ -17,7 +17,7 @@ from ...arm.loading.load import load_arm
 from ...checking.crosscheck import crosscheck
 from ...collision import Scene
 from ...ik import Approach, solve_ik
-from ...planning import plan_joint
+from ...planning import plan_joint, save_trajectory
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...sweeps import ReachMap
@@ -180,11 +180,11 @@ def demo(page: PageOptions, view: View = True) -> None:
         raise InputError("the demo's target was not reached: please report it")
     say("", "5. A trajectory through three poses: stowed, ready, and that target", "")
     through = np.array([arm.named_states["stowed"], arm.ready, solution.theta])
-    trajectory = plan_joint(arm, through, kind="quintic")
+    trajectory = plan_joint(arm, through)
     out.show({}, *plan_tables(arm, trajectory, arm.limits))
     if not (view and sys.stdout.isatty()):
         say("", f"written: {save_html(arm, Path('demo.html'), trajectory=trajectory)} (opens in a browser, offline)")
-        say(f"written: {trajectory.to_csv('demo.csv')}")
+        say(f"written: {save_trajectory(trajectory, 'demo.csv')}")
         return
     with page.viewer(arm, trajectory(0.0)) as viewer:
         viewer.play(trajectory, loop=True)

@@ -258,12 +258,7 @@ rows = []
 for pair in pairs:
     names = ", ".join(f"`{arm.moving_names[row]}`" for row in sorted(pair.rows))
     rows.append(
-        [
-            names,
-            pair.kind,
-            str(len(pair.rows)),
-            guide.tex(np.round(pair.frame[:3, 2], 3) + 0.0).join("$$"),
-        ]
+        [names, pair.kind, str(len(pair.rows)), guide.tex(np.round(pair.axis, 3) + 0.0).join("$$")]
     )
 guide.predict(
     f"`{arm.name}` moves {len(arm.moving_names)} joints with {arm.n} coordinates. Into which of the "

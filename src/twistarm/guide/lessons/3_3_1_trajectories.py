@@ -11,7 +11,17 @@
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from twistarm import LineMove, PathError, TwistarmError, guide, plan, plan_joint, rotations, screws
+from twistarm import (
+    LimitError,
+    LineMove,
+    PathError,
+    TwistarmError,
+    guide,
+    plan,
+    plan_joint,
+    rotations,
+    screws,
+)
 
 arm = guide.arm()
 start = arm.ready
@@ -151,7 +161,13 @@ d = np.abs(goal - start)
 by_velocity, by_acceleration = 1.5 * d / velocity, np.sqrt(6 * d / acceleration)
 shortest = max(by_velocity.max(), by_acceleration.max())
 
-motion = plan_joint(arm, [start, goal], kind="cubic", limits=limits)
+T = shortest * (1 + 1e-9)
+while True:  # an arm with limits of its motors or of jerk besides needs longer
+    try:
+        motion = plan_joint(arm, [start, goal], times=[0, T], kind="cubic", limits=limits)
+        break
+    except LimitError:
+        T *= 1.05
 
 # %%
 turns = np.array([unit == "rad" for unit in arm.units])
@@ -174,7 +190,7 @@ guide.table(
 )
 slowest = int(np.argmax(np.maximum(by_velocity, by_acceleration)))
 guide.say(
-    f"`{arm.joint_names[slowest]}` is the slowest, with {shortest:.2f} s. `plan_joint` says {motion.duration:.2f} s"
+    f"`{arm.joint_names[slowest]}` is the slowest, with {shortest:.2f} s. `plan_joint` allows {motion.duration:.2f} s"
     + (
         "."
         if np.isclose(motion.duration, shortest)
@@ -182,13 +198,13 @@ guide.say(
     )
     + " It finds the peaks of the polynomials themselves, and not of samples of them, so that no peak is missed."
 )
-quick = plan_joint(arm, [start, goal], kind="quintic", limits=limits).duration
+quick = max((15 / 8 * d / velocity).max(), np.sqrt(10 / np.sqrt(3) * d / acceleration).max())
 curve = plan_joint(arm, [start, goal], kind="s_curve", limits=limits).duration
 guide.predict(
     "Will the quintic need more time than the cubic, or less?",
     f"It depends on what is scarce. Where velocity is, the quintic is slower (15/8 against 3/2). Where acceleration "
     rf"is, it is faster by a little ($10/\sqrt 3 = {10 / np.sqrt(3):.2f}$ against 6). Here: {quick:.2f} s against "
-    f"{motion.duration:.2f} s. A law that drives at the limits and rounds only the corners (`s_curve`) takes "
+    f"{shortest:.2f} s. A law that drives at the limits and rounds only the corners (`s_curve`) takes "
     f"{curve:.2f} s.",
 )
 
@@ -198,12 +214,13 @@ guide.predict(
 # On the way is a rock. You add a configuration that goes around it. Now you may stop there, or pass through. To pass
 # through you need one cubic for each stretch, and conditions where two meet: the same position, the same velocity, the
 # same acceleration. With both ends at rest there are just as many equations as coefficients. This is the **cubic
-# spline** (Lynch & Park, section 9.3).
+# spline** (Lynch & Park, section 9.3). Over time it needs the instants of the configurations. `plan_joint` takes
+# another way: the spline is a path, and a law of time follows this path as fast as the limits allow.
 
 # %%
 via = 0.35 * start + 0.45 * goal + 0.2 * arm.random_theta(12)  # half way, and to one side
-through = plan_joint(arm, [start, via, goal], kind="cubic", limits=limits)
-stopping = plan_joint(arm, [start, via, goal], kind="cubic", limits=limits, stop_at_waypoints=True)
+through = plan_joint(arm, [start, via, goal], limits=limits)
+stopping = plan_joint(arm, [start, via, goal], limits=limits, stop_at_waypoints=True)
 
 at = np.linspace(0, through.duration, 200)
 
@@ -239,9 +256,9 @@ inner = through(at)
 beyond = np.maximum(inner - high, low - inner).max(axis=0)
 worst = int(np.argmax(beyond * np.array([f for _, f in units])))
 guide.predict(
-    "Is passing through always faster than stopping? And does the spline stay between your configurations?",
-    f"Here it takes {through.duration:.2f} s, and with a stop {stopping.duration:.2f} s. Passing through is usually "
-    f"faster; where a path turns back on itself it need not be. Nothing keeps a spline between its configurations: "
+    "Does the motion pass through wherever it may? And does the spline stay between your configurations?",
+    f"Here it takes {through.duration:.2f} s, and with a stop {stopping.duration:.2f} s. Where a path "
+    f"turns back on itself, a stop may be faster, and `plan_joint` then stops. Nothing keeps a spline between its configurations: "
     + (
         f"here `{arm.joint_names[worst]}` swings {beyond[worst] * units[worst][1]:.2f}{units[worst][0]} beyond the "
         f"range of the three."

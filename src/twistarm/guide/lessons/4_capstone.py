@@ -27,6 +27,7 @@ from twistarm import (
     diagnose,
     guide,
     plan,
+    save_trajectory,
     solve_ik,
 )
 
@@ -380,7 +381,7 @@ guide.predict(
 )
 
 with TemporaryDirectory() as folder:
-    file = motion.to_csv(Path(folder) / "motion.csv", dt=0.01)
+    file = save_trajectory(motion, Path(folder) / "motion.csv", dt=0.01)
     lines = file.read_text(encoding="utf-8").splitlines()
 
 # %%

@@ -6,7 +6,6 @@ from array import array
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice, pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,11 +17,9 @@ from ...support.csv_lines import Bounds, Row, csv_lines, csv_rows
 from ...support.csv_lines import csv_text as lines_of
 from ...support.errors import InputError, closest, listed
 from ...support.fields import number_in
-from .motor_values import motor_values, motors_of, require_motors
+from ..trajectory import Trajectory, motors_of, require_motors
+from .motor_values import motor_values
 from .points import Points
-
-if TYPE_CHECKING:
-    from ..trajectory import Trajectory
 
 TIME = "time [s]"
 LABEL = "label"
@@ -45,7 +42,7 @@ MOST_NUMBERS = 15_000_000
 
 
 def csv_text(trajectory: Trajectory, dt: float, actuators: Actuators | None = None, *, counts: bool = False) -> str:
-    """Return the text that `Trajectory.to_csv` writes."""
+    """Return the text that `save_trajectory` writes."""
     t = _instants(trajectory, dt)
     tables = list(_tables(trajectory, t, motors_of(trajectory, actuators), as_flag(counts, "counts")))
     header = [TIME, *(name for groups, _ in tables for names in zip(*groups, strict=True) for name in names)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,11 +17,9 @@ from ...support.errors import DescriptionError, InputError, closest, listed, sho
 from ...support.fields import number, numbers
 from ...support.files import read_bounded, why_no_file
 from ...support.strict_json import parsed
-from .motor_values import motor_values, motors_of
+from ..trajectory import Trajectory, motors_of
+from .motor_values import motor_values
 from .points import Points
-
-if TYPE_CHECKING:
-    from ..trajectory import Trajectory
 
 NANOSECOND = 1e-9
 
@@ -32,7 +30,7 @@ FIELDS = ("positions", "velocities", "accelerations")
 
 
 def json_text(trajectory: Trajectory, dt: float, actuators: Actuators | None = None) -> str:
-    """Return the text that `Trajectory.to_json` writes."""
+    """Return the text that `save_trajectory` writes."""
     return json.dumps(_message(trajectory, dt, actuators), indent=1, allow_nan=False) + "\n"
 
 

@@ -8,7 +8,7 @@ from functools import partial
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -20,11 +20,9 @@ from ...support.interrupts import Closeable
 from ...support.path_redaction import without_places
 from ...theory.rotations import to_xyzw
 from ...theory.screws import inverse_of
+from ..trajectory import Trajectory
 from .joint_trajectory import FIELDS, points_in
 from .points import Points
-
-if TYPE_CHECKING:
-    from ..trajectory import Trajectory
 
 TRAJECTORY, STATE, TEXT = "trajectory_msgs/msg/JointTrajectory", "sensor_msgs/msg/JointState", "std_msgs/msg/String"
 GEOMETRY, TIMES = "geometry_msgs/msg/", "builtin_interfaces/msg/"
@@ -34,10 +32,7 @@ SECOND = 10**9  # nanoseconds
 NONE = np.zeros(0)
 
 MAX_BYTES, MAX_MESSAGES = 1_000_000_000, 200_000
-"""Of a file, packed and unpacked, and of a topic that is read: half an hour at 100 Hz."""
-
-MAX_CHUNK = 100_000_000
-"""Bytes of a chunk, which is decompressed at once. rosbag2 ends a chunk at 0.8 MB, or after a longer message."""
+"""Of a file, and of a topic that is read: half an hour at 100 Hz."""
 
 MAGIC, PROFILE = b"\x89MCAP0\r\n", b"\4\0\0\0ros2"
 """The bytes at both ends of a file, and those behind the 17th."""
@@ -51,30 +46,6 @@ def _import_rosbags() -> tuple[Any, Any, Any]:
     except ImportError as error:
         raise missing_extra("an MCAP file", "rosbags", "mcap") from error
     return rosbag2, interfaces, typesys.get_typestore(typesys.Stores.LATEST)
-
-
-def _bound_chunks() -> None:
-    """Let rosbags unpack no chunk beyond the size that it gives or `MAX_CHUNK`, and `MAX_BYTES` until the next call.
-
-    rosbags compares the sizes only afterwards. A few kilobytes may hold gigabytes of zeros.
-    """
-    from lz4.frame import LZ4FrameDecompressor
-    from rosbags.rosbag2 import storage_mcap
-
-    left = MAX_BYTES
-
-    def bounded(kind: Any, data: bytes, size: int) -> bytes:
-        nonlocal left
-        left -= size
-        if size > MAX_CHUNK or left < 0:
-            what = f"a chunk of more than {MAX_CHUNK:,}" if size > MAX_CHUNK else f"more than {MAX_BYTES:,}"
-            raise InputError(f"it unpacks to {what} bytes; record it in smaller parts, or only the topics of the arm")
-        unpacked: bytes = kind().decompress(data, size + 1)
-        return unpacked
-
-    storage: Any = storage_mcap
-    storage.DECOMPRESSORS["zstd"] = partial(bounded, storage.zstd.ZstdDecompressor)
-    storage.DECOMPRESSORS["lz4"] = partial(bounded, LZ4FrameDecompressor)
 
 
 class Bag(Closeable):
@@ -159,7 +130,7 @@ class Bag(Closeable):
 
 
 def mcap_bytes(trajectory: Trajectory, arm: Arm, dt: float) -> bytes:
-    """Return the content of the file that `Trajectory.to_mcap` writes."""
+    """Return the content of the file that `save_trajectory` writes."""
     if require_arm(arm).joint_names != trajectory.joint_names:
         raise InputError(f"{arm.name} has other joints than {listed(trajectory.joint_names)}: give the motion's arm")
     points = list(zip(*trajectory.sample(dt), strict=True))
@@ -179,7 +150,6 @@ def read_mcap(arm: Arm, file: Path) -> Points:
     if why := why_no_file(file) or _why_no_recording(file):
         raise InputError(f"cannot read {file}: {why}")
     rosbag2, _, store = _import_rosbags()
-    _bound_chunks()
     try:
         with rosbag2.Reader(file) as reader:
             message = _motion(arm, reader, store)
@@ -215,7 +185,6 @@ def _motion(arm: Arm, reader: Any, store: Any) -> dict[str, Any]:
     """Return the setpoints of a recording, its only JointTrajectory, or its joint states, as plain data."""
 
     def heard(kind: str, ending: str = "") -> Iterator[tuple[int, Any]]:
-        _bound_chunks()
         layout = store.get_msgdef(kind)
         topics = [each for each in reader.connections if each.msgtype == kind and each.topic.endswith(ending)]
         for number, (_, time, data) in enumerate(reader.messages(topics) if topics else ()):

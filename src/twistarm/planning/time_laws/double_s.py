@@ -9,29 +9,43 @@ from .bounds import PathBounds
 from .law import apart
 
 
-def double_s(start: Array, goal: Array, bounds: PathBounds, duration: float = 0.0) -> tuple[Array, Array]:
+def double_s(start: Array, goal: Array, bounds: PathBounds) -> tuple[Array, Array]:
     """Breakpoints (k + 1,) [s] and coefficients (4, k, n) of a rest-to-rest motion from `start` to `goal` (n,).
 
-    Each joint has seven phases of constant jerk, or fewer on a short way. All are slowed to the slowest joint's time,
-    or to a longer `duration` [s]. Where one motor drives several joints, all joints share one profile along the
-    straight line. A joint without a jerk limit reaches its acceleration limit in 0.1 s. A motion to its start takes no
-    time. Source: Biagiotti & Melchiorri, Trajectory Planning for Automatic Machines and Robots, §3.4.
+    Each joint has seven phases of constant jerk, or fewer on a short way. All are slowed to the slowest joint's time.
+    Where one motor drives several joints, all joints share one profile along the straight line. A joint without a jerk
+    limit reaches its acceleration limit in 0.1 s. A motion to its start takes no time. Source: Biagiotti & Melchiorri,
+    Trajectory Planning for Automatic Machines and Robots, §3.4.
     """
     way = goal - start
     if not way.any():
-        return np.array([0.0, duration]), np.concatenate([np.zeros((3, 1, len(start))), start[None, None]])
-    direction: Array | float = 1.0
-    V, A, J = bounds.velocity, bounds.acceleration, bounds.jerk
-    if bounds.actuators is not None:
-        rows = np.abs(bounds.C)
-        if (np.count_nonzero(rows, axis=1) > 1).any():
-            way, direction, rows = np.ones(1), way, np.abs(bounds.C @ way)[:, None]
-        with np.errstate(divide="ignore"):
-            V, A, J = ((limit[:, None] / rows).min(0) for limit in (V, A, J))
-    breakpoints, coefficients = _profiles(np.abs(way), *_phases(np.abs(way), V, A, J), duration)
-    coefficients = coefficients * (np.sign(way) * direction)
+        return np.zeros(2), np.concatenate([np.zeros((3, 1, len(start))), start[None, None]])
+    d, limits, direction = _profiled(way, bounds)
+    breakpoints, coefficients = _profiles(d, *_phases(d, *limits))
+    coefficients = coefficients * direction
     coefficients[-1] += start
     return breakpoints, coefficients
+
+
+def double_s_durations(ways: Array, bounds: PathBounds) -> Array:
+    """Durations (k,) [s] of the motions along ways (k, n) that are not zero."""
+    d, limits, _ = _profiled(ways, bounds)
+    jerk, hold, coast = _phases(d, *limits)
+    durations: Array = (4.0 * jerk + 2.0 * hold + coast).max(axis=-1)
+    return durations
+
+
+def _profiled(way: Array, bounds: PathBounds) -> tuple[Array, tuple[Array, Array, Array], Array]:
+    """Lengths d (..., p) of the p profiles along ways (..., n), limits of their rates, and the way per unit of d."""
+    limits = bounds.velocity, bounds.acceleration, bounds.jerk
+    rows = np.abs(bounds.C)
+    with np.errstate(divide="ignore"):
+        if (np.count_nonzero(rows, axis=1) > 1).any():
+            share = np.abs(way @ bounds.C.T)
+            V, A, J = ((limit / share).min(axis=-1, keepdims=True) for limit in limits)
+            return np.ones_like(V), (V, A, J), way
+        V, A, J = ((limit[:, None] / rows).min(axis=0) for limit in limits)
+    return np.abs(way), (V, A, J), np.sign(way)
 
 
 def _phases(d: Array, V: Array, A: Array, J: Array) -> tuple[Array, Array, Array]:
@@ -51,10 +65,10 @@ def _phases(d: Array, V: Array, A: Array, J: Array) -> tuple[Array, Array, Array
     return jerk, np.where(d > 0, hold, 0.0), coast
 
 
-def _profiles(d: Array, jerk: Array, hold: Array, coast: Array, duration: float) -> tuple[Array, Array]:
+def _profiles(d: Array, jerk: Array, hold: Array, coast: Array) -> tuple[Array, Array]:
     """Breakpoints and coefficients for the distances d (n,) with these phases, slowed to one duration."""
     own = 4.0 * jerk + 2.0 * hold + coast
-    whole = max(float(own.max()), duration)
+    whole = float(own.max())
     moves = own > 0
     slower = whole / np.where(moves, own, 1.0)
     x, y, z = jerk * slower, hold * slower, np.where(moves, coast * slower, whole)

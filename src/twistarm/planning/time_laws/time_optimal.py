@@ -6,9 +6,9 @@ import numpy as np
 
 from ...support.checks import Array
 from ..joint_path import JointPath
-from ..spans import Progress, require_span
+from ..spans import MARGIN, Progress, require_span
 from .bounds import PathBounds
-from .law import TimeLaw
+from .law import APART, TimeLaw
 from .path_velocity import LimitedPath, Profile, path_velocity
 
 FIRST_INTERVALS = 150
@@ -43,6 +43,8 @@ def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None 
     """
     if not path.moves:
         return TimeLaw.at_once()
+    if path.coefficients.shape[:2] == (2, 1):
+        return _along_line(path, bounds)
     limited, grid, shortest = LimitedPath.of(path, bounds), first_grid(path.breakpoints), np.inf
     for done in range(1, ROUNDS + 1):
         profile = path_velocity(limited, grid)
@@ -59,6 +61,39 @@ def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None 
         shortest = duration
         grid = np.sort(np.concatenate([grid, (0.5 * (grid[:-1] + grid[1:]))[coarse]]))
     return _law(grid, profile, durations)
+
+
+def line_durations(ways: Array, bounds: PathBounds) -> Array:
+    """Durations (k,) [s] of the shortest motions along ways (k, n) that are not zero, straight and from rest to rest.
+
+    The fraction travelled may have speed V = min v / |C way| and acceleration A = min a / |C way|. It takes 1/V + V/A,
+    or 2/√A if V² ≥ A (Lynch & Park §9.2.2.2).
+    """
+    V, A = _line_limits(ways, bounds)
+    ramps = np.minimum(V / A, np.sqrt(1.0 / A))
+    return ramps + np.maximum(1.0 / V, ramps)
+
+
+def _line_limits(ways: Array, bounds: PathBounds) -> tuple[Array, Array]:
+    rows = np.abs(ways @ bounds.C.T)
+    with np.errstate(divide="ignore"):
+        return 1.0 / (rows / bounds.velocity).max(axis=-1), 1.0 / (rows / bounds.acceleration).max(axis=-1)
+
+
+def _along_line(path: JointPath, bounds: PathBounds) -> TimeLaw:
+    """The law of a straight path, in closed form: full acceleration, full speed, full braking."""
+    L = path.length
+    V, A = (float(limit[0]) * L * (1.0 - MARGIN) for limit in _line_limits((path.end - path.start)[None], bounds))
+    V = min(V, float(bounds.ceiling_of(path)[0]) * (1.0 - MARGIN))
+    ramp = min(V / A, np.sqrt(L / A))
+    coast = L / V - ramp
+    speed, bend = A * ramp, 0.5 * A * ramp**2
+    phases = [(0.5 * A, 0.0, 0.0), (0.0, speed, bend), (-0.5 * A, speed, L - bend)]
+    durations = [ramp, coast, ramp]
+    if coast <= APART * ramp:
+        del phases[1], durations[1]
+    require_span(sum(durations))
+    return TimeLaw(np.cumsum([0.0, *durations]), np.array(phases).T)
 
 
 def on_grid(limited: LimitedPath, grid: Array) -> TimeLaw:

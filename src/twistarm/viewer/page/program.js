@@ -9,8 +9,6 @@ import { typed } from "./units.js";
 import { tell } from "./words.js";
 
 const OUTDATED = "The motion was planned with other settings: plan again.";
-const SPLINES = ["cubic", "trapezoid"]; // kinds that lead through joint moves alone
-const PLAIN = "Cubic spline and trapezoid lead through joint moves alone, with no limit of the tool’s speed.";
 const SETTINGS = ["plan-kind", "plan-corner", "plan-linear-speed"];
 
 export class Program {
@@ -45,7 +43,7 @@ export class Program {
     $("record").addEventListener("click", () => this.record());
     $("pose-name").addEventListener("keydown", ({ key }) => key === "Enter" && this.record());
     $("plan").addEventListener("click", () => this.plan());
-    for (const id of SETTINGS) $(id).addEventListener("change", () => this.choose());
+    for (const id of SETTINGS) $(id).addEventListener("change", () => this.tell());
     $("save-poses").addEventListener("click", () => this.save());
     $("load-poses").addEventListener("click", () => $("poses-file").click());
     $("poses-file").addEventListener("change", () => this.open());
@@ -72,13 +70,8 @@ export class Program {
   follow(asked) {
     const { kind, stop, corner, linear_speed } = asked;
     $("plan-kind").value = kind;
-    if (kind !== "trapezoid") $("plan-corner").value = stop ? 0 : corner;
+    $("plan-corner").value = stop ? 0 : corner;
     $("plan-linear-speed").value = linear_speed || "";
-    this.choose();
-  }
-
-  choose() {
-    $("plan-corner").disabled = $("plan-kind").value === "trapezoid"; // which stops anyway
     this.tell();
   }
 
@@ -123,16 +116,9 @@ export class Program {
     if (outdated) tell($("program-note"), OUTDATED);
     else tell($("program-note"), done || this.note, done && this.note ? [this.note] : []);
     $("program-note").classList.toggle("stale", outdated || !this.planned);
-    const bound = this.poses.slice(1).some(({ by }) => by !== "joint") || this.settings.linear_speed > 0;
-    for (const option of $("plan-kind").options) {
-      option.disabled = bound && SPLINES.includes(option.value);
-      option.text = option.text.replace(/ \(not .*/, "") + (option.disabled ? " (not with these moves)" : "");
-    }
-    const refused = $("plan-kind").selectedOptions[0].disabled;
-    $("plan").disabled = this.driven || this.poses.length < 2 || refused;
-    $("plan-kind").title = bound ? PLAIN : "";
-    if (refused) tell($("program-note"), PLAIN);
-    $("plan").title = refused ? PLAIN : this.poses.length < 2 ? "Record two poses first" : "Through the poses in their order, within the limits";
+    const few = this.poses.length < 2;
+    $("plan").disabled = this.driven || few;
+    $("plan").title = few ? "Record two poses first" : "Through the poses in their order, within the limits";
   }
 
   record() {
@@ -161,12 +147,8 @@ export class Program {
   }
 }
 
-function stops({ kind, stop }) {
-  return stop || kind === "trapezoid";
-}
-
 // Whether both ask for the same motion: one that stops at each pose rounds no corners.
 function same(one, other) {
-  const corners = stops(one) || one.corner === other.corner;
-  return one.kind === other.kind && stops(one) === stops(other) && corners && one.linear_speed === other.linear_speed;
+  const corners = one.stop || one.corner === other.corner;
+  return one.kind === other.kind && one.stop === other.stop && corners && one.linear_speed === other.linear_speed;
 }

@@ -15,8 +15,8 @@ from ...arm.usual_limits import defaults_line, with_defaults
 from ...collision import Scene
 from ...limits.joint_limits import JointLimits
 from ...planning.cartesian.refusal import PathError
-from ...planning.joint_space import plan_joint
-from ...planning.motion import LAWS, plan
+from ...planning.joint_space import LAWS, plan_joint
+from ...planning.motion import plan
 from ...planning.trajectory import Trajectory
 from ...support.errors import InputError
 from ..memo import Memo
@@ -32,9 +32,6 @@ STALE = "The list has changed since this motion was planned: plan again."
 
 STRAIGHT = "straight in joint space between the poses: the tool's way is a curve"
 """Note on a motion that stops at each pose. "Straight" could be read as the tool's path."""
-
-SPLINES = ("cubic", "quintic", "time_optimal", "trapezoid")
-"""Kinds that lead through joint moves alone without a stop; trapezoid stops at each pose."""
 
 WHY = {"limit": "a leap would follow", "singular": "singular configuration"}
 """Short words for reasons of a PathError. Other reasons are words themselves."""
@@ -53,8 +50,7 @@ class MotionRequest(NamedTuple):
 
     def through_joints(self, poses: Sequence[RecordedPose]) -> bool:
         """Whether joint waypoints say it all, so that a spline may lead through them."""
-        plain = all(pose.by == "joint" for pose in poses[1:]) and not self.linear_speed
-        return plain and (self.stop or self.kind in SPLINES)
+        return all(pose.by == "joint" for pose in poses[1:]) and not self.linear_speed and self.kind in LAWS
 
 
 NO_REQUEST = MotionRequest("", False, 0.0, 0.0)
@@ -101,7 +97,7 @@ class Program(Part):
         poses = [{"id": pose.id, **pose.entry()} for pose in listed]
         asked = self._asked if ours else NO_REQUEST
         through_joints = asked.through_joints(listed)
-        straight = STRAIGHT if through_joints and (asked.stop or asked.kind == "trapezoid") else ""
+        straight = STRAIGHT if through_joints and asked.stop else ""
         said = self._motion.notes if current and self._motion else ()
         words = [straight, *(_of_poses(each, listed) for each in said), self._usual]
         note = ("; ".join(filter(None, words)) if current else STALE) if ours else ""
@@ -116,11 +112,6 @@ class Program(Part):
             raise InputError("the poses of the list are all the same: there is no motion between them")
         if asked.corner < 0.0 or asked.linear_speed < 0.0:
             raise InputError("the radius of corners and the tool's speed must be 0 or more")
-        if asked.kind not in LAWS and not asked.through_joints(poses):
-            raise InputError(
-                f"a {asked.kind} leads through joint moves alone, and knows no limit of the tool's speed: choose "
-                "s-curve, time-optimal or quintic"
-            )
         if show.scene is None and any(pose.by == "free" for pose in poses[1:]):
             raise InputError("to go round obstacles, switch the layer Collision on first")
         scene = copy(show.scene)  # obstacles may move meanwhile

@@ -43,7 +43,6 @@ class Drawing:
         self.links: dict[str, str] = {}
         self.notes: tuple[str, ...] = ()
         self.live: frozenset[bytes] = frozenset()
-        self._laid = ""
         self._pieces: dict[str, Drawn] = {}  # by node
         self._places: dict[str, range] = {}  # in `objects`, of each mesh drawn
         self._meshes: Iterator[Drawn]
@@ -98,12 +97,6 @@ class Drawing:
         if piece.note and piece.note not in self.notes:
             self.notes += (piece.note,)
         self.left -= 1
-
-    def overlay(self, drawn: bytes, note: str) -> None:
-        """Draw an object beside the arm, with a note on the page, in place of the last one."""
-        self.objects.append(drawn)
-        self.notes = (*(each for each in self.notes if each != self._laid), note)
-        self._laid = note
 
     def _draw_live(self, drawn: Iterable[bytes]) -> None:
         self.objects += drawn

@@ -42,7 +42,7 @@ def way_there(arm: Arm, theta: Array, motion: Trajectory) -> Trajectory:
     """The straight joint move from the measured theta (n,) to the start. theta may be slightly beyond a limit."""
     lower, upper = np.minimum(arm.limits.lower, theta), np.maximum(arm.limits.upper, theta)
     start = np.clip(motion.waypoints[0], lower, upper)
-    return plan_joint(arm, [theta, start], kind="quintic", limits=replace(arm.limits, lower=lower, upper=upper))
+    return plan_joint(arm, [theta, start], limits=replace(arm.limits, lower=lower, upper=upper))
 
 
 def why_elsewhere(arm: Arm, theta: Array, start: Array, near: Array) -> str:

@@ -1,0 +1,159 @@
+"""Waypoints in joint space: configurations from what a user gives, without repetitions, smoothed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..arm.arm import Arm
+from ..ik.explain import in_one_line
+from ..ik.solve import solve_ik
+from ..ik.targets import KINDS as TARGETS
+from ..ik.targets import TargetLike
+from ..ik.task_space import Tolerances
+from ..limits.joint_limits import JointLimits
+from ..support.checks import Array, RealArray, Row, as_floats, as_reals
+from ..support.errors import InputError, NotConvergedError, shown
+from ..support.messages import joined
+from .optional import scipy
+from .spans import LONGEST, SHORTEST
+from .tolerances import rounding_note
+from .unwrapping import unwrapped
+
+MERGE_TOL = 1e-6
+"""Consecutive waypoints nearer than this [rad, m] in every joint are one."""
+
+MOST_NAMED = 12
+"""Greatest number of merged waypoints that a note names."""
+
+LEAST_SEGMENT = 1e-7
+"""Times closer than this share of the duration are a mistake. No spline can be computed for them."""
+
+STIFFEST, BISECTIONS = 12.0, 30
+"""Greatest power of ten of λ or 1/λ of a smoothing spline, and steps to find it."""
+
+PINNED = 1e9
+"""Weight of the first and the last waypoint. The spline passes them to rounding, and then they are put in."""
+
+FEWEST = 5
+"""A smoothing spline needs so many waypoints."""
+
+Waypoints = RealArray | Sequence[Row | Mapping[str, float] | str | TargetLike]
+"""Configurations as arrays, mappings {joint: value} or names of states, and targets of the tool."""
+
+
+def as_waypoints(arm: Arm, waypoints: Waypoints, met: Tolerances, unwrap: bool) -> tuple[Array, list[str]]:
+    """Return waypoints (k, n), k ≥ 1, from arrays, {joint: value} mappings, names and targets; and notes."""
+    if isinstance(waypoints, str | Mapping) or not np.iterable(waypoints):
+        raise InputError(f"waypoints must be a sequence of configurations; got {shown(waypoints)}")
+    points: list[Array] = []
+    notes: list[str] = []
+    for i, waypoint in enumerate(waypoints):
+        theta = _configuration(arm, waypoint, i, points[-1] if points else arm.ready, met)
+        notes += rounding_note(arm, waypoint, theta, f"waypoint {i} (counted from 0)", met)
+        if points:
+            theta, said = unwrapped(arm, theta, points[-1], f"waypoint {i} (counted from 0)", unwrap)
+            notes += said
+        points.append(theta)
+    if not points:
+        raise InputError("waypoints must be at least one configuration; got none")
+    return np.array(points), notes
+
+
+def _configuration(arm: Arm, waypoint: Any, index: int, near: Array, met: Tolerances) -> Array:
+    """The configuration (n,) of a waypoint. For a target, the one nearest to `near` (n,)."""
+    if isinstance(waypoint, TARGETS) or _is_pose(waypoint):
+        solution = solve_ik(arm, waypoint, near, **met.keywords, posture="theta0")
+        if not solution.converged:
+            why = joined(": ", [f"waypoint {index} (counted from 0)", in_one_line(solution)])
+            raise NotConvergedError(why, solution)
+        return np.array(solution.theta)
+    theta = arm.theta_from(waypoint, name=f"waypoint {index}")
+    if theta.ndim != 1:
+        raise InputError(f"waypoint {index} must be one configuration ({arm.n},); got {theta.shape}")
+    return theta
+
+
+def _is_pose(waypoint: Any) -> bool:
+    if isinstance(waypoint, str | Mapping) or waypoint is None:
+        return False
+    numbers = waypoint if isinstance(waypoint, np.ndarray) else as_reals(waypoint, "a waypoint")
+    return numbers.shape == (4, 4)
+
+
+def as_times(times: ArrayLike, count: int) -> Array:
+    """Return the times (k,) [s] of so many waypoints, which begin at 0 and increase."""
+    when = as_floats(times, "times")
+    if when.shape != (count,):
+        raise InputError(f"times must be one instant per waypoint, ({count},); got {when.shape}")
+    if when[0] != 0 or not (np.diff(when) > 0).all():
+        raise InputError(f"times must start at 0 and increase strictly; got {when.tolist()}")
+    if count == 1:
+        return when
+    least = float(np.diff(when).min())
+    if least < LEAST_SEGMENT * when[-1] or not SHORTEST <= when[-1] <= LONGEST:
+        raise InputError(
+            f"times must span {SHORTEST:g} s to {LONGEST:g} s with no segment under {LEAST_SEGMENT:g} of "
+            f"the whole; got a segment of {least:.3g} s in {when[-1]:.3g} s"
+        )
+    return when
+
+
+def distinct(points: Array) -> tuple[Array, Array, list[str]]:
+    """Return waypoints (j, n) without repetitions, for each given one its index among them, and notes."""
+    kept, owner = [0], [0]
+    for i in range(1, len(points)):
+        if np.abs(points[i] - points[kept[-1]]).max(initial=0.0) > MERGE_TOL:
+            kept.append(i)
+        owner.append(len(kept) - 1)
+    kept[-1] = len(points) - 1
+    merged = [str(i) for i in range(1, len(points)) if owner[i] == owner[i - 1]]
+    which = ", ".join(merged[:MOST_NAMED]) + (", …" if len(merged) > MOST_NAMED else "")
+    notes = [f"merged with the waypoint before, which is at the same place: {which} (counted from 0)"] if merged else []
+    return points[kept], np.array(owner), notes
+
+
+def smoothed(points: Array, most: float, limits: JointLimits) -> Array:
+    """Return waypoints (k, n) as smooth as possible that deviate by at most `most` [rad, m], inside the limits.
+
+    Consecutive waypoints in a box of width `most` become its middle, so a stay is passed once. The cubic smoothing
+    spline over the distances of the m middles y minimizes Σ |z_i − y_i|² + λ ∫ z''² ds. λ is the greatest that keeps
+    `most`. The first and the last waypoint stay. Source: Green & Silverman, Nonparametric Regression and Generalized
+    Linear Models, chapter 2.
+    """
+    box = _boxes(points, most)
+    first = np.flatnonzero(np.diff(box, prepend=-1))
+    low, high = (np.minimum.reduceat(points, first), np.maximum.reduceat(points, first))
+    middles = 0.5 * (low + high)
+    middles[0], middles[-1] = points[0], points[-1]
+    if len(middles) < FEWEST:
+        return middles[box]
+    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(middles, axis=0), axis=1))])
+    s *= len(s) / s[-1]
+    make, weight = scipy("interpolate").make_smoothing_spline, np.ones(len(s))
+    weight[[0, -1]] = PINNED
+    best, least, greatest = middles, -STIFFEST, STIFFEST
+    for _ in range(BISECTIONS):
+        exponent = 0.5 * (least + greatest)
+        z = np.clip(make(s, middles, w=weight, lam=10.0**exponent)(s), limits.lower, limits.upper)
+        z[[0, -1]] = middles[[0, -1]]
+        if np.maximum(z - low, high - z)[1:-1].max() <= most:
+            best, least = z, exponent
+        else:
+            greatest = exponent
+    return best[box]
+
+
+def _boxes(points: Array, width: float) -> NDArray[np.intp]:
+    """Return the number of each waypoint's box (k,). The first and the last waypoint have one of their own."""
+    numbers, low, high = np.zeros(len(points), dtype=np.intp), points[0], points[0]
+    for i in range(1, len(points)):
+        low, high = np.minimum(low, points[i]), np.maximum(high, points[i])
+        new = i in (1, len(points) - 1) or bool((high - low > width).any())
+        numbers[i] = numbers[i - 1] + new
+        if new:
+            low = high = points[i]
+    return numbers
