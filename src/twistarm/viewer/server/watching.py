@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ...arm.arm import Arm
 from ...description.document import noted_files
@@ -13,7 +14,9 @@ from ...support.errors import one_line
 from ...support.files import as_paths, stamp
 from ...support.interrupts import Closeable
 from ...support.path_redaction import without_places
-from .server import Server
+
+if TYPE_CHECKING:  # without the extra `view` there is no tornado, and `loaded` needs none
+    from .server import Server
 
 PERIOD = 0.25
 """Time between two looks at the files [s]. A look costs a microsecond or two for each file and needs no library. It
