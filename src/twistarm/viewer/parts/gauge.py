@@ -12,7 +12,7 @@ from ...arm.abilities import ANGULAR, LINEAR, NO_MOTION, largest_rank, span
 from ...arm.arm import Arm
 from ...arm.usual_limits import usually_limited
 from ...control.servo import ServoSettings
-from ...control.servo.bounds import Bounds, bounds_of
+from ...control.servo.bounds import ServoBounds, bounds_of
 from ...support.checks import Array
 from ...support.directions import leading, nearest_axes
 from ..memo import Memo
@@ -56,7 +56,7 @@ class Gauge(Part):
         yield {"type": "gauge", **(self._words(show.theta, limited) if show.driven else SILENT)}
 
     @cached_property
-    def bounds(self) -> Bounds:
+    def bounds(self) -> ServoBounds:
         """Those of a servo with standard settings."""
         return bounds_of(usually_limited(self.arm), ServoSettings())
 
