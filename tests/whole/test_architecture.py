@@ -144,17 +144,12 @@ VIEWER_FLOORS = (
     ("stage", "draw"),
     ("parts",),
     ("protocol", "scene"),
-    ("page_files",),
+    ("page_files", "memo"),
 )
 """The rooms and modules of the view, top to bottom."""
 
 
-UPPER_CIRCLES = (
-    {"ik/batch.py", "ik/collision_free.py", "ik/solve.py"},
-    {"ik/explain.py", "ik/solution.py"},
-    {"viewer/server"},
-    {"viewer/stage.py", "viewer/parts"},
-)
+UPPER_CIRCLES = ({"ik/batch.py", "ik/collision_free.py", "ik/solve.py"}, {"ik/explain.py", "ik/solution.py"})
 """Files or folders of upper rooms that may import each other for types, or late. No other module may."""
 
 
