@@ -83,7 +83,7 @@ def held(arm: Arm, start: Array, command: TwistCommand, seconds: float = SECONDS
         state, output = servo_step(arm, state, command, DT)
         rates.append(state.theta_dot)
         said.append([output.scale, *output.lost_twist])
-        status.append(output.status.name)
+        status.append(output.status)
     return np.array(rates), np.array(said), status
 
 

@@ -24,12 +24,12 @@ from twistarm.control.stream import (
     MonotonicClock,
     Setpoint,
     SimulatedJoints,
+    StreamOptions,
     UdpFeedback,
     UdpSink,
     UdpSource,
     run,
 )
-from twistarm.control.stream.metronome import Lateness
 
 from .machine import machine
 
@@ -70,15 +70,15 @@ def received(setpoints: socket.socket) -> Setpoint | None:
 
 def bare_timer(rate: float, seconds: float) -> str:
     """Cycles of the loop's own timer that do nothing: how late they begin."""
-    clock, metronome, lateness = MonotonicClock(), Metronome(1.0 / rate), Lateness()
+    clock, metronome, lateness = MonotonicClock(), Metronome(1.0 / rate), []
     end, cycles, missed = clock.now() + seconds, 0, 0
     metronome.tick(clock.now())
     while clock.now() < end:
         clock.sleep_until(metronome.next)
         now, due = clock.now(), metronome.next
-        lateness.add(now - due)
+        lateness.append(now - due)
         cycles, missed = cycles + 1, missed + max(0, metronome.tick(now) - 1)
-    late = [f"{1e3 * each:.3f} ms" for each in (lateness.percentile(50.0), lateness.percentile(99.0), lateness.largest)]
+    late = [f"{1e3 * each:.3f} ms" for each in np.percentile(lateness, [50, 99, 100])]
     return f"{cycles} cycles, {missed} missed, late by {late[0]} (median), {late[1]} (99 %), {late[2]} (most)"
 
 
@@ -104,7 +104,7 @@ def main() -> None:
         try:
             with UdpSink(arm, *robot.getsockname()) as sink:
                 busy = time.process_time()
-                report = run(arm, source, sink, feedback, rate=given.rate, duration=given.duration)
+                report = run(arm, source, sink, feedback, StreamOptions(rate=given.rate), duration=given.duration)
                 busy = time.process_time() - busy
         finally:
             over.set()

@@ -10,7 +10,6 @@ from twistarm.control.servo import (
     PoseCommand,
     ServoOutput,
     ServoState,
-    ServoStatus,
     TwistCommand,
     servo_step,
 )
@@ -46,7 +45,7 @@ def drive(state: ServoState, command: AnyCommand, seconds: float) -> tuple[Servo
 def jog_tool(state: ServoState, v: Array, seconds: float) -> tuple[ServoState, ServoOutput]:
     """A straight jog of the tool: as asked where nothing is slowed, and from one speed to the next without a shake."""
     state, velocities, outputs = drive(state, TwistCommand([*v, 0, 0, 0], frame="base"), seconds)
-    steady = [output.status is ServoStatus.OK and output.scale > 1 - 1e-6 for output in outputs]
+    steady = [output.status == "OK" and output.scale > 1 - 1e-6 for output in outputs]
     assert sum(steady) > 50
     assert np.linalg.norm(velocities[steady] - v, axis=1).max() < 1e-3 * speed
     # It speeds up once and slows down once: the changes from cycle to cycle add up to no more than that.
@@ -61,7 +60,7 @@ def jog_elbow(state: ServoState, rate: float, seconds: float) -> ServoState:
 
 start = ServoState.at(arm, arm.ready)
 state, output = jog_tool(start, speed * outward(arm.ready)[1], 6.0)
-assert output.status is ServoStatus.SLOWED_SINGULARITY
+assert output.status == "SLOWED_SINGULARITY"
 assert longest - outward(state.theta)[0] < 1e-4, "stretched to the tenth of a millimetre"
 print(f"stretched, {1e3 * outward(state.theta)[0]:.1f} of {1e3 * longest:.1f} mm: {output.explain()}")
 
@@ -69,13 +68,13 @@ print(f"stretched, {1e3 * outward(state.theta)[0]:.1f} of {1e3 * longest:.1f} mm
 state = jog_elbow(state, -0.4, 1.2)
 assert state.theta[2] < -0.3 < 0.3 < start.theta[2], "the other branch"
 state, output = jog_tool(state, -speed * outward(state.theta)[1], 1.0)
-assert output.status is ServoStatus.OK, "inside it moves as asked on this branch too"
+assert output.status == "OK", "inside it moves as asked on this branch too"
 
 # Out again, back through straight, and to the pose where it began: the same pose, on the same branch.
 state, output = jog_tool(state, speed * outward(state.theta)[1], 4.0)
-assert output.status is ServoStatus.SLOWED_SINGULARITY
+assert output.status == "SLOWED_SINGULARITY"
 state = jog_elbow(state, 0.4, 1.2)
 state, _, outputs = drive(state, PoseCommand(arm.fk(arm.ready)), 5.0)
-assert outputs[-1].status is ServoStatus.OK
+assert outputs[-1].status == "OK"
 assert np.allclose(state.theta, arm.ready, atol=1e-4)
 print("through the straight elbow, back, and at the start again, without a jump")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stream_stand_ins import PERIOD, FakeClock, Says
-from twistarm.control.stream import Ending, Measured, Streaming
+from twistarm.control.stream import Ending, Measured, Streaming, StreamOptions
 
 STEP = 2.0 * np.pi / 4096
 """Of an encoder with 12 bits [rad]; of a slide's, that many metres."""
@@ -93,7 +93,7 @@ def driven(arm, theta, command, seconds, *, velocity_mode=True, push=None, **pla
     clock = FakeClock(BEGIN)
     drives = RateDrives(arm, theta, clock, **plant)
     source = Says(lambda now: command(now - BEGIN))
-    streaming = Streaming(arm, source, drives, drives, velocity_mode=velocity_mode)
+    streaming = Streaming(arm, source, drives, drives, StreamOptions(velocity_mode=velocity_mode))
     limits, ending = streaming.arm.limits, None
     for k in range(round(seconds / PERIOD)):
         clock.time = BEGIN + k * PERIOD

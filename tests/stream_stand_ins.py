@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
-from twistarm.control.servo import JogCommand, ServoOutput, ServoStatus
-from twistarm.control.stream import Measured, Reading, Setpoint, run
+from twistarm.control.servo import JogCommand, ServoOutput, ServoReason
+from twistarm.control.stream import Measured, Reading, Setpoint, StreamOptions, run
 
 RATE = 100.0
 PERIOD = 1.0 / RATE
+SHARED = [field.name for field in fields(StreamOptions)]
 
 
 class FakeClock:
@@ -83,9 +84,9 @@ class Robot:
         return max((s.time for s in self.setpoints if s.theta_dot.any()), default=after) - after
 
 
-def answer(rates, status=ServoStatus.OK, scale=1.0, joint=None, reason=""):
+def answer(rates, reason=ServoReason.MOVING, scale=1.0, joint=None, why=""):
     """What a step of the servo answers."""
-    return replace(ServoOutput.stale(np.asarray(rates, dtype=float), reason), status=status, scale=scale, joint=joint)
+    return replace(ServoOutput.stale(np.asarray(rates, dtype=float), why), reason=reason, scale=scale, joint=joint)
 
 
 def jog(arm, **rates):
@@ -109,6 +110,7 @@ def stream(rover, clock, robot):
     def streamed(source=None, sink=None, feedback=None, **options):
         source = source or Says(jog(rover, elbow=-0.4))
         options = {"rate": RATE, "duration": 2.0, "clock": clock} | options
-        return run(rover, source, sink or robot, feedback or sink or robot, **options)
+        shared = StreamOptions(**{name: options.pop(name) for name in SHARED if name in options})
+        return run(rover, source, sink or robot, feedback or sink or robot, shared, **options)
 
     return streamed

@@ -29,7 +29,6 @@ from .control.servo import ServoOutput as ServoOutput
 from .control.servo import ServoReason as ServoReason
 from .control.servo import ServoSettings as ServoSettings
 from .control.servo import ServoState as ServoState
-from .control.servo import ServoStatus as ServoStatus
 from .control.servo import TwistCommand as TwistCommand
 from .control.servo import servo_step as servo_step
 from .description.dh import DhTable as DhTable

@@ -12,7 +12,7 @@ from twistarm import Scene, load_arm, plan_joint
 from twistarm.viewer import Viewer
 from twistarm.viewer.files.page_export import stand_alone
 from twistarm.viewer.files.scene_snapshot import on_show
-from twistarm.viewer.scene.arm_scene import Scene as ArmScene
+from twistarm.viewer.scene.arm_drawing import Drawing
 from twistarm.viewer.stage import Stage
 from waiting import settled, until
 
@@ -80,7 +80,7 @@ def test_a_saved_page_shows_obstacles_and_what_the_arm_holds(page: Any, tmp_path
     job = stage.collisions.due(stage)
     assert job is not None
     job.finish(job.work(lambda share: None))
-    (tmp_path / "page.html").write_text(stand_alone(on_show(stage, ArmScene(arm).whole())), encoding="utf-8")
+    (tmp_path / "page.html").write_text(stand_alone(on_show(stage, Drawing(arm).whole())), encoding="utf-8")
     page.goto((tmp_path / "page.html").as_uri())
     until(page, "'drawn' in document.body.dataset")
     standing = "twistarm.obstacles.map(({ name, mesh }) => [name, ...mesh.matrix.elements.slice(12, 15)])"

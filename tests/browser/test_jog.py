@@ -13,7 +13,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from twistarm import ArmBuilder
-from twistarm.control.servo import ServoOutput, ServoStatus
+from twistarm.control.servo import ServoOutput, ServoReason
 from twistarm.viewer import Viewer
 from waiting import settled, until
 
@@ -353,7 +353,7 @@ def text(name: str) -> str:
 
 
 def test_how_much_is_done_is_said_where_it_is_less_than_all(page: Any, viewer: Viewer, heard: Heard) -> None:
-    answer = replace(ServoOutput.stale(np.zeros(1), "moving"), status=ServoStatus.OK, scale=0.6, lost_share=0.3)
+    answer = replace(ServoOutput.stale(np.zeros(1), "moving"), reason=ServoReason.MOVING, scale=0.6, lost_share=0.3)
     viewer.show_servo(answer)
     until(page, f"{text('jog-share')} === '42 % of what was asked'")
     assert page.evaluate(text("jog-servo")) == "moving"  # the reason: less than all is not OK
@@ -372,7 +372,7 @@ def test_a_page_that_is_too_slow_says_so(page: Any, viewer: Viewer, heard: Heard
     until(page, f"{text('jog-servo')} === '{old}'")  # somebody else's fault
     page.evaluate("() => { const end = performance.now() + 300; while (performance.now() < end); }")
     until(page, f"{text('jog-servo')} === '{old} · {slow}'")
-    viewer.show_servo(replace(ServoOutput.stale(np.zeros(1), ""), status=ServoStatus.OK, scale=1.0))
+    viewer.show_servo(replace(ServoOutput.stale(np.zeros(1), ""), reason=ServoReason.MOVING, scale=1.0))
     until(page, f"{text('jog-servo')} === 'OK · {slow}'")
     until(page, f"{text('jog-servo')} === 'OK'")
     viewer.show_servo(ServoOutput.stale(np.zeros(1), old))
@@ -385,7 +385,7 @@ def test_a_page_that_is_too_slow_says_so(page: Any, viewer: Viewer, heard: Heard
 
 def test_the_servo_s_word_is_on_the_page(page: Any, viewer: Viewer, heard: Heard) -> None:
     reason = "slowed by the velocity limit of a"
-    answer = replace(ServoOutput.stale(np.zeros(1), reason), status=ServoStatus.SLOWED_LIMIT, scale=1.0, joint="a")
+    answer = replace(ServoOutput.stale(np.zeros(1), reason), reason=ServoReason.VELOCITY_LIMIT, scale=1.0, joint="a")
     viewer.show_servo(answer)
     until(page, "document.getElementById('jog-servo').textContent === 'slowed by the velocity limit of a'")
     page.locator("#jog summary").click()

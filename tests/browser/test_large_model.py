@@ -82,7 +82,7 @@ def test_a_slow_model_shows_its_progress_and_ends_complete(
 ) -> None:
     page.goto(viewer.url)
     until(page, "globalThis.twistarm?.state.frame")
-    plain = viewer._server.scene.plain
+    plain = viewer._server.drawing.plain
     until(page, f"{DRAWN} === {plain}")
     bar = page.get_by_role("progressbar", name="The scene, drawn so far")
     assert bar.is_visible()
@@ -98,9 +98,9 @@ def test_a_slow_model_shows_its_progress_and_ends_complete(
     until(page, "twistarm.state.fitted")
     assert page.locator("#status").inner_text() == "live"
     assert bar.is_hidden()
-    assert page.evaluate(DRAWN) == len(viewer._server.scene.objects)
+    assert page.evaluate(DRAWN) == len(viewer._server.drawing.objects)
     assert "cannot read mesh" in page.locator("#notes").inner_text()
-    fore = viewer._server.scene.links["fore"]
+    fore = viewer._server.drawing.links["fore"]
     assert page.evaluate(f"twistarm.view.node('{fore}/stand-in/stick0').children.length") > 0
     with open_page() as late:
         settled(late, viewer.url)
@@ -117,7 +117,7 @@ def test_a_page_whose_socket_breaks_comes_back_by_itself(page: Any, viewer: View
     until(page, f"{STATUS} === 'live' && twistarm.state.hello !== globalThis.before")
     until(page, "twistarm.state.frame?.theta[0] === 0.5")
     assert first == [0.1, 0.2, 0.3]
-    assert page.evaluate(DRAWN) == len(viewer._server.scene.objects)
+    assert page.evaluate(DRAWN) == len(viewer._server.drawing.objects)
 
 
 def test_page_and_process_read_the_schema_alike(page: Any, viewer: Viewer, gate: Gate) -> None:

@@ -165,18 +165,18 @@ def test_what_cannot_be_is_refused_before_anything_is_opened(typed: list[str], m
 def test_options_reach_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
     given: dict[str, Any] = {}
 
-    def noted(arm: Any, source: Any, sink: Any, feedback: Any, **options: Any) -> Any:
-        given.update(options, source=source)
-        return stream(arm, source, sink, feedback, **{**options, "duration": 0.05})
+    def noted(arm: Any, source: Any, sink: Any, feedback: Any, shared: Any, **options: Any) -> Any:
+        given.update(options, source=source, shared=shared)
+        return stream(arm, source, sink, feedback, shared, **{**options, "duration": 0.05})
 
     monkeypatch.setattr("twistarm.cli.commands.driving.run", noted)
     options = "--velocity-mode --command-timeout 0.5 --feedback-timeout 300 ms --tolerance 0.1 rad --margin 0.02 "
     options += "--on-unreachable stop"
     udp = ("--udp", "127.0.0.1:9", "--listen", "127.0.0.1:0")
     assert run(["servo", "rr_planar", *options.split(), *udp, "--no-browser"]) == 1  # no robot is there
-    assert (given["command_timeout"], given["feedback_timeout"]) == (0.5, pytest.approx(0.3))
-    assert given["tolerance"].tolist() == pytest.approx([0.1, 0.1])
-    assert given["velocity_mode"]
+    assert (given["command_timeout"], given["shared"].feedback_timeout) == (0.5, pytest.approx(0.3))
+    assert given["shared"].tolerance.tolist() == pytest.approx([0.1, 0.1])
+    assert given["shared"].velocity_mode
     assert (given["settings"]().position_margin, given["settings"]().on_unreachable) == (0.02, "stop")
     assert given["source"].timeout == 0.5  # the page's commands hold as long
 

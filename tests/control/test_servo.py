@@ -11,15 +11,7 @@ from scipy.spatial.transform import Rotation
 from catalogue import load
 from servo_drives import DT, LEVEL, TRACKING, driven, pose, up_to_speed
 from twistarm import Actuators, JointLimits, arm_from_screws, joints
-from twistarm.control.servo import (
-    JogCommand,
-    PoseCommand,
-    ServoSettings,
-    ServoState,
-    ServoStatus,
-    TwistCommand,
-    servo_step,
-)
+from twistarm.control.servo import JogCommand, PoseCommand, ServoSettings, ServoState, TwistCommand, servo_step
 
 BENT = {"xarm7": [2.4, 1.7, 4.1, 0.5, 3.1, -1.3, -0.9]}
 """A posture that is not singular, where the arm's ready is."""
@@ -74,7 +66,7 @@ def test_the_lost_twist_is_what_the_jacobian_cannot_do():
         if arm.manipulability(theta).singular_values[-1] < 0.1:
             continue
         _, output = servo_step(arm, ServoState.at(arm, theta), TwistCommand(twist, "tool"), DT)
-        if output.status is not ServoStatus.OK:
+        if output.status != "OK":
             continue
         J = arm.by_pinocchio(theta)[2]
         exact, *_ = np.linalg.lstsq(J[:3], twist[:3], rcond=None)
@@ -122,7 +114,7 @@ def test_nothing_asked_nothing_moves():
     for command in (TwistCommand(np.zeros(6)), JogCommand(np.zeros(arm.n)), TwistCommand(np.zeros(6), hold="position")):
         state, output = driven(arm, ServoState.at(arm, arm.ready), command, 1000)
         assert np.array_equal(state.theta, arm.ready)
-        assert output.status is ServoStatus.OK
+        assert output.status == "OK"
 
 
 def test_a_motor_at_its_position_limit_is_named():
@@ -135,11 +127,11 @@ def test_a_motor_at_its_position_limit_is_named():
     motors = Actuators(("left", "right"), arm.joint_names, G, np.zeros(2), ("rad",) * 2, np.full(2, np.nan), limits)
     wired = replace(arm, actuators=motors)
     state, output = driven(wired, ServoState.at(wired, np.zeros(5)), JogCommand([0, 0, 0, 0, 0.5]), 800)
-    assert output.status is ServoStatus.HALTED_LIMIT
+    assert output.status == "HALTED_LIMIT"
     assert output.joint in ("left", "right")
     assert np.abs(G @ state.theta).max() == pytest.approx(4.0, abs=1e-3)
     _, output = driven(wired, state, JogCommand([0, 0, 0, 0, -0.5]), 20)
-    assert output.status is ServoStatus.OK
+    assert output.status == "OK"
 
 
 def test_at_two_limits_at_once_the_rest_goes_where_it_is_told():
@@ -152,7 +144,7 @@ def test_at_two_limits_at_once_the_rest_goes_where_it_is_told():
     start[0] = arm.limits.upper[0]
     state, output = driven(arm, ServoState.at(arm, start), TwistCommand([1.0, 1.0, -1.0, 0, 0, 0], "base"), 25)
     moved = pose(arm, state)[:3, 3] - arm.by_pinocchio(start)[0][:3, 3]
-    assert (output.status, output.joint) == (ServoStatus.SLOWED_LIMIT, arm.joint_names[0])
+    assert (output.status, output.joint) == ("SLOWED_LIMIT", arm.joint_names[0])
     assert "upper position limit" in output.explain()
     assert moved[0] > 0.02
     assert abs(moved[0] + moved[2]) < 0.15 * moved[0]
@@ -166,10 +158,10 @@ def test_a_jog_into_a_limit_halts_there_or_a_margin_before_and_says_which(margin
     rates[1] = 0.5
     state, output = driven(arm, ServoState.at(arm, arm.ready), JogCommand(rates), 1000, settings=settings)
     assert state.theta[1] == pytest.approx(arm.limits.upper[1] - margin, abs=1e-6)
-    assert output.status is ServoStatus.HALTED_LIMIT
+    assert output.status == "HALTED_LIMIT"
     assert output.joint == arm.joint_names[1]
     state, output = driven(arm, state, JogCommand(-rates), 20, settings=settings)
-    assert output.status is ServoStatus.OK
+    assert output.status == "OK"
     assert state.theta[1] < arm.limits.upper[1] - margin - 0.05
 
 
@@ -181,7 +173,7 @@ def test_from_outside_the_limits_there_is_only_the_way_back():
     rates[1] = 0.2
     farther, output = driven(arm, ServoState.at(arm, outside), JogCommand(rates), 10)
     assert farther.theta[1] == outside[1]
-    assert output.status is ServoStatus.HALTED_LIMIT
+    assert output.status == "HALTED_LIMIT"
     nearer, _ = driven(arm, ServoState.at(arm, outside), JogCommand(-rates), 10)
     assert nearer.theta[1] < outside[1] - 0.01
 
@@ -195,7 +187,7 @@ def test_a_limit_of_rates_slows_the_whole_twist_and_does_not_bend_it(name, twist
     arm, along = load(name), np.array(twist[:3]) / np.linalg.norm(twist)
     state, output = driven(arm, ServoState.at(arm, arm.ready), TwistCommand(twist, "base"), steps)
     assert 0.0 < output.scale < 0.9
-    assert (output.status is ServoStatus.SLOWED_LIMIT) == (name == "rover_arm_6dof")
+    assert (output.status == "SLOWED_LIMIT") == (name == "rover_arm_6dof")
     moved = pose(arm, state)[:3, 3] - arm.by_pinocchio(arm.ready)[0][:3, 3]
     assert np.linalg.norm(moved - moved @ along * along) < 1e-2 * (moved @ along)
 

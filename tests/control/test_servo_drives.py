@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from catalogue import load
 from servo_drives import broken, drive, next_command, random_arm, travelled
 from twistarm import Actuators, JointLimits, arm_from_screws, joints
-from twistarm.control.servo import JogCommand, ServoState, ServoStatus, TwistCommand, servo_step
+from twistarm.control.servo import JogCommand, ServoState, TwistCommand, servo_step
 
 QUICK, WHOLE = 15, 1000
 
@@ -65,7 +65,7 @@ def test_the_tool_does_what_can_be_done(n):
             before = arm.fk(state.theta)
             near = arm.manipulability(state.theta).singular_values[-1] < AWAY
             state, output = servo_step(arm, state, TwistCommand(twist, "base"), 0.01)
-            if near or k < 3 or output.status is not ServoStatus.OK:
+            if near or k < 3 or output.status != "OK":
                 continue
             after = arm.fk(state.theta)
             turned = Rotation.from_matrix(after[:3, :3] @ before[:3, :3].T).as_rotvec()

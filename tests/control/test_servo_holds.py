@@ -8,7 +8,7 @@ from benchmarks.servo_arms import at_limits, random, ranges, servo_arm
 from scipy.spatial.transform import Rotation
 
 from servo_drives import DT
-from twistarm.control.servo import ServoState, ServoStatus, TwistCommand, servo_step
+from twistarm.control.servo import ServoState, TwistCommand, servo_step
 
 ARMS = ("ur5", "panda", "so101", "rover_arm", "rover_arm_6dof")
 STEPS = 250
@@ -77,5 +77,5 @@ def test_a_tool_that_drifts_off_its_command_is_not_called_ok(name):
             done = arm.by_pinocchio(state.theta)[2] @ state.theta_dot  # body twist
             off = np.linalg.norm(done[:3]) / arm.reach
             drifting += off > 0.05
-            assert output.status is not ServoStatus.OK or off < 0.015, (theta, told.twist, off)
+            assert output.status != "OK" or off < 0.015, (theta, told.twist, off)
     assert drifting > 10

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from stream_stand_ins import FakeClock, Robot, Says
 from twistarm import InputError, JogCommand, PoseCommand, Scene, TwistCommand, load_arm
-from twistarm.control.servo import ServoReason, ServoSettings, ServoState, ServoStatus, servo_step
+from twistarm.control.servo import ServoReason, ServoSettings, ServoState, servo_step
 from twistarm.control.stream import run
 
 DT, MARGIN, SHORT = 0.01, 0.01, 5e-4  # s, m, and m: what a distance at rest may miss the margin by
@@ -58,12 +58,12 @@ def test_a_hand_stops_before_a_wall_slides_along_it_and_leaves(slides):
     assert 0.9 - MARGIN - SHORT <= x[-1] == x.max() <= 0.9 - MARGIN
     assert z[-1] - z[-101] == pytest.approx(0.1, rel=0.01)  # m in a second, nearly as commanded
     assert (speed**2 <= 2.0 * 1.0 * (0.9 - MARGIN - x)).all()  # it can stop at 1 m/s²
-    assert (output.status, output.reason) == (ServoStatus.SLOWED_COLLISION, ServoReason.COLLISION)
+    assert (output.status, output.reason) == ("SLOWED_COLLISION", ServoReason.COLLISION)
     assert (*sorted(output.contact.links), output.contact.margin) == ("hand", "wall", MARGIN)
     assert output.contact.distance == pytest.approx(0.9 - x[-1], abs=1e-6)
     assert output.explain() == f"slowed near a collision: {output.contact}"
     states, output = driven(arm, states[-1], twist(-0.2), 100, scene)
-    assert (output.status, output.contact, output.theta_dot[0]) == (ServoStatus.OK, None, pytest.approx(-0.2))
+    assert (output.status, output.contact, output.theta_dot[0]) == ("OK", None, pytest.approx(-0.2))
 
 
 @pytest.mark.parametrize("command", HALTED, ids=["jog", "held", "pose"])
@@ -71,7 +71,7 @@ def test_every_command_halts_before_the_wall(slides, command):
     arm, scene = slides
     states, output = driven(arm, ServoState.at(arm, [0.5, 0.0]), command, 800, scene)
     assert 0.9 - MARGIN - 3 * SHORT <= states[-1].theta[0] <= 0.9 - MARGIN
-    assert output.status is ServoStatus.HALTED_COLLISION
+    assert output.status == "HALTED_COLLISION"
     assert all(state.theta[1] == pytest.approx(0.0, abs=1e-9) for state in states)
 
 

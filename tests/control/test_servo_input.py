@@ -13,15 +13,7 @@ import pytest
 from catalogue import load
 from twistarm import InputError, TwistarmError, UnknownNameError, arm_from_screws, joints
 from twistarm.arm import engine
-from twistarm.control.servo import (
-    JogCommand,
-    PoseCommand,
-    ServoSettings,
-    ServoState,
-    ServoStatus,
-    TwistCommand,
-    servo_step,
-)
+from twistarm.control.servo import JogCommand, PoseCommand, ServoSettings, ServoState, TwistCommand, servo_step
 
 DT = 0.01
 
@@ -89,7 +81,7 @@ def test_a_bad_command_brings_the_arm_to_rest_along_its_limits(command, words):
     for _ in range(100):
         before = state
         state, output = servo_step(arm, state, command, DT)
-        assert output.status is ServoStatus.STALE
+        assert output.status == "STALE"
         assert words in output.explain()
         assert (np.abs(state.theta_dot - before.theta_dot) <= arm.limits.acceleration * DT + 1e-12).all()
     assert not state.theta_dot.any()
@@ -100,7 +92,7 @@ def test_a_bad_time_step_is_refused_and_the_arm_is_still(dt):
     arm = load("rover_arm")
     state = moving(arm)
     after, output = servo_step(arm, state, MOVING, dt)
-    assert output.status is ServoStatus.STALE
+    assert output.status == "STALE"
     assert "dt must be more than 0 and at most 0.1 s" in output.explain()
     assert not output.theta_dot.any()
     assert np.array_equal(after.theta, state.theta)
@@ -117,7 +109,7 @@ def test_a_bad_state_is_refused(bad):
     arm = load("rover_arm")
     state, _ = servo_step(arm, ServoState.at(arm, arm.ready), PUSH, DT)
     _, output = servo_step(arm, replace(state, **bad), PUSH, DT)
-    assert output.status is ServoStatus.STALE
+    assert output.status == "STALE"
     assert "the state cannot be used" in output.explain()
     assert not output.theta_dot.any()
 
@@ -130,7 +122,7 @@ def test_a_margin_wider_than_the_range_leaves_its_middle(margin):
     state, settings = ServoState.at(arm, (lower + upper) / 2), ServoSettings(position_margin=margin)
     for _ in range(100):
         state, output = servo_step(arm, state, JogCommand([1.0, 1.0, 1.0]), DT, settings=settings)
-    assert output.status is not ServoStatus.STALE
+    assert output.status != "STALE"
     most = np.maximum(upper - margin, (lower + upper) / 2)
     np.testing.assert_allclose(state.theta, most, atol=1e-9)
 

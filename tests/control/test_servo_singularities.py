@@ -10,7 +10,7 @@ import pytest
 from catalogue import load
 from servo_drives import DT, driven, pose
 from twistarm import JointLimits, arm_from_screws, joints
-from twistarm.control.servo import ServoReason, ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
+from twistarm.control.servo import ServoReason, ServoSettings, ServoState, TwistCommand, servo_step
 
 BENT = {
     "rr_planar": [0.3, 0.9],
@@ -43,7 +43,7 @@ def test_what_an_arm_has_at_no_posture_is_impossible_and_no_singularity(name, ha
     )
     for theta in (BENT[name], np.zeros(len(BENT[name]))):
         output = pushed(name, theta, twist)
-        assert output.status is ServoStatus.IMPOSSIBLE_DIRECTION
+        assert output.status == "IMPOSSIBLE_DIRECTION"
         assert output.lost_share == pytest.approx(1.0, abs=1e-3)
         assert output.explain() == f"this arm cannot {half} that way: {held}no joint {done} the base's {'xyz'[k]} axis"
 
@@ -56,10 +56,10 @@ def test_five_joints_lack_the_third_turn_in_whatever_posture(name):
     missing = "this arm cannot turn that way: with the position held, no joint turns its tool about"
     for frame, R in (("tool", np.eye(3)), ("base", g[:3, :3])):
         output = pushed(name, BENT[name], np.r_[0, 0, 0, 0.05 * R @ turns[:, 2]], frame)
-        assert output.status is ServoStatus.IMPOSSIBLE_DIRECTION
+        assert output.status == "IMPOSSIBLE_DIRECTION"
         assert output.explain().startswith(missing)
     partly = pushed(name, BENT[name], np.r_[0, 0, 0, 0.05 * (turns[:, 2] + turns[:, 0])], "tool")
-    assert partly.status is ServoStatus.OK
+    assert partly.status == "OK"
     assert partly.explain().startswith(missing)
 
 
@@ -70,7 +70,7 @@ def test_a_motion_that_the_arm_has_elsewhere_is_a_singularity():
         ("rr_planar", [0.1, 0, 0, 0, 0, 0], "move along"),
     ):
         output = pushed(name, np.zeros(len(BENT[name])), twist)
-        assert output.status is ServoStatus.SLOWED_SINGULARITY
+        assert output.status == "SLOWED_SINGULARITY"
         assert f"this arm can hardly {way} the base's x axis from here" in output.explain()
     assert pushed("ur5", BENT["ur5"], [0, 0, 0, 0.1, 0, 0]).explain() == "moving as commanded"
 
@@ -78,7 +78,7 @@ def test_a_motion_that_the_arm_has_elsewhere_is_a_singularity():
 def test_a_planar_arm_turns_its_tool_on_the_way_and_says_so():
     twist = [0.02, 0, 0, 0, 0, 0]
     output = pushed("rr_planar", BENT["rr_planar"], twist)
-    assert output.status is ServoStatus.OK
+    assert output.status == "OK"
     assert output.explain() == "this arm cannot move that way without turning its tool about the base's z axis"
     arm = load("rr_planar")
     held = TwistCommand(twist, "base", hold="orientation")
@@ -93,8 +93,8 @@ def test_leaving_a_singularity_is_called_ok():
     inward = -g[:3, 3] / np.linalg.norm(g[:3, 3])
     _, in_ = servo_step(arm, ServoState.at(arm, theta), TwistCommand([*0.1 * inward, 0, 0, 0], "base"), DT)
     _, out = servo_step(arm, ServoState.at(arm, theta), TwistCommand([*-0.1 * inward, 0, 0, 0], "base"), DT)
-    assert in_.status is ServoStatus.OK
-    assert out.status is ServoStatus.SLOWED_SINGULARITY
+    assert in_.status == "OK"
+    assert out.status == "SLOWED_SINGULARITY"
 
 
 def test_outward_until_stretched_and_back():
@@ -106,7 +106,7 @@ def test_outward_until_stretched_and_back():
         state, output = servo_step(arm, state, out, DT)
         rates.append(state.theta_dot)
         reasons.append(output.reason)
-    assert output.status is ServoStatus.SLOWED_SINGULARITY
+    assert output.status == "SLOWED_SINGULARITY"
     assert output.explain() != output.reason.value
     assert ServoReason.SINGULARITY in reasons
     assert sum(reason is not before for before, reason in pairwise(reasons)) < 10
@@ -155,5 +155,5 @@ def test_the_length_is_stated_and_can_be_set():
         servo_step(arm, ServoState.at(arm, theta), twist, DT, settings=settings)[1]
         for settings in (ServoSettings(), ServoSettings(length=10 * arm.reach))
     )
-    assert plain.status is ServoStatus.OK
-    assert longer.status is ServoStatus.SLOWED_SINGULARITY
+    assert plain.status == "OK"
+    assert longer.status == "SLOWED_SINGULARITY"

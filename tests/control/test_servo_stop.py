@@ -59,7 +59,7 @@ def beside(arm, start, g, twist):
 
 def why_is_true(arm, theta, output):
     """Whether the joint that is said to be at its limit is, or the arm loses a motion here, or has none such."""
-    if output.status.name == "HALTED_LIMIT":
+    if output.status == "HALTED_LIMIT":
         k = arm.joint_names.index(output.joint)
         end = {"lower": arm.limits.lower, "upper": arm.limits.upper}
         return any(side in output.explain() and abs(theta[k] - end[side][k]) < AT for side in end)
@@ -92,7 +92,7 @@ def test_it_stands_on_its_course_and_says_why(name, accelerating):
             continue  # still on its way
         reasons = {output.explain() for output in answers[-100:]}
         assert len(reasons) == 1, (reasons, told)
-        assert answers[-1].status.name != "OK", told
+        assert answers[-1].status != "OK", told
         assert why_is_true(arm, last[-1].theta, answers[-1]), (reasons, told)
 
 

@@ -80,7 +80,8 @@ def test_a_failing_sink_is_tried_until_the_arm_stands(robot, stream):
     assert report.at_rest
     assert not report.ok
     (failure,) = report.failures
-    assert failure.startswith("the sink failed: ConnectionRefusedError: nobody listens (1")
+    assert failure == "the sink failed: ConnectionRefusedError: nobody listens"
+    assert report.failures[failure] > 10
     assert report.duration == pytest.approx(1.0 + BRAKING, abs=3 * PERIOD)
     assert "the sink failed" in report.explain()
     assert report.explain().endswith("at the end: commanded to rest; the last setpoint did not get through")
@@ -91,7 +92,7 @@ def test_a_sink_that_fails_once_hears_the_braking(rover, robot, stream, error):
     robot.broken = lambda now: error if 101.0 <= now < 101.0 + 0.5 * PERIOD else None
     if isinstance(error, OSError):
         report = stream()
-        assert (report.ending, report.failures) == (Ending.SINK_FAILED, ())
+        assert (report.ending, report.failures) == (Ending.SINK_FAILED, {})
     else:
         with pytest.raises(ValueError, match="no JSON"):
             stream()

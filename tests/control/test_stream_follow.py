@@ -11,7 +11,7 @@ import pytest
 from rate_plant import RateDrives
 from stream_stand_ins import PERIOD, FakeClock, Robot
 from twistarm import Actuators, JointLimits, load_arm, plan_joint
-from twistarm.control.stream import Ending, FollowControl, Interlock, Measured, SimulatedJoints, follow
+from twistarm.control.stream import Ending, FollowControl, Interlock, Measured, SimulatedJoints, StreamOptions, follow
 from twistarm.support.errors import InputError, LimitError
 
 EXACT = 1 + 1e-6
@@ -147,7 +147,7 @@ def test_an_approach_begins_where_the_arm_is_measured_without_a_jump(rover, moti
 
 def test_a_joint_that_does_not_follow_ends_it_and_is_named(rover, motion, robot, clock):
     robot.deaf = lambda now: now > 100.6
-    report = follow(rover, motion, robot, robot, clock=clock, tolerance=0.05)
+    report = follow(rover, motion, robot, robot, StreamOptions(tolerance=0.05), clock=clock)
     assert report.stream.ending is Ending.STRAYED
     assert "is 0.05" in report.stream.reason
     assert "(tolerance 0.05 rad)" in report.stream.reason
@@ -159,7 +159,7 @@ def test_a_joint_that_does_not_follow_ends_it_and_is_named(rover, motion, robot,
 
 def test_drives_that_are_late_are_no_error(rover, motion, clock):
     joints, measured = SimulatedJoints(rover, rover.ready, latency=0.08, clock=clock), []
-    report = follow(rover, motion, joints, joints, clock=clock, tolerance=0.02, on_cycle=measured.append)
+    report = follow(rover, motion, joints, joints, StreamOptions(tolerance=0.02), clock=clock, on_cycle=measured.append)
     assert report.ok
     # A late drive lags by its delay times its rate: the report must not hide that behind its window.
     t = np.array([cycle.at for cycle in measured if cycle.theta is not None and cycle.rate > 0.99])
@@ -248,7 +248,9 @@ def test_an_interlock_pauses_until_it_is_resumed_and_an_emergency_stop_ends_it(r
         elif 102.5 < cycle.time < 102.515:
             interlock.emergency_stop("by hand")
 
-    report = follow(rover, motion, robot, robot, clock=clock, control=control, interlock=interlock, on_cycle=operate)
+    report = follow(
+        rover, motion, robot, robot, StreamOptions(interlock=interlock), clock=clock, control=control, on_cycle=operate
+    )
     assert report.stream.ending is Ending.STOPPED
     assert report.stream.reason.startswith("emergency stop: by hand at ")
     assert robot.moving(102.5) <= (rover.limits.velocity / rover.limits.acceleration).max() + 3 * PERIOD
@@ -295,7 +297,7 @@ def test_the_motors_limits_hold_as_well(rover, motion, clock):
 def test_drives_that_take_rates_alone_arrive(rover, motion):
     clock = FakeClock()
     drives = RateDrives(rover, rover.ready, clock, gain=1.05)
-    report = follow(rover, motion, drives, drives, clock=clock, velocity_mode=True)
+    report = follow(rover, motion, drives, drives, StreamOptions(velocity_mode=True), clock=clock)
     assert report.ok
     np.testing.assert_allclose(drives.read(clock.now()).theta, motion.waypoints[-1], atol=0.012)
 

@@ -51,7 +51,7 @@ def test_what_is_stopped_brakes_along_the_limits_and_stands_until_enabled(rover,
     word = {"stop": "stopped", "emergency_stop": "emergency stop"}[how]
     assert (seen[60].interlock, seen[60].setpoint.interlock) == (word, word)
     assert seen[60].reason == f"{word}: by hand"
-    assert seen[60].setpoint.output.status.name == "STALE"
+    assert seen[60].setpoint.output.status == "STALE"
     assert report.ok
     assert report.barred == pytest.approx(0.6, abs=0.011)
     assert report.interlock == "enabled"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stream_stand_ins import PERIOD, Robot, Says, jog
-from twistarm.control.servo import ServoSettings, ServoStatus, TwistCommand
+from twistarm.control.servo import ServoSettings, TwistCommand
 from twistarm.control.stream import Cycle, Ending, Inbox, Measured, Reading
 from twistarm.support.errors import InputError
 
@@ -79,7 +79,7 @@ def test_a_silent_command_source_stops_the_arm_within_its_timeout(rover, clock, 
     braking = 0.4 / 2.5
     assert robot.moving(began) <= 1.0 + 0.2 + braking + 2 * PERIOD
     assert within_limits(rover, robot)
-    assert cycles[-1].setpoint.output.status is ServoStatus.STALE
+    assert cycles[-1].setpoint.output.status == "STALE"
     assert "the last command is 0.99 s old (timeout 0.2 s)" in cycles[-1].reason
     assert report.uncommanded == pytest.approx(0.8, abs=2 * PERIOD)
     assert "had no command for 0.8" in report.explain()
@@ -102,7 +102,7 @@ def test_an_old_joint_state_stops_the_arm_until_a_fresh_one(rover, clock, robot,
     assert len(standing) > 20
     assert not any(cycle.setpoint.theta_dot.any() for cycle in standing)
     assert "the last joint state is" in standing[-1].reason
-    assert seen[-1].setpoint.output.status is ServoStatus.OK
+    assert seen[-1].setpoint.output.status == "OK"
     assert seen[-1].setpoint.theta_dot.any()
     assert within_limits(rover, robot)
     assert report.blind == pytest.approx(0.5, abs=3 * PERIOD)

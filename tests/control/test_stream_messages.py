@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from stream_stand_ins import answer
-from twistarm.control.servo import JogCommand, PoseCommand, ServoStatus, TwistCommand
+from twistarm.control.servo import JogCommand, PoseCommand, ServoReason, TwistCommand
 from twistarm.control.stream import Setpoint, command_of, parse_command, parse_state, setpoint_message
 from twistarm.support.errors import InputError
 from twistarm.support.strict_json import LARGEST_MESSAGE, decoded, encode
@@ -126,7 +126,7 @@ def test_what_is_no_joint_state_is_refused(rover, message, why):
 
 
 def test_a_setpoint_goes_out_as_documented(rover):
-    output = answer(np.full(5, 0.25), ServoStatus.SLOWED_SINGULARITY, 0.5, "elbow", "in words")
+    output = answer(np.full(5, 0.25), ServoReason.SINGULARITY, 0.5, "elbow", "in words")
     message = decoded(encode(setpoint_message(rover, Setpoint(8, 1.5, np.arange(5.0), output.theta_dot, output))))
     assert message == {
         "number": 8,

@@ -11,7 +11,7 @@ import pytest
 
 import ros_stand_ins as msg
 from stream_stand_ins import answer
-from twistarm.control.servo import ServoStatus
+from twistarm.control.servo import ServoReason
 from twistarm.control.stream import Cycle, Ending, Setpoint
 from twistarm.control.stream.report import Tally
 from twistarm.support.errors import InputError
@@ -91,9 +91,9 @@ def test_diagnostics():
         setpoint = None if output is None else Setpoint(0, 1.0, np.zeros(5), output.theta_dot, output)
         return Cycle(1.0, None, theta, setpoint, **more)
 
-    tally = Tally(100.0)
+    tally = Tally(rate=100.0)
     assert ros.diagnosis_of(cycle(answer(np.zeros(5))), tally).level == b"\x00"
-    slowed = answer(np.zeros(5), ServoStatus.SLOWED_LIMIT, 0.5, "elbow", "slowed by elbow")
+    slowed = answer(np.zeros(5), ServoReason.VELOCITY_LIMIT, 0.5, "elbow", "slowed by elbow")
     level, text, values = ros.diagnosis_of(cycle(slowed), tally)
     assert (level, text, values["joint"], values["scale"]) == (b"\x01", "slowed by elbow", "elbow", "0.500")
     assert ros.diagnosis_of(cycle(None, None, reason="no joint state has arrived"), tally)[:2] == (

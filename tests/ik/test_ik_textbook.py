@@ -106,7 +106,7 @@ def test_what_needs_the_core_is_told(bare):
         lambda arm: solve_ik_all_batch(arm, arm.fk(arm.random_theta(1, 3))),
         lambda arm: cpp_header(arm),
         lambda arm: plan(arm, LineMove.by([0.0, 0.0, 0.03])),
-        lambda arm: plan_joint(arm, [arm.ready, arm.ready + 0.1]),
+        lambda arm: plan_joint(arm, [arm.ready, arm.ready + 0.1, arm.ready]),
     ],
 )
 def test_what_only_the_core_does_says_how_to_get_it(bare, ask):

@@ -15,7 +15,7 @@ from twistarm.arm import engine
 from twistarm.limits import Actuators, JointLimits
 from twistarm.planning.joint_path import JointPath
 from twistarm.planning.time_laws import PathBounds, TimeLaw, double_s, quintic, s_curve, time_optimal
-from twistarm.planning.time_laws.path_velocity import LimitedPath, path_velocity
+from twistarm.planning.time_laws.time_optimal import LimitedPath, path_velocity
 from twistarm.planning.trajectory import Trajectory
 
 LAWS = {"quintic": quintic, "time_optimal": time_optimal, "s_curve": s_curve}

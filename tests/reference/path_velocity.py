@@ -15,9 +15,8 @@ from math import comb, factorial
 
 import numpy as np
 
-from twistarm.planning.bernstein import bernstein
-from twistarm.planning.piecewise import derivative, evaluate
-from twistarm.planning.time_laws.path_velocity import LimitedPath, Profile, greatest_rate
+from twistarm.planning.piecewise import bernstein, derivative, evaluate
+from twistarm.planning.time_laws.time_optimal import LimitedPath, Profile, greatest_rate
 from twistarm.support.checks import Array
 
 CORRECTIONS = 64

@@ -212,26 +212,6 @@ def test_a_motion_of_the_page_is_refused_or_goes_round() -> None:
         ask(bare, "plan", kind="s_curve", stop=True)
 
 
-def test_changes_of_obstacles_are_undone_and_done_again() -> None:
-    stage = ready(scene_of())
-    put(stage, "ball", "sphere", [0.1])
-    put(stage, "ball", "sphere", [0.1], (1.5, 0.0, 0.0))
-    ask(stage, "remove_obstacle", name="table")
-
-    def standing() -> dict[str, float]:
-        obstacles = said(stage, "obstacles")["obstacles"]
-        return {obstacle["name"]: obstacle["matrix"][12] for obstacle in obstacles}
-
-    assert standing() == {"ball": 1.5}
-    assert said(stage, "history")["undo"] == "remove table"
-    ask(stage, "undo", ease=False)
-    assert standing() == {"table": 0.8, "ball": 1.5}
-    ask(stage, "undo", ease=False)
-    assert standing() == {"table": 0.8}, "a drag is one step with what it begins with"
-    ask(stage, "redo", ease=False)
-    assert standing() == {"table": 0.8, "ball": 1.5}
-
-
 def test_another_arm_keeps_the_obstacles() -> None:
     old = ready(scene_of())
     again = load_arm("rover_arm")

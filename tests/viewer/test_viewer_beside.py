@@ -12,7 +12,7 @@ import trimesh
 from catalogue import load
 from test_viewer_scene import drawn_by
 from twistarm import InputError, Viewer, load_arm
-from twistarm.viewer.scene.arm_scene import Scene
+from twistarm.viewer.scene.arm_drawing import Drawing
 from twistarm.viewer.stage import Stage
 
 pytest.importorskip("meshcat")
@@ -27,9 +27,9 @@ def test_every_shape_of_the_second_arm_is_below_its_node(tmp_path: Path) -> None
     trimesh.creation.box((0.1, 0.2, 0.3)).export(tmp_path / "part.stl")
     (tmp_path / "arm.urdf").write_text(MESH.format(tmp_path / "part.stl"))
     arm = load_arm(tmp_path / "arm.urdf", tip="part")
-    alone = {path: each for path, each in drawn_by(Scene(arm).whole()).items() if path.startswith("/arm/")}
+    alone = {path: each for path, each in drawn_by(Drawing(arm).whole()).items() if path.startswith("/arm/")}
     assert any("/part0" in path for path in alone), "the mesh was read"
-    scene = Scene(arm, beside=arm)
+    scene = Drawing(arm, beside=arm)
     assert scene.left == 2
     for exact in (False, True):
         both = drawn_by(scene.whole())
@@ -47,7 +47,7 @@ def test_live_pages_alone_show_both(rover: Any, name: str) -> None:
         assert hello["arm"]["name"] == other.name
         assert hello["theta"] == other.ready.tolist()
         nodes = {f"/beside{path}/" for path in hello["kinematics"]["nodes"] if path.startswith("/arm/")}
-        drawn = [path for path in drawn_by(viewer._server.scene) if path.startswith("/beside/")]
+        drawn = [path for path in drawn_by(viewer._server.drawing) if path.startswith("/beside/")]
         assert len(drawn) > 2
         assert sum(path.startswith(tuple(nodes)) for path in drawn) > 1, "they stand in nodes that move"
         saved = viewer._exhibit(None).data()["objects"]

@@ -10,7 +10,7 @@ import pytest
 
 from twistarm import Arm, ArmBuilder, load_arm
 from twistarm.arm.usual_limits import with_defaults
-from twistarm.control.servo import JogCommand, ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
+from twistarm.control.servo import JogCommand, ServoSettings, ServoState, TwistCommand, servo_step
 from twistarm.limits.actuators import Actuators
 from twistarm.limits.joint_limits import JointLimits
 from twistarm.support.checks import Array
@@ -76,7 +76,7 @@ def test_it_is_near_where_the_servo_slows(bend: float, status: str) -> None:
         state = ServoState.at(arm, theta)
         _, output = servo_step(arm, state, TwistCommand(0.05 * sign * lost, "base"), 0.01)
         seen.add(output.status)
-    assert (ServoStatus.SLOWED_SINGULARITY in seen) == (status == "SLOWED_SINGULARITY")
+    assert ("SLOWED_SINGULARITY" in seen) == (status == "SLOWED_SINGULARITY")
     words = ["along x", "along y", "along z", "about x", "about y", "about z"]
     assert message["lacks"] == words[int(np.argmax(np.abs(U[:, 5])))]
 
@@ -130,7 +130,7 @@ def test_a_joint_that_the_servo_calls_limited_is_the_one_of_the_gauge() -> None:
         state, output = servo_step(arm, state, JogCommand([1.0, -0.01]), 0.01)
         if output.joint:
             break
-    assert (output.status.name, output.joint) == ("SLOWED_LIMIT", "a")
+    assert (output.status, output.joint) == ("SLOWED_LIMIT", "a")
     theta = state.theta
     assert 3.0 - theta[0] > 1.5 * (1.0 - theta[1])
     stage, part = Stage(arm, theta), Gauge(arm)

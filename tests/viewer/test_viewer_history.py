@@ -13,13 +13,8 @@ from recorded_poses import HOME, REACH, ask, done, names, said
 from twistarm import load_arm
 from twistarm.support.errors import InputError, LimitError
 from twistarm.viewer import Viewer
-from twistarm.viewer.parts import history
 from twistarm.viewer.stage import Stage
 from viewer_page import Page
-
-
-def undo(stage: Stage, kind: str = "undo") -> None:
-    ask(stage, kind, ease=False)
 
 
 def test_every_edit_of_the_list_is_undone_and_redone(stage: Stage) -> None:
@@ -32,7 +27,7 @@ def test_every_edit_of_the_list_is_undone_and_redone(stage: Stage) -> None:
     stood = stage.theta
     seen = [stage.poses.poses]
     for _ in range(4):
-        undo(stage)
+        ask(stage, "undo")
         seen.append(stage.poses.poses)
     assert [[pose.name for pose in poses] for poses in seen] == [
         ["other"], ["left", "start"], ["left", "start", "reach"], ["start", "reach", "left"], ["home", "reach", "left"]
@@ -40,48 +35,10 @@ def test_every_edit_of_the_list_is_undone_and_redone(stage: Stage) -> None:
     assert [pose.id for pose in seen[-1]] == [first, second, third]
     assert stage.theta is stood
     for poses in reversed(seen[:-1]):
-        undo(stage, "redo")
+        ask(stage, "redo")
         assert stage.poses.poses is poses
     with pytest.raises(InputError, match="nothing to redo"):
-        undo(stage, "redo")
-
-
-def test_moves_are_undone_a_drag_as_one(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = [100.0]
-    monkeypatch.setattr(history, "monotonic", lambda: clock[0])
-    first, second = stage.arm.joint_names[:2]
-    began = stage.theta
-    for value in (0.1, 0.2, 0.3):
-        ask(stage, "joint", name=first, value=value)
-        clock[0] += 0.5
-    clock[0] += 2.0
-    ask(stage, "joint", name=first, value=0.4)
-    ask(stage, "joint", name=second, value=0.05)
-    assert said(stage, "history")["undo"] == f"move {second}"
-    for expected in (0.4, 0.3):
-        undo(stage)
-        assert stage.theta[0] == expected
-    undo(stage)
-    assert_array_equal(stage.theta, began)
-    undo(stage, "redo")
-    assert stage.theta[0] == 0.3
-    assert said(stage, "history")["redo"] == f"move {first}"
-    ask(stage, "theta", theta=list(HOME))
-    assert said(stage, "history")["redo"] is None
-
-
-def test_joints_beside_the_arm_and_slow_targets_are_undone_too() -> None:
-    stage = Stage(load_arm("rover_arm"))
-    ask(stage, "joint", name="finger_left", value=0.02)
-    ready = stage.theta
-    p = stage.arm.fk(ready)[:3, 3] + [5.0, 0.0, 0.0]  # beyond its reach: the patient search
-    done(ask(stage, "target", kind="position", position=p.tolist(), xyzw=[0, 0, 0, 1]))
-    assert not np.array_equal(stage.theta, ready)
-    undo(stage)
-    assert_array_equal(stage.theta, ready)
-    assert stage.others["finger_left"] == 0.02
-    undo(stage)
-    assert stage.others["finger_left"] == 0.0
+        ask(stage, "redo")
 
 
 def test_the_way_to_a_pose_is_straight_eased_and_ends_on_it_to_the_bit(stage: Stage) -> None:
@@ -101,8 +58,6 @@ def test_the_way_to_a_pose_is_straight_eased_and_ends_on_it_to_the_bit(stage: St
     stage.advance(0.5)
     assert_array_equal(stage.theta, goal)
     assert not stage.moving
-    undo(stage)
-    assert_array_equal(stage.theta, HOME)
 
 
 def pause_after_play(stage: Stage) -> None:
@@ -115,7 +70,6 @@ OTHERS: dict[str, Callable[[Stage], Any]] = {
     "joint": lambda stage: ask(stage, "joint", name=stage.arm.joint_names[0], value=0.11),
     "play": pause_after_play,
     "show": lambda stage: stage.show(stage.theta),
-    "undo": undo,
     "servo": lambda stage: stage.begin_drive(""),
 }
 
@@ -126,7 +80,7 @@ def test_whatever_else_moves_the_arm_ends_the_way_to_a_pose(stage: Stage, other:
     done(ask(stage, "plan", kind="s_curve", stop=False))
     ask(stage, "go", id=said(stage, "program")["poses"][1]["id"], ease=True)
     stage.advance(0.2)
-    there = {"joint": np.array([0.11, *stage.theta[1:]]), "undo": HOME}.get(other, stage.theta)
+    there = np.array([0.11, *stage.theta[1:]]) if other == "joint" else stage.theta
     OTHERS[other](stage)
     stage.advance(0.3)
     assert_array_equal(stage.theta, there)
@@ -143,48 +97,18 @@ def test_what_is_refused_does_not_end_the_way_to_a_pose(stage: Stage) -> None:
     assert_array_equal(stage.theta, REACH)
 
 
-def test_a_jog_is_one_step_and_while_a_servo_drives_nothing_is_moved_back(stage: Stage) -> None:
-    began = stage.theta
+def test_the_list_is_undone_while_a_servo_drives(stage: Stage) -> None:
     stage.begin_drive("")
-    for share in (0.1, 0.2):
-        stage.show(began + share)
     ask(stage, "delete", id=said(stage, "program")["poses"][0]["id"])
-    undo(stage)
-    assert len(names(stage)) == 3  # the list is free
+    ask(stage, "undo")
+    assert len(names(stage)) == 3
     stage.end_drive(False)
-    assert said(stage, "history")["undo"] == "jog"
-    stage.begin_drive("")
-    with pytest.raises(InputError, match="a servo drives"):
-        undo(stage)
-    stage.end_drive(False)
-    undo(stage)
-    assert_array_equal(stage.theta, began)
+    assert said(stage, "history")["redo"] == "delete a pose"
 
 
-def test_what_was_recorded_during_a_drive_outlives_its_undoing(stage: Stage) -> None:
-    began = stage.theta
-    stage.begin_drive("")
-    stage.show(began - 0.1)
-    ask(stage, "record", name="taught")
-    stage.end_drive(False)
-    undo(stage)
-    assert_array_equal(stage.theta, began)
-    assert names(stage)[-1] == "taught"
-    undo(stage)
-    assert "taught" not in names(stage)
-
-
-def test_a_joint_beside_the_arm_is_put_back_alone_and_while_a_servo_drives() -> None:
-    stage = Stage(load_arm("rover_arm"))
-    ask(stage, "joint", name="finger_left", value=0.02)
-    stage.show(stage.theta + 0.1)  # by Python, which is no step
-    there = stage.theta
-    stage.begin_drive("")
-    undo(stage)
-    assert stage.others["finger_left"] == 0.0
-    assert_array_equal(stage.theta, there)
-    undo(stage, "redo")
-    assert stage.others["finger_left"] == 0.02
+def test_what_changes_nothing_is_no_step(stage: Stage) -> None:
+    ask(stage, "reorder", id=said(stage, "program")["poses"][0]["id"], place=0)
+    assert said(stage, "history")["undo"] == "record a pose"
 
 
 def test_over_the_socket_a_pose_is_reached_frame_by_frame() -> None:
@@ -198,4 +122,4 @@ def test_over_the_socket_a_pose_is_reached_frame_by_frame() -> None:
 
         page.until(there)
         assert len(seen) > 4
-        assert page.latest["history"] == {"type": "history", "undo": "go to zero", "redo": None}
+        assert page.latest["history"] == {"type": "history", "undo": None, "redo": None}

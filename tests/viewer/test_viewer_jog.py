@@ -15,7 +15,7 @@ from numpy.testing import assert_array_equal
 
 from test_viewer_messages import BAD_MESSAGES
 from twistarm import ArmBuilder, plan_joint
-from twistarm.control.servo import AnyCommand, JogCommand, ServoOutput, ServoStatus, TwistCommand
+from twistarm.control.servo import AnyCommand, JogCommand, ServoOutput, ServoReason, TwistCommand
 from twistarm.control.stream import Cycle, Inbox, Reading, Setpoint, SimulatedJoints, StreamReport, run
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts.servo_words import SILENT, servo_words
@@ -193,8 +193,8 @@ def test_what_would_move_the_arm_under_the_servo_s_hands_is_refused(viewer: View
 # a servo on the pages ----------------------------------------------------------------------------------
 
 
-def answer(status: ServoStatus, joint: str | None, reason: str) -> ServoOutput:
-    return replace(ServoOutput.stale(np.zeros(2), reason), status=status, joint=joint)
+def answer(reason: ServoReason, joint: str | None, why: str) -> ServoOutput:
+    return replace(ServoOutput.stale(np.zeros(2), why), reason=reason, joint=joint)
 
 
 def cycle(reading: Reading, output: ServoOutput | None, reason: str = "") -> Cycle:
@@ -238,7 +238,7 @@ STOP = JogCommand([0.0, 0.0])
 )
 def test_silence_is_trouble_only_in_the_middle_of_a_motion(said: list[AnyCommand | str], idle: bool) -> None:
     """Read first when all of it is old: a loop that stalls may miss a stop, and still it is one."""
-    inbox, stale = Inbox(), answer(ServoStatus.STALE, None, "why")
+    inbox, stale = Inbox(), answer(ServoReason.STALE, None, "why")
     for each in said:
         if isinstance(each, str):
             inbox.refuse("page 1", each, 1.0)
@@ -264,18 +264,18 @@ def test_silence_is_trouble_only_in_the_middle_of_a_motion(said: list[AnyCommand
 def test_how_much_of_a_command_is_done(
     command: AnyCommand | None, scale: float, lost: float, share: float | None
 ) -> None:
-    output = replace(answer(ServoStatus.OK, None, "moving"), scale=scale, lost_share=lost)
+    output = replace(answer(ServoReason.MOVING, None, "moving"), scale=scale, lost_share=lost)
     assert servo_words(cycle(Reading(command, 0.0), output))["share"] == share
 
 
 def test_setpoints_that_nobody_hears_go_before_what_the_servo_says() -> None:
-    lost = replace(cycle(Reading(TwistCommand(TWIST), 0.0), answer(ServoStatus.OK, None, "")), delivered=False)
+    lost = replace(cycle(Reading(TwistCommand(TWIST), 0.0), answer(ServoReason.MOVING, None, "")), delivered=False)
     words = servo_words(replace(lost, reason="nobody listens at 127.0.0.1:5005"))
     assert words == {**SILENT, "reason": "nobody listens at 127.0.0.1:5005"}
 
 
 def test_a_stop_says_nothing_of_two_commanders() -> None:
-    inbox, stale = Inbox(), answer(ServoStatus.STALE, None, "why")
+    inbox, stale = Inbox(), answer(ServoReason.STALE, None, "why")
     inbox.put("page 1", TwistCommand(TWIST), 1.0)
     inbox.put("page 2", STOP, 1.01)
     reading = inbox.read(1.02)
@@ -325,7 +325,7 @@ def test_a_loop_at_any_rate_is_shown_at_most_60_times_a_second(viewer: Viewer) -
     start = time.monotonic()
     for i in range(600):
         viewer.show([i / 1000, 0.0])
-        viewer.show_servo(answer(ServoStatus.OK, None, str(i)))
+        viewer.show_servo(answer(ServoReason.MOVING, None, str(i)))
         time.sleep(0.001)
     took = time.monotonic() - start
     assert len(shown) <= 61 * took + 2

@@ -11,8 +11,9 @@ from twistarm import load_arm
 from twistarm.description.companions.toml_entries import write_pose
 from twistarm.support.errors import DescriptionError, InputError
 from twistarm.support.files import TEMPORARY
-from twistarm.viewer.protocol.messages import Request
-from twistarm.viewer.scene.arm_scene import Scene
+from twistarm.viewer.protocol.messages import PageRequest
+from twistarm.viewer.scene.arm_drawing import Drawing
+from twistarm.viewer.server.handlers import application
 from twistarm.viewer.server.server import Server
 from twistarm.viewer.stage import Stage
 
@@ -70,12 +71,12 @@ def test_a_file_that_takes_no_table_is_left_alone(tmp_path: Path, poses: str) ->
 def test_the_file_is_offered_on_this_computer_alone(file: Path, host: str, offered: bool) -> None:
     arm = load_arm(file)
     stage = Stage(arm)
-    server = Server(stage, Scene(arm), host, 0)
+    server = Server(stage, Drawing(arm), host, 0, application)
     for each in server._sockets:
         each.close()
     (message,) = stage.keeping.messages(stage)
     assert message["file"] == (str(file.resolve()) if offered else None)
-    request = Request("keep_pose", {"name": "parked", "theta": list(VALUES.values()), "replace": False}, 1)
+    request = PageRequest("keep_pose", {"name": "parked", "theta": list(VALUES.values()), "replace": False}, 1)
     before = file.read_bytes()
     if not offered:
         with pytest.raises(InputError, match="copy the lines"):
@@ -95,7 +96,7 @@ def test_a_pose_of_another_chain_is_refused(file: Path) -> None:
     stage = Stage(arm)
     stage.keeping.offer(arm)
     before = file.read_bytes()
-    job = stage.handle(Request("keep_pose", {"name": "short", "theta": [0.0] * arm.n, "replace": False}, 1), 0.0)
+    job = stage.handle(PageRequest("keep_pose", {"name": "short", "theta": [0.0] * arm.n, "replace": False}, 1), 0.0)
     assert job is not None
     with pytest.raises(InputError, match="other joints"):
         job.work(lambda share: None)

@@ -14,7 +14,7 @@ from test_viewer_scene import drawn_by
 from twistarm import load_arm
 from twistarm.description.meshes.shading import shaded, simplified
 from twistarm.viewer.scene import links
-from twistarm.viewer.scene.arm_scene import Scene
+from twistarm.viewer.scene.arm_drawing import Drawing
 
 STEP = 3e-3
 """Normals that differ by less are drawn as one."""
@@ -148,7 +148,7 @@ def heavy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "arm.urdf"
 
 
-def triangles(scene: Scene) -> dict[str, int]:
+def triangles(scene: Drawing) -> dict[str, int]:
     """How many there are of each mesh on show."""
     return {
         path: each["geometries"][0]["data"]["index"]["array"].data.__len__() // 12
@@ -158,7 +158,7 @@ def triangles(scene: Scene) -> dict[str, int]:
 
 
 def test_an_arm_is_simple_shapes_until_its_meshes_are_there(heavy: Path) -> None:
-    scene = Scene(load_arm(heavy))
+    scene = Drawing(load_arm(heavy))
     before = {path for path in drawn_by(scene) if path.startswith("/arm")}
     assert before >= {"/arm/link:base/stand-in/stick0", "/arm/link:upper/stand-in/solid0"}  # what it collides with
     assert not any("frame" in path for path in before)  # nothing is missing
@@ -168,7 +168,7 @@ def test_an_arm_is_simple_shapes_until_its_meshes_are_there(heavy: Path) -> None
 
 
 def test_an_arm_of_too_many_triangles_is_simplified_and_exact_on_demand(heavy: Path) -> None:
-    scene = Scene(load_arm(heavy)).whole()
+    scene = Drawing(load_arm(heavy)).whole()
     few = triangles(scene)
     assert set(few) == {"/arm/link:base/visual0/part0", "/arm/link:upper/visual0/part0"}
     assert all(600 < count < 1300 for count in few.values())
@@ -183,11 +183,11 @@ def test_an_arm_of_too_many_triangles_is_simplified_and_exact_on_demand(heavy: P
     assert (told["exact"], told["objects"]) == (True, sum(map(bool, scene.objects)))
     scene.draw_again(exact=False)
     assert triangles(scene.whole()) == few
-    assert set(triangles(Scene(load_arm(heavy), exact=True).whole()).values()) == {5120}
+    assert set(triangles(Drawing(load_arm(heavy), exact=True).whole()).values()) == {5120}
 
 
 def test_a_mesh_that_is_gone_when_it_is_read_again_stays_as_it_was(heavy: Path) -> None:
-    scene = Scene(load_arm(heavy)).whole()
+    scene = Drawing(load_arm(heavy)).whole()
     few = triangles(scene)
     heavy.with_name("ball.stl").unlink()
     scene.draw_again(exact=True)

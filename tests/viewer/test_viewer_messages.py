@@ -21,7 +21,7 @@ from twistarm.viewer.draw import Draw
 from twistarm.viewer.parts.servo_words import servo_words
 from twistarm.viewer.parts.tool_path import tool_path
 from twistarm.viewer.protocol.messages import SCHEMA, failure, number_of, parse
-from twistarm.viewer.scene.arm_scene import Scene
+from twistarm.viewer.scene.arm_drawing import Drawing
 from twistarm.viewer.stage import Stage
 from viewer_page import THETA, Page, matrix, visit
 
@@ -125,7 +125,7 @@ def test_a_page_moves_the_arm_and_python_and_other_pages_see_it(arm: Arm, viewer
 def told(arm: Arm) -> Iterator[dict[str, Any]]:
     """Whatever the process says, with everything on show that can be."""
     stage = Stage(arm, THETA)
-    yield from (stage.hello({}), Scene(arm).message(), failure(InputError("no")))
+    yield from (stage.hello({}), Drawing(arm).message(), failure(InputError("no")))
     yield {"type": "notice", "words": "loaded again", "wrong": False}
     yield from ({"type": "done", "number": 1}, {"type": "work", "jobs": [{"key": "plan", "share": 0.5}]})
     yield from stage.messages()

@@ -145,7 +145,7 @@ def test_plots_are_samples_of_the_trajectory_and_of_what_limits_it(stage: Stage,
 def test_a_jump_is_plotted_as_a_jump(arm: Arm) -> None:
     """A time-optimal motion's acceleration changes at once: between two samples a nanosecond of the motion apart."""
     motion = plan_joint(arm, [HOME, REACH], kind="time_optimal", limits={"velocity": 1.0, "acceleration": 2.0})
-    message = plots(arm, Playback(motion))
+    message = plots(arm, motion)
     times, values = np.array(message["times"]), np.array(message["acceleration"])
     jumps = np.abs(np.diff(values, axis=1)).max(axis=0) > 1e-6
     assert jumps.sum() == len(motion.breakpoints) - 2
@@ -171,9 +171,9 @@ def test_a_trajectory_of_python_is_plotted_against_its_own_limits_or_the_arm_s(a
 def test_a_motion_of_many_pieces_and_one_of_none(arm: Arm) -> None:
     rng = np.random.default_rng(4)
     many = plan_joint(arm, arm.random_theta(rng, size=200), kind="time_optimal", limits=with_defaults(arm))
-    assert len(plots(arm, Playback(many))["times"]) == MOST_POINTS <= 300  # about a plot's width in pixels
+    assert len(plots(arm, many)["times"]) == MOST_POINTS <= 300  # about a plot's width in pixels
     still = plan_joint(arm, [HOME, HOME], limits=with_defaults(arm))
-    assert plots(arm, Playback(still))["times"] == [0.0]
+    assert plots(arm, still)["times"] == [0.0]
 
 
 class Odd(Trajectory):
@@ -204,7 +204,7 @@ def test_one_value_that_is_no_number_is_enough(arm: Arm, number: float, at: int,
     odd = Odd(**{field.name: getattr(motion, field.name) for field in fields(Trajectory)})
     for name, value in {"at": at, "number": number, "of_peak": of_peak}.items():
         object.__setattr__(odd, name, value)
-    message = plots(arm, Playback(odd))
+    message = plots(arm, odd)
     assert (message["times"], message["joints"], message["velocity"]) == ([], [], [])
 
 

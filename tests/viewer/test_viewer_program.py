@@ -363,7 +363,7 @@ def test_how_the_arm_moves_is_saved_undone_and_checked() -> None:
     assert said(stage, "program")["planned"]
     ask(stage, "move", id=poses[1]["id"], by="screw")
     assert not said(stage, "program")["planned"]
-    ask(stage, "undo", ease=False)
+    ask(stage, "undo")
     assert said(stage, "program")["poses"][1]["by"] == "line"
     saved = [{key: pose[key] for key in ("name", "theta", "by")} for pose in said(stage, "program")["poses"]]
     ask(stage, "poses", joints=list(ARM.joint_names), poses=saved)

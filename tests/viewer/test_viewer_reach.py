@@ -22,7 +22,7 @@ from twistarm.sweeps.voxel_map import Grid
 from twistarm.viewer.files.scene_snapshot import on_show
 from twistarm.viewer.parts.reach import drawing, quick
 from twistarm.viewer.protocol.jobs import ReplacedError
-from twistarm.viewer.scene.arm_scene import Scene
+from twistarm.viewer.scene.arm_drawing import Drawing
 from twistarm.viewer.stage import Stage
 from twistarm.viewer.state_transfer import carry
 from viewer_page import Page, stored
@@ -130,7 +130,7 @@ def test_a_map_stays_with_an_arm_that_reaches_the_same(m: ReachMap) -> None:
 
 
 def test_it_is_saved_while_it_is_seen(m: ReachMap) -> None:
-    stage, scene = Stage(ROVER), Scene(ROVER).whole()
+    stage, scene = Stage(ROVER), Drawing(ROVER).whole()
     assert on_show(stage, scene).reach is None
     stage.show_reach(drawing(m))
     assert on_show(stage, scene).reach == drawing(m)

@@ -20,7 +20,7 @@ from twistarm.viewer import Viewer
 from twistarm.viewer.parts.summary import _describe
 from twistarm.viewer.parts.theory import axes
 from twistarm.viewer.scene import links
-from twistarm.viewer.scene.arm_scene import Scene
+from twistarm.viewer.scene.arm_drawing import Drawing
 from twistarm.viewer.scene.axes import anchors
 from twistarm.viewer.scene.placement import carried
 from twistarm.viewer.stage import Stage
@@ -31,7 +31,7 @@ SINGLE = 1e-5
 """Meshes are sent in single precision, and normals are unit vectors."""
 
 
-def drawn_by(scene: Scene) -> dict[str, Any]:
+def drawn_by(scene: Drawing) -> dict[str, Any]:
     """What is on show once every message has been followed: objects by their nodes."""
     shown: dict[str, Any] = {}
     for message in map(umsgpack.unpackb, filter(None, scene.objects)):
@@ -90,7 +90,7 @@ def test_arms_without_a_description_are_drawn_from_their_axes() -> None:
     home = np.eye(4)
     home[:3, 3] = [0.5, 0, 0.4]
     arm = arm_from_screws(screws, home)
-    stage, scene = Stage(arm, [0.3, 0.4, -0.1]), Scene(arm).whole()
+    stage, scene = Stage(arm, [0.3, 0.4, -0.1]), Drawing(arm).whole()
     frame = stage.frame()
     assert_allclose(
         matrix(frame["transforms"]["/arm/rod:1"]), poe.fk(screws[:, :2], np.eye(4), [0.3, 0.4]), atol=ROUNDING
@@ -116,7 +116,7 @@ def test_axes_are_drawn_at_their_points_nearest_to_the_one_before() -> None:
     arm = arm_from_screws(screws, home)
     points = [[1, 0, 0], [1, 2, 3], [1, 2, 3], [-4, 2, 5]]
     assert_allclose(anchors(arm), points, atol=ROUNDING)
-    drawn = drawn_by(Scene(arm).whole())
+    drawn = drawn_by(Drawing(arm).whole())
     for i, point in enumerate(points):
         path = "/arm/rod:base" if i == 0 else f"/arm/rod:{i - 1}"
         origin = matrix(drawn[f"{path}/origin"]["object"]["matrix"])[:3, 3]
@@ -126,7 +126,7 @@ def test_axes_are_drawn_at_their_points_nearest_to_the_one_before() -> None:
 
 
 def test_a_cylinder_stands_along_z(arm: Arm) -> None:
-    drawn = drawn_by(Scene(arm).whole())
+    drawn = drawn_by(Drawing(arm).whole())
     upper = drawn["/arm/link:upper/visual0"]
     assert upper["geometries"][0]["type"] == "CylinderGeometry"
     placed = matrix(upper["object"]["matrix"])
@@ -136,7 +136,7 @@ def test_a_cylinder_stands_along_z(arm: Arm) -> None:
 
 
 def test_a_link_without_its_mesh_is_a_frame_and_a_capsule(arm: Arm) -> None:
-    drawn = drawn_by(Scene(arm).whole())
+    drawn = drawn_by(Drawing(arm).whole())
     stick = drawn["/arm/link:a%2Fb%20%3Ci%3E/stand-in/stick0"]
     assert_allclose(stick["geometries"][0]["height"], 0.3)
     assert_allclose(matrix(stick["object"]["matrix"])[:3, 3], [0.15, 0, 0], atol=ROUNDING)
@@ -196,7 +196,7 @@ def test_every_material_of_a_collada_file_is_a_part_of_its_own_colour() -> None:
 def test_a_mesh_that_cannot_be_read_is_noted_and_the_rest_is_drawn(tmp_path: Path) -> None:
     (tmp_path / "lost.stl").write_text("no mesh at all")
     (tmp_path / "arm.urdf").write_text(ARM)
-    scene = Scene(load_arm(tmp_path / "arm.urdf", tip="tool0")).whole()
+    scene = Drawing(load_arm(tmp_path / "arm.urdf", tip="tool0")).whole()
     (reason,) = scene.notes
     assert re.search(r"cannot read mesh lost\.stl: .*; export it as STL, OBJ, DAE, PLY or GLB", reason)
     drawn = drawn_by(scene)
@@ -227,7 +227,7 @@ def test_a_mesh_is_scaled_mirrored_and_coloured_as_the_description_has_it(tmp_pa
     (tmp_path / "part.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     turned = '<origin xyz="0 0 1" rpy="0 0 1.5707963267948966"/>'
     mesh = '<geometry><mesh filename="part.obj" scale="-0.5 2 1"/></geometry>'
-    drawn = drawn_by(Scene(arm_of(tmp_path, f"<visual>{turned}{mesh}{GREEN}</visual>")).whole())
+    drawn = drawn_by(Drawing(arm_of(tmp_path, f"<visual>{turned}{mesh}{GREEN}</visual>")).whole())
     part = drawn["/arm/link:base/visual0/part0"]
     placed = matrix(part["object"]["matrix"])
     assert_allclose(placed @ [1, 0, 0, 1], [0, -0.5, 1, 1], atol=ROUNDING)
@@ -241,7 +241,7 @@ def test_a_file_s_own_colours_come_before_the_description_s_placeholder(tmp_path
     (tmp_path / "plain.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     visuals = [f'<visual><geometry><mesh filename="{name}.obj"/></geometry>{colour}</visual>' for name, colour in [
         ("part", GREEN), ("plain", GREEN), ("plain", "")]]  # fmt: skip
-    objects = drawn_by(Scene(arm_of(tmp_path, "".join(visuals))).whole())
+    objects = drawn_by(Drawing(arm_of(tmp_path, "".join(visuals))).whole())
     drawn = {path: each["materials"][0]["color"] for path, each in objects.items() if "materials" in each}
     colours = [{drawn[path] for path in drawn if path.startswith(f"/arm/link:base/visual{i}/")} for i in range(3)]
     assert colours == [{0xFF0000, 0x0000FF}, {0x00FF00}, {0x9EA8B8}]  # 158, 168, 184: a light grey
@@ -250,7 +250,7 @@ def test_a_file_s_own_colours_come_before_the_description_s_placeholder(tmp_path
 def test_a_scene_is_drawn_mesh_by_mesh_or_whole_on_demand(tmp_path: Path) -> None:
     trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "lost.stl")
     (tmp_path / "arm.urdf").write_text(ARM)
-    scene = Scene(load_arm(tmp_path / "arm.urdf", tip="tool0"))
+    scene = Drawing(load_arm(tmp_path / "arm.urdf", tip="tool0"))
     assert (scene.left, len(scene.objects)) == (1, scene.plain)
     told = {"type": "scene", "exact": False, "simplified": False, "notes": []}
     assert scene.message() == {**told, "objects": scene.plain, "left": 1}
@@ -275,7 +275,7 @@ def test_whatever_ails_one_mesh_the_others_are_drawn(
     else:
         draw = links._mesh
         monkeypatch.setattr(links, "_mesh", lambda node, *rest: 1 / 0 if "0" in node else draw(node, *rest))
-    scene = Scene(arm).whole()
+    scene = Drawing(arm).whole()
     assert scene.left == 0
     assert len(scene.notes) == 1
     assert "bad.stl: division by zero" in scene.notes[0]

@@ -20,7 +20,7 @@ from twistarm.description.meshes import read_mesh
 from twistarm.support.errors import DescriptionError, InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.scene import links
-from twistarm.viewer.scene.arm_scene import Scene
+from twistarm.viewer.scene.arm_drawing import Drawing
 from twistarm.viewer.server.watching import loaded
 from viewer_page import ARM, THETA, WAIT, Page, matrix, until, visit
 
@@ -238,7 +238,7 @@ def test_a_mesh_that_has_not_changed_is_not_read_again(tmp_path: Path, monkeypat
     base = drawn.replace('<link name="base_link"/>', f'<link name="base_link">{mesh.format("two")}</link>') + "</robot>"
     (tmp_path / "links.xacro").write_text(base)
     (tmp_path / "arm.xacro").write_text(XACRO)
-    first = Scene(load_arm(tmp_path / "arm.xacro")).whole()
+    first = Drawing(load_arm(tmp_path / "arm.xacro")).whole()
     read: list[str] = []
     monkeypatch.setattr(links, "read_mesh", lambda path: read.append(path.name) or read_mesh(path))
     (tmp_path / "arm.xacro").write_text(XACRO.replace("0 0 0.4", "0 0 0.5"))

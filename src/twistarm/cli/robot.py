@@ -10,7 +10,18 @@ from typing import Annotated, Any
 import typer
 
 from ..arm.arm import Arm
-from ..control.stream import Feedback, Recorder, SerialRobot, SimulatedJoints, Sink, UdpFeedback, UdpSink, read_key
+from ..control.stream import (
+    Feedback,
+    Interlock,
+    Recorder,
+    SerialRobot,
+    SimulatedJoints,
+    Sink,
+    StreamOptions,
+    UdpFeedback,
+    UdpSink,
+    read_key,
+)
 from ..control.stream.links.inbox import FEEDBACK_TIMEOUT
 from ..control.stream.links.serial_link import BAUDRATE
 from ..support.checks import Array
@@ -89,6 +100,10 @@ class Robot:
         """InputError for --from or --key where no datagrams arrive."""
         if (self.senders or self.key is not None) and self.udp is None and commands is None:
             raise InputError(f"--from and --key are for datagrams: they need {options}")
+
+    def options(self, rate: float, tolerance: Array, interlock: Interlock | None = None) -> StreamOptions:
+        """The options of a stream to this robot."""
+        return StreamOptions(rate, self.feedback_timeout, tolerance, self.velocity_mode, interlock)
 
     def joints(self, arm: Arm, theta: Array, stack: ExitStack) -> tuple[Sink, Feedback, Callable[[Any], object]]:
         """Open the links to the robot, and what takes each cycle: a recorder of both, if there is --record.

@@ -24,19 +24,6 @@ class Body:
     centre: Array
     inertia: Array
 
-    @property
-    def box(self) -> tuple[Array, Array]:
-        """The uniform box with this mass and inertia: edges (3,) [m], and its pose (4, 4) in the link's frame.
-
-        Its edges a_i = √(6 (I_j + I_k − I_i) / m) lie along the principal axes. They are 0 where no body has such
-        moments, and without a mass.
-        """
-        moments, axes = np.linalg.eigh(self.inertia)
-        squares = 6.0 * (moments.sum() - 2.0 * moments) / self.mass if self.mass > 0 else np.zeros(3)
-        g = np.eye(4)
-        g[:3, :3], g[:3, 3] = axes * np.sign(np.linalg.det(axes)), self.centre
-        return np.sqrt(np.maximum(squares, 0.0)), g
-
 
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 

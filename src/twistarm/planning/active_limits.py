@@ -14,15 +14,15 @@ from ..support.checks import Array
 from ..support.errors import InputError, shown
 from .joint_space import completed
 from .motion import as_segments
-from .piecewise import spread
 from .segments import Move, Segment
 from .time_laws.bounds import PathBounds
 from .trajectory import Trajectory
 
 Rate = Literal["velocity", "acceleration", "jerk", "linear speed", "angular speed"]
+Owner = Literal["joint", "motor", "tool"]
 
 SAMPLES = 2000
-"""About how many instants of a motion are sampled; at least three in each of its pieces."""
+"""How many instants of a motion are sampled: ten or more in each stretch that is no sliver."""
 
 EQUAL_SHARE = 1e-3
 """Shares that differ by no more than this are equal. So one of several proportional joints is named."""
@@ -42,7 +42,7 @@ class ActiveLimit:
     begin: float
     end: float
     rate: Rate
-    owner: Literal["joint", "motor", "tool"]
+    owner: Owner
     name: str
     share: float
 
@@ -60,9 +60,9 @@ def active_limits(
 ) -> tuple[ActiveLimit, ...]:
     """Return the limit that each stretch of a motion uses most. Raise that limit to make the motion faster there.
 
-    It compares the shares |rate_j(t)| / limit_j of every rate of every joint and motor j at some 2,000 instants. A
-    stretch lasts as long as the same one is the greatest. Rates without a limit do not count, and nothing binds a
-    standing arm. Stretches shorter than 0.5 % of the motion join the one before.
+    It compares the shares |rate_j(t)| / limit_j of every rate of every joint and motor j at 2,000 instants. A stretch
+    lasts as long as the same one is the greatest, to 0.05 % of the motion. Rates without a limit do not count, and
+    nothing binds a standing arm. Stretches shorter than 0.5 % of the motion join the one before.
 
     Args:
         arm: The arm, whose motors' limits count too.
@@ -85,24 +85,20 @@ def active_limits(
         raise InputError(
             f"a motion of {len(moves)} segments has {len(moves) + 1} waypoints; this one has {len(motion.times)}"
         )
-    bounds = PathBounds(completed(arm, limits)[0], arm.actuators)
-    t, between = _instants(motion)
-    shares = _shares(arm, motion, bounds, moves, t)
-    rows = _rows(arm, bounds)
-    return tuple(
-        ActiveLimit(begin, end, *rows[row], share) for begin, end, row, share in _stretches(motion, t, between, shares)
-    )
-
-
-def _instants(motion: Trajectory) -> tuple[Array, Array]:
-    """Return instants (m,) inside the pieces of a motion, and the borders between neighbours."""
     if not motion.duration:
-        return np.empty(0), np.empty(0)
-    steps = np.diff(motion.breakpoints)
-    looks = np.maximum(3, np.ceil(SAMPLES * steps / motion.duration)).astype(np.intp)
-    piece, nth = spread(looks)
-    t: Array = motion.breakpoints[piece] + steps[piece] * (nth + 0.5) / looks[piece]
-    return t, np.where(np.diff(piece) > 0, motion.breakpoints[piece[1:]], 0.5 * (t[1:] + t[:-1]))
+        return ()
+    bounds = PathBounds(completed(arm, limits)[0], arm.actuators)
+    t = motion.duration * (np.arange(SAMPLES) + 0.5) / SAMPLES
+    shares = _shares(arm, motion, bounds, moves, t)
+    names = {"joint": arm.joint_names, "motor": () if arm.actuators is None else arm.actuators.names}
+    rates: tuple[Rate, ...] = ("velocity", "acceleration", "jerk")
+    rows: list[tuple[Rate, Owner, str]] = [
+        (rate, owner, names[owner][index]) for rate in rates for owner, index in bounds.owners
+    ]
+    rows += [("linear speed", "tool", ""), ("angular speed", "tool", "")]
+    return tuple(
+        ActiveLimit(begin, end, *rows[row], share) for begin, end, row, share in _stretches(motion.duration, t, shares)
+    )
 
 
 def _shares(arm: Arm, motion: Trajectory, bounds: PathBounds, moves: Sequence[Segment], t: Array) -> Array:
@@ -127,23 +123,8 @@ def _shares(arm: Arm, motion: Trajectory, bounds: PathBounds, moves: Sequence[Se
     return np.concatenate([*rates, tool], axis=1)
 
 
-def _rows(arm: Arm, bounds: PathBounds) -> list[tuple[Rate, Literal["joint", "motor", "tool"], str]]:
-    """Name each column of the shares."""
-    motors = () if arm.actuators is None else arm.actuators.names
-    names = {"joint": arm.joint_names, "motor": motors}
-    rates: tuple[Rate, ...] = ("velocity", "acceleration", "jerk")
-    rows: list[tuple[Rate, Literal["joint", "motor", "tool"], str]] = [
-        (rate, owner, names[owner][index]) for rate in rates for owner, index in bounds.owners
-    ]
-    return [*rows, ("linear speed", "tool", ""), ("angular speed", "tool", "")]
-
-
-def _stretches(
-    motion: Trajectory, t: Array, between: Array, shares: Array
-) -> Iterator[tuple[float, float, int, float]]:
+def _stretches(duration: float, t: Array, shares: Array) -> Iterator[tuple[float, float, int, float]]:
     """Yield begin, end, row and greatest share of each stretch with one leading row."""
-    if not len(t):
-        return
     rows, row = [], -1
     for share, leader, greatest in zip(shares, shares.argmax(axis=1).tolist(), shares.max(axis=1), strict=True):
         if greatest == 0.0:
@@ -152,13 +133,13 @@ def _stretches(
             row = leader
         rows.append(row)
     changes = np.flatnonzero(np.diff(rows)) + 1
-    edges = np.concatenate([[0.0], between[changes - 1], [motion.duration]])
+    edges = np.concatenate([[0.0], duration * changes / SAMPLES, [duration]])
     first = np.concatenate([[0], changes])
-    long = np.diff(edges) >= SLIVER * motion.duration
+    long = np.diff(edges) >= SLIVER * duration
     long[0] = True
     kept = np.flatnonzero(long)
     kept = kept[np.append(True, np.diff(np.array(rows)[first[kept]]) != 0)]
-    ends = np.append(edges[kept[1:]], motion.duration)
+    ends = np.append(edges[kept[1:]], duration)
     for i, end in zip(kept, ends, strict=True):
         if (row := rows[first[i]]) >= 0:
             among = (t >= edges[i]) & (t < end)

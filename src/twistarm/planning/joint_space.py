@@ -142,7 +142,7 @@ def plan_joint(
         if arm.actuators is not None:
             require_rates(motion.to_motors(), arm.actuators.limits, "motor")
     if scene is not None:
-        from .in_scene import require_free
+        from .free_motion import require_free
 
         require_free(scene, arm, motion)
     if progress is not None:

@@ -27,8 +27,7 @@ from .stops import best_stops
 from .stretches import Corner, path_along, runs
 from .time_laws.bounds import PathBounds
 from .time_laws.double_s import double_s
-from .time_laws.law import TimeLaw
-from .time_laws.quintic import quintic
+from .time_laws.law import TimeLaw, quintic
 from .time_laws.s_curve import s_curve
 from .time_laws.time_optimal import time_optimal
 from .tolerances import ROUNDED, but_for_rounding

@@ -1,4 +1,4 @@
-"""motion.toml: a motion as a list of segments, with start, kind and limits."""
+"""motion.toml: a motion as a list of segments, with start, kind and limits; and the first one of an arm."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from ..arm.arm import Arm
-from ..description.companions.toml_entries import parse_toml
+from ..description.companions.toml_entries import parse_toml, toml_key
 from ..ik.targets import Approach, Pose, Position, TolerancedPose
 from ..support.checks import Array, as_theta
+from ..support.code_text import filled
 from ..support.errors import InputError, listed, shown
 from ..support.fields import (
     Check,
@@ -36,6 +37,9 @@ from ..support.files import as_path
 from ..theory.rotations import from_quaternion_wxyz, from_rpy
 from .motion import LAWS
 from .segments import ArcMove, Dwell, FreeMove, Goal, JointMove, LineMove, ScrewMove, Segment
+
+STEP = {"rad": 0.2, "m": 0.05}
+"""How far the first joint that can moves away from the ready pose."""
 
 GO_WITH = {"tool_axis": ("direction",), "tolerance": ("rpy", "quaternion_wxyz"), "frame": ("tolerance",)}
 """Entries of a target that have no meaning without one of the others."""
@@ -210,3 +214,21 @@ class _Reader:
     def _tolerance(self, value: Any, name: str) -> Array:
         six = numbers(value, f"{name}, along x, y and z and about them, inf where it is free,", 6, least=0.0, most=inf)
         return np.array(six) * np.repeat([1.0, self.angle], 3)
+
+
+def draft_motion_file(arm: Arm) -> str:
+    """Return the text of a motion.toml for this arm, with every kind of segment."""
+    x, y, z = np.round(arm.fk(arm.ready)[:3, 3], 3).tolist()
+    joint, value = _first_move(arm)
+    template = Path(__file__).parent / "files" / "motion.toml.in"
+    return filled(template, arm=arm.name, joint=toml_key(joint), value=value, x=x, y=y, z=z)
+
+
+def _first_move(arm: Arm) -> tuple[str, float]:
+    """Return the first joint with room around the ready pose, and a value for it."""
+    for j, (name, unit) in enumerate(zip(arm.joint_names, arm.units, strict=True)):
+        for step in (STEP[unit], -STEP[unit]):
+            value = float(np.round(arm.ready[j] + step, 3))
+            if arm.limits.lower[j] <= value <= arm.limits.upper[j]:
+                return name, value
+    return arm.joint_names[0], float(arm.ready[0])

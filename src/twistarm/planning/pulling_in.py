@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, frozen
-from .bernstein import bernstein
-from .optional import scipy
-from .piecewise import derivative, evaluate, rescaled
+from .piecewise import bernstein, derivative, evaluate, rescaled
+from .spline import scipy
 
 ROUNDING = 1e-10
 """Beyond a limit by less [rad, m] is rounding."""

@@ -217,8 +217,8 @@ class Router:
             result = follow(self.arm, curves.pop(0), even=even)
             if isinstance(result, Blocked):
                 return _BlockedError(k, result, more[k])
-            theta = result.path.end
-            legs.append(self._leg(k, theta, result.path))
+            theta = result.end
+            legs.append(self._leg(k, theta, result))
         return start, legs
 
     def _leg(self, i: int, end: Array, path: JointPath | None) -> Leg:

@@ -5,11 +5,22 @@ Coefficients are laid out as in `piecewise`.
 
 from __future__ import annotations
 
+from importlib import import_module
+from typing import Any
+
 import numpy as np
 
 from ..support.checks import Array
-from .optional import scipy
+from ..support.errors import missing_extra
 from .piecewise import rescaled, through
+
+
+def scipy(part: str) -> Any:
+    """The module of SciPy of that name, such as "linalg". Raises MissingExtraError without SciPy."""
+    try:
+        return import_module(f"scipy.{part}")
+    except ImportError as error:
+        raise missing_extra("planning", "SciPy", "plan") from error
 
 
 def cubic(waypoints: Array, times: Array) -> Array:

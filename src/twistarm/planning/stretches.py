@@ -12,7 +12,6 @@ from ..arm.arm import Arm
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from .cartesian.nodes import efforts
-from .cartesian.tool_derivatives import greatest_tool_speeds
 from .joint_path import JointPath
 from .piecewise import bisected, derivative, extremes, rescaled, shifted, side_by_side, through
 from .route import Leg
@@ -24,6 +23,9 @@ BEND_PIECES = 8
 
 STRAIGHT_PIECES = 32
 """Pieces of a straight joint path where the tool's speed is limited."""
+
+SPEED_SAMPLES = 64
+"""Intervals in each piece of a path, to find the tool's greatest speed."""
 
 SAMPLES = 256
 """Samples of the tool along a path, to find where it leaves the ball. Bisection refines the crossing."""
@@ -121,9 +123,25 @@ def _caps(arm: Arm, path: JointPath, move: Move, limits: JointLimits) -> Array:
             cap = move.velocity_scaling / (np.abs(rates) / limits.velocity).max(axis=(0, 2))
         if move.linear_speed is not None or move.angular_speed is not None:
             most = [np.inf if speed is None else speed for speed in (move.linear_speed, move.angular_speed)]
-            for speed, greatest in zip(most, greatest_tool_speeds(arm, path, limits, *most), strict=True):
+            for speed, greatest in zip(most, greatest_tool_speeds(arm, path), strict=True):
                 cap = np.minimum(cap, speed / greatest)
     return cap
+
+
+def greatest_tool_speeds(arm: Arm, path: JointPath) -> tuple[Array, Array]:
+    """Return ‖p'‖ [m] and ‖ω‖ [rad] by s that the tool does not exceed on each piece, (m,) each.
+
+    Between samples a distance d apart, a vector v(s) is within d² max ‖v''‖ / 8 of the chord. The second differences of
+    the samples are d² v''. Half as much again allows for its change from sample to sample.
+    """
+    steps = np.diff(path.breakpoints)
+    piece = np.repeat(np.arange(len(steps)), SPEED_SAMPLES + 1)
+    sigma = (steps[:, None] * np.linspace(0.0, 1.0, SPEED_SAMPLES + 1)).ravel()
+    theta, rate = (path.within(piece, sigma, order) for order in (0, 1))
+    twist = (arm.body_jacobian(theta) @ rate[..., None])[..., 0].reshape(len(steps), -1, 2, 3)
+    bend = np.linalg.norm(np.diff(twist, 2, axis=1), axis=-1).max(axis=1)
+    linear, angular = (np.linalg.norm(twist, axis=-1).max(axis=1) + 1.5 * bend / 8.0).T
+    return linear, angular
 
 
 def _rounded(

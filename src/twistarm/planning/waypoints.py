@@ -18,8 +18,8 @@ from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, RealArray, Row, as_floats, as_reals
 from ..support.errors import InputError, NotConvergedError, shown
 from ..support.messages import joined
-from .optional import scipy
 from .spans import LONGEST, SHORTEST
+from .spline import scipy
 from .tolerances import rounding_note
 from .unwrapping import unwrapped
 

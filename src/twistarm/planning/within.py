@@ -11,8 +11,7 @@ from ..support.checks import Array
 from ..support.errors import LimitError
 from ..support.messages import Argument, Quantity, Text
 from ..support.unit_hints import theta_hint
-from .bernstein import largest
-from .piecewise import derivative, extremes
+from .piecewise import derivative, extremes, largest
 from .trajectory import RATE_UNITS, Trajectory
 
 POSITION_TOL = 1e-9

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -18,27 +17,23 @@ from .parts.collisions import Collisions
 from .parts.controls import Controls
 from .parts.findings import loaded
 from .parts.gauge import Gauge
-from .parts.history import History
 from .parts.keeping import Keeping
 from .parts.limit_checks import checked_theta, require_all_inside, require_inside
-from .parts.part import Part, Seen, Show
-from .parts.player import Player, Plots
+from .parts.part import Part, Route, Show
+from .parts.player import Player
 from .parts.pose_list import LeftOut
 from .parts.program import Program
 from .parts.reach import Reach
 from .parts.servo_words import SILENT
-from .parts.solutions import Answer, Solutions
+from .parts.solutions import Choices, Solutions
 from .parts.summary import describe_arm, extra_joints, rest
 from .parts.target import TargetPart
 from .parts.theory import Theory
 from .protocol.change_publisher import Source
 from .protocol.jobs import Job
-from .protocol.messages import Message, Request
+from .protocol.messages import Message, PageRequest
 from .scene.kinematics import kinematics
 from .scene.placement import Placement
-
-DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "solution", "go", "plan")
-"""Requests that move the arm, refused while a servo drives it."""
 
 
 class Stage(Show):
@@ -56,7 +51,6 @@ class Stage(Show):
         self.reach = Reach()
         self.solutions = Solutions()
         self.collisions = Collisions(scene, self.solutions)
-        self.history = History()
         self.controls = Controls()
         self.keeping = Keeping()
         self.drawings: dict[str, Message] = {}  # by node
@@ -67,8 +61,6 @@ class Stage(Show):
             Theory(arm),
             self.reach,
             self.program,
-            self.history,
-            Plots(),
             self.solutions,
             self.collisions,
             self.controls,
@@ -77,60 +69,33 @@ class Stage(Show):
         self.left: tuple[LeftOut, ...] = ()
         self.jogging = False
         self.report: dict[str, Any] = SILENT
-        self._before_drive = self.theta
+        self._routes = {
+            "theta": Route(_show_theta, moves=True),
+            "joint": Route(_move_joint),
+            "pose": Route(lambda show, now, name, ease: show.go(arm.theta_from(name), ease, now), moves=True),
+            "random": Route(_go_anywhere, moves=True),
+            **{kind: route for part in self.parts for kind, route in part.routes.items()},
+        }
 
-    def show_solutions(self, answer: Answer | None) -> None:
+    def show_solutions(self, choices: Choices | None) -> None:
         """Show these configurations in the pages and move the arm to the nearest. None clears them."""
-        if answer is None:
+        if choices is None:
             self.solutions.release()
             return
-        self.show(answer.theta[0] if answer.inside else self.theta)
-        self.solutions.take(answer, self.theta)
+        self.show(choices.theta[0] if choices.inside else self.theta)
+        self.solutions.take(choices, self.theta)
 
     def show_reach(self, drawn: Message | None) -> None:
         """Show this map in the pages, or hide the one that is there."""
         self.reach.drawn = drawn or self.reach.drawn
         self.set_visible("reach", drawn is not None)
 
-    def handle(self, request: Request, now: float) -> Job | None:
+    def handle(self, request: PageRequest, now: float) -> Job | None:
         """Handle a page's request or return a job for it. Raises TwistarmError without any change."""
-        if self._drives(request):
+        route = self._routes[request.kind]
+        if route.moves:
             self.require_free()
-        before, glide = self.seen(), self._glide
-        try:
-            job = self._handle(request, now)
-        except Exception:
-            self._glide = glide
-            raise
-        self._note(request, before)
-        return None if job is None else replace(job, finish=partial(self._finish, job, request))
-
-    def _finish(self, job: Job, request: Request, result: Any) -> None:
-        before = self.seen()
-        job.finish(result)
-        self._note(request, before)
-
-    def _note(self, request: Request, before: Seen) -> None:
-        self.history.note(request.kind, str(request.fields.get("name", "")), before, self.seen())
-
-    def _handle(self, request: Request, now: float) -> Job | None:
-        fields = request.fields
-        if self._drives(request):
-            self._glide = None
-        for part in self.parts:
-            if request.kind in part.requests:
-                return part.handle(request, self, now)
-        if request.kind == "theta":
-            theta = checked_theta(self.arm, fields["theta"])
-            require_all_inside(self.arm, theta)
-            self.show(theta)
-        elif request.kind == "joint":
-            self._set_joint(fields["name"], fields["value"])
-        elif request.kind == "pose":
-            self.go(self.arm.theta_from(fields["name"]), fields["ease"], now)
-        else:
-            self.go(checked_theta(self.arm, self.arm.random_theta(np.random.default_rng())), fields["ease"], now)
-        return None
+        return route.handle(self, now, **request.fields)
 
     def take_commands(self) -> None:
         """A servo drives the arm, and takes commands of the pages."""
@@ -143,15 +108,12 @@ class Stage(Show):
     def begin_drive(self, note: str) -> None:
         """A servo of the pages drives the arm. `note` lists the assumed limits."""
         self.stop()
-        self._before_drive = self.theta
         self.take_commands()
         self.drive = {**self.drive, "on": True, "note": note}
 
     def end_drive(self, taken_over: bool) -> None:
         """The drive of the pages has ended. `taken_over`: another servo drives now."""
         self.drive = {**self.drive, "on": False, "note": ""}
-        after = self.seen()  # changes of the list and of other joints have separate steps
-        self.history.note("jog", "", after._replace(theta=self._before_drive), after)
         if not taken_over:
             self.set_servo_status(None)
 
@@ -164,26 +126,6 @@ class Stage(Show):
     def set_visible(self, what: str, visible: bool) -> None:
         """Switch a layer of every page, which may then switch its own."""
         self.visible = {**self.visible, what: [visible, self.visible[what][1] + 1]}
-
-    def _drives(self, request: Request) -> bool:
-        """Whether the request moves the arm. A gripper's joint is not part of it."""
-        gripper = request.kind == "joint" and request.fields["name"] in self.extra_joints
-        return request.kind in DRIVING and not gripper
-
-    def _set_joint(self, name: str, value: float) -> None:
-        if name in self.extra_joints:
-            joint = self.extra_joints[name]
-            require_inside(name, value, joint.lower, joint.upper, unit_of(joint.type))
-            self.others = {**self.others, name: value}
-            return
-        if name not in self.arm.joint_names:
-            names = (*self.arm.joint_names, *self.extra_joints)
-            raise unknown_name("joint", name, names, within=self.arm.name, listing=f"{len(names)} joints")
-        i = self.arm.joint_names.index(name)
-        require_inside(name, value, self.arm.limits.lower[i], self.arm.limits.upper[i], self.arm.units[i])
-        theta = self.theta.copy()
-        theta[i] = value
-        self.show(theta)
 
     # messages -----------------------------------------------------------------------------------------
 
@@ -225,6 +167,35 @@ class Stage(Show):
     def servo(self) -> Message:
         """Whether a servo drives the arm and takes commands, and its last status (None at first)."""
         return {"type": "servo", "jog": self.jogging, "driven": self.driven, **self.report}
+
+
+def _show_theta(show: Show, now: float, theta: list[float]) -> None:
+    checked = checked_theta(show.arm, theta)
+    require_all_inside(show.arm, checked)
+    show.show(checked)
+
+
+def _go_anywhere(show: Show, now: float, ease: bool) -> None:
+    show.go(checked_theta(show.arm, show.arm.random_theta(np.random.default_rng())), ease, now)
+
+
+def _move_joint(show: Show, now: float, name: str, value: float) -> None:
+    """Move a joint of the arm, or one beside it such as a gripper's, which is free while a servo drives the arm."""
+    arm = show.arm
+    if name in show.extra_joints:
+        joint = show.extra_joints[name]
+        require_inside(name, value, joint.lower, joint.upper, unit_of(joint.type))
+        show.others = {**show.others, name: value}
+        return
+    show.require_free()
+    if name not in arm.joint_names:
+        names = (*arm.joint_names, *show.extra_joints)
+        raise unknown_name("joint", name, names, within=arm.name, listing=f"{len(names)} joints")
+    i = arm.joint_names.index(name)
+    require_inside(name, value, arm.limits.lower[i], arm.limits.upper[i], arm.units[i])
+    theta = show.theta.copy()
+    theta[i] = value
+    show.show(theta)
 
 
 def _described(arm: Arm, others: list[str]) -> dict[str, Any]:

@@ -33,10 +33,10 @@ from .parts.controls import Control, V
 from .parts.limit_checks import check_trajectory, checked_theta
 from .parts.reach import drawing
 from .parts.servo_words import servo_words
-from .parts.solutions import answer_of
+from .parts.solutions import choices_of
 from .parts.tool_path import NO_PATH, tool_path
 from .protocol.messages import LARGEST_VALUE, Message, as_name
-from .scene.arm_scene import Scene as ArmScene
+from .scene.arm_drawing import Drawing
 from .scene.drawing import require_meshcat
 from .server.watching import Watch
 from .stage import Stage
@@ -78,6 +78,7 @@ class Viewer(Closeable):
         beside: Arm | None = None,
     ) -> None:
         require_meshcat()
+        from .server.handlers import application
         from .server.server import Server
 
         require_arm(arm)
@@ -89,8 +90,8 @@ class Viewer(Closeable):
         self._watches: list[Watch] = []
         self._closed = threading.Event()
         other = None if beside is None else require_arm(beside)
-        stage, drawn = Stage(arm, theta, scene, other), ArmScene(arm, beside=other)
-        self._server = Server(stage, drawn, host, port)
+        stage, drawn = Stage(arm, theta, scene, other), Drawing(arm, beside=other)
+        self._server = Server(stage, drawn, host, port, application)
         self.draw = Draw(self._put_drawing)
         self._server.start()
         if open_browser:
@@ -175,7 +176,7 @@ class Viewer(Closeable):
 
         Raises InputError while a servo drives the arm, or if the view is closed.
         """
-        return tuple(self._server.exchange(Stage(arm), self._server.scene.successor(arm)))
+        return tuple(self._server.exchange(arm))
 
     def watch(
         self, load: Callable[[], Arm], files: Iterable[Path], say: Callable[[str], None] = lambda _: None
@@ -281,9 +282,9 @@ class Viewer(Closeable):
         ):
             raise InputError("these are configurations of another arm: solve_ik_all(viewer.arm, …) gives this one's")
         others = self._server.ask(lambda stage: dict(stage.others))
-        answer = None if solutions is None else answer_of(solutions, others)
+        choices = None if solutions is None else choices_of(solutions, others)
         self._server.driver.drop(MOVED)
-        self._post("show", arm, lambda stage: stage.show_solutions(answer))
+        self._post("show", arm, lambda stage: stage.show_solutions(choices))
 
     def slider(
         self,
@@ -404,7 +405,7 @@ class Viewer(Closeable):
         return self.inline().html
 
     def _exhibit(self, trajectory: Trajectory | None = None) -> SceneSnapshot:
-        shown = self._server.ask(lambda stage: on_show(stage, self._server.scene))
+        shown = self._server.ask(lambda stage: on_show(stage, self._server.drawing))
         return shown if trajectory is None else shown.playing(trajectory)
 
     def save_png(self, path: str | os.PathLike[str], *, size: tuple[int, int] = (1280, 720)) -> Path:

@@ -15,8 +15,7 @@
 // Its directions that a posture nearly lacks count as whole, so that no joint moves the tool along them to second order.
 //
 // D. E. Whitney, Resolved motion rate control of manipulators and human prostheses, IEEE T-MMS 10(2), 1969. Everything
-// here is scaled to radians: metres are measured in a length, and a slide's rates too. In NumPy:
-// tests/reference/servo/rates.py.
+// here is scaled to radians: metres are measured in a length, and a slide's rates too.
 #pragma once
 
 #include "../numeric/half_spaces.hpp"

@@ -1,4 +1,4 @@
-// Servo step: a pure function from a command to joint rates. In NumPy: tests/reference/servo/step.py.
+// Servo step: a pure function from a command to joint rates.
 //
 // The bounds of an arm stand in the header that `twistarm bake -o FILE.hpp` writes, beside its chain:
 //

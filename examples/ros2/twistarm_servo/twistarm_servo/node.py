@@ -11,7 +11,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from twistarm import Arm, TwistarmError
 from twistarm.control.servo import ServoSettings
-from twistarm.control.stream import Interlock, Metronome, MonotonicClock, Streaming, come_to_rest
+from twistarm.control.stream import Interlock, Metronome, MonotonicClock, Streaming, StreamOptions, come_to_rest
 from twistarm.support.errors import one_line
 from twistarm.support.interrupts import ended_like_ctrl_c
 
@@ -46,12 +46,13 @@ class ServoNode(Node):
     def begin(self, arm: Arm) -> None:
         """Connect everything: the arm is known. Limits that it lacks are the stream's usual ones, and are told."""
         self.inputs = Inputs(self, arm, self.p, self.switches)
+        options = StreamOptions(
+            self.p.rate, self.p.feedback_timeout, self.p.tolerance, self.p.velocity_mode, self.interlock
+        )
         self.streaming = Streaming(
-            arm, self.inputs.commands, Outputs(self, arm, self.p), self.inputs.states, rate=self.p.rate,
-            command_timeout=self.p.incoming_command_timeout, feedback_timeout=self.p.feedback_timeout,
-            tolerance=self.p.tolerance, velocity_mode=self.p.velocity_mode,
+            arm, self.inputs.commands, Outputs(self, arm, self.p), self.inputs.states, options,
+            command_timeout=self.p.incoming_command_timeout,
             settings=ServoSettings(position_margin=self.p.joint_limit_margin, on_unreachable=self.p.on_unreachable),
-            interlock=self.interlock,
         )  # fmt: skip
         if self.streaming.assumed:
             self.get_logger().warning(self.streaming.assumed)
@@ -67,7 +68,7 @@ class ServoNode(Node):
         if self.streaming is None or self.failed or periods == 0:
             return
         if due > 0.0:
-            self.streaming.tally.lateness.add(now - due)
+            self.streaming.tally.begin(now - due)
         cycle = self.streaming.cycle(now, periods)
         self.diagnostics.follow(cycle)
         if cycle.ending is not None:

@@ -42,7 +42,7 @@ class Services:
     def _done(self, act: Callable[[], object], moving: bool) -> tuple[bool, str]:
         """Do it; whether it has the effect that was wanted, and how the interlock stands now."""
         act()
-        now = self._interlock.look()
-        text = ": ".join(filter(None, now))
+        barrier = self._interlock.barrier
+        text = barrier or self._interlock.word
         self._node.get_logger().info(text)
-        return not (moving and now.barrier), text
+        return not (moving and barrier), text

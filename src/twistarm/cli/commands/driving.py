@@ -92,9 +92,8 @@ def servo(
             keep(cycle)
 
         report = run(
-            driven, source_of_commands, sink, feedback, rate=rate, command_timeout=command_timeout,
-            feedback_timeout=robot.feedback_timeout, tolerance=near, settings=viewer.servo_settings(settings),
-            scene=scene, velocity_mode=robot.velocity_mode, duration=duration, on_cycle=each,
+            driven, source_of_commands, sink, feedback, robot.options(rate, near), command_timeout=command_timeout,
+            settings=viewer.servo_settings(settings), scene=scene, duration=duration, on_cycle=each,
         )  # fmt: skip
     out.show(_loop(arm, report), *out.lines(report.explain()), written=robot.written)
     return 0 if report.ok else 1
@@ -183,9 +182,8 @@ def follow(
             obey(typed, control, interlock)
 
         report = follow_on(
-            driven, planned, sink, feedback, rate=rate, speed=speed, approach=approach,
-            start_tolerance=start, tolerance=tracked, feedback_timeout=robot.feedback_timeout,
-            velocity_mode=robot.velocity_mode, control=control, interlock=interlock, on_cycle=each,
+            driven, planned, sink, feedback, robot.options(rate, tracked, interlock), speed=speed, approach=approach,
+            start_tolerance=start, control=control, on_cycle=each,
         )  # fmt: skip
     names = report.joint_names
     data = {

@@ -11,7 +11,7 @@ import typer
 
 from ...arm.loading.arm_file_draft import draft_arm_file
 from ...arm.loading.load import load_arm
-from ...planning.motion_file_draft import draft_motion_file
+from ...planning.motion_file import draft_motion_file
 from ...support.errors import InputError
 from ...support.messages import Argument
 from ..options import Source, answers

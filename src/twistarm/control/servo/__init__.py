@@ -1,12 +1,13 @@
 """The servo: from a command to joint rates, one pure step at a time."""
 
 from .command import AnyCommand, CommandLike, JogCommand, PoseCommand, TwistCommand
-from .output import ServoOutput, ServoReason, ServoStatus
+from .core_step import STATUSES, ServoReason
+from .output import ServoOutput
 from .settings import ServoSettings
 from .state import ServoState
 from .step import servo_step
 
 __all__ = [
-    "AnyCommand", "CommandLike", "JogCommand", "PoseCommand", "ServoOutput", "ServoReason", "ServoSettings",
-    "ServoState", "ServoStatus", "TwistCommand", "servo_step",
+    "STATUSES", "AnyCommand", "CommandLike", "JogCommand", "PoseCommand", "ServoOutput", "ServoReason", "ServoSettings",
+    "ServoState", "TwistCommand", "servo_step",
 ]  # fmt: skip

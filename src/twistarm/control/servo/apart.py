@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 
 from ...collision import Contact, Scene
 from ...support.checks import Array
-from .answer import Answer, Cause
-from .bounds import Bounds
+from .bounds import ServoBounds
+from .core_step import CoreStep, ServoReason
 
-Ask = Callable[[Array | None], Answer]
+Ask = Callable[[Array | None], CoreStep]
 
 SPARE = 3e-4
 """The servo aims at so much more than the margin [m], for what a linear step cannot see."""
@@ -29,8 +29,8 @@ MOST, ROUNDS, TOGETHER = 8, 4, 0.1
 
 
 def apart(
-    ask: Ask, rest: Callable[[], Answer], start: ArrayLike, dt: float, bounds: Bounds, scene: Scene
-) -> tuple[Answer, Contact | None]:
+    ask: Ask, rest: Callable[[], CoreStep], start: ArrayLike, dt: float, bounds: ServoBounds, scene: Scene
+) -> tuple[CoreStep, Contact | None]:
     """The answer of a step from `start` (n,) that brings no pair nearer than its margin, and the pair that holds it.
 
     `ask` steps with rows (k, n + 2) of near pairs or None, `rest` steps toward rest. A pair that is nearer than its
@@ -69,7 +69,7 @@ def apart(
             if below.min() < 0.0:
                 still = rest()
                 halted, owner = not still.theta_dot.any(), risky[[below.argmin()]]
-                answer = replace(still, cause=Cause.NEAR, row=0, scale=0.0, halted=halted, held=answer.held)
+                answer = replace(still, reason=ServoReason.COLLISION, row=0, scale=0.0, halted=halted, held=answer.held)
             break
         for too_near, at in zip(unseen, times, strict=True):
             new = risky[too_near]
@@ -78,7 +78,7 @@ def apart(
             rows, owner = np.concatenate([_rows(seen.approach, left, at), rows]), np.concatenate([new, owner])
         if rounds:  # what pushes against each other is no longer pushed
             rows[:, -2], aim = np.maximum(rows[:, -2], 0.0), np.minimum(aim, near.distances)
-    if answer.cause is not Cause.NEAR:
+    if answer.reason is not ServoReason.COLLISION:
         return answer, None
     k = owner[answer.row]
     first, second = (pairs.bodies[body].name for body in pairs.pairs[near.pairs[k]])

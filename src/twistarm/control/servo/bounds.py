@@ -16,7 +16,7 @@ from .settings import STOP, ServoSettings
 
 
 @dataclass(frozen=True, eq=False)
-class Bounds:
+class ServoBounds:
     """The data of an arm for a servo step.
 
     motion: the limits of motors with limits and of joints, less the position margin. The joints are its last n rows.
@@ -47,10 +47,10 @@ class Bounds:
         return self.motion.C / self.motion.limits.acceleration[:, None]
 
 
-_KEPT: weakref.WeakKeyDictionary[Arm, dict[ServoSettings, Bounds]] = weakref.WeakKeyDictionary()
+_KEPT: weakref.WeakKeyDictionary[Arm, dict[ServoSettings, ServoBounds]] = weakref.WeakKeyDictionary()
 
 
-def bounds_of(arm: Arm, settings: ServoSettings) -> Bounds:
+def bounds_of(arm: Arm, settings: ServoSettings) -> ServoBounds:
     """The bounds of an arm, kept for as long as the arm lives."""
     kept = _KEPT.get(arm)
     if kept is None:
@@ -61,13 +61,13 @@ def bounds_of(arm: Arm, settings: ServoSettings) -> Bounds:
     return found
 
 
-def _made(arm: Arm, settings: ServoSettings) -> Bounds:
+def _made(arm: Arm, settings: ServoSettings) -> ServoBounds:
     length = arm.reach if settings.length is None else settings.length
     unit = frozen(np.where(np.array(arm.units) == "m", length, 1.0))
     motion, stops = _motion(arm, settings.position_margin), settings.on_unreachable == STOP
     numbers = length, settings.singularity_threshold, settings.damping
     compiled = engine.servo_of(_core_arguments(arm, motion, unit), *numbers, stops)
-    return Bounds(motion, unit, arm.ready, *numbers, stops, compiled)
+    return ServoBounds(motion, unit, arm.ready, *numbers, stops, compiled)
 
 
 def _core_arguments(arm: Arm, motion: MotionLimits, unit: Array) -> tuple[Array, ...]:

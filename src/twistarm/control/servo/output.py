@@ -1,9 +1,8 @@
-"""The output of a servo step: joint rates, a status with its reason, and the lost command."""
+"""The output of a servo step: joint rates, the reason for them, and the lost command."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from enum import Enum
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -14,58 +13,13 @@ from ...arm.arm import Arm
 from ...support.checks import Array, frozen
 from ...support.directions import ALONG_AXIS, direction_in_words
 from ...support.display import Brief
-from .answer import Answer, Cause
-from .bounds import Bounds
+from .bounds import ServoBounds
 from .command import BASE, AnyCommand, TwistCommand
+from .core_step import CoreStep, ServoReason
 
 if TYPE_CHECKING:
     from ...collision import Contact
 
-
-class ServoStatus(Enum):
-    """How a step went; the gravest that holds."""
-
-    OK = "moving as commanded"
-    SLOWED_SINGULARITY = "slowed near a singularity"
-    SLOWED_LIMIT = "slowed by a limit"
-    HALTED_LIMIT = "halted by a position limit"
-    IMPOSSIBLE_DIRECTION = "this arm has no such motion"
-    STALE = "no usable command or state: coming to rest"
-    SLOWED_COLLISION = "slowed near a collision"
-    HALTED_COLLISION = "halted before a collision"
-
-
-class ServoReason(Enum):
-    """Why a step did what it did. The name is a code that stays; the numbers are fields of the output."""
-
-    MOVING = "moving as commanded"
-    CHANGING_SPEED = "changing speed, as fast as the acceleration limits allow"
-    VELOCITY_LIMIT = "slowed by a velocity limit"
-    LOWER_LIMIT = "a joint or motor is at its lower position limit, or brakes toward it"
-    UPPER_LIMIT = "a joint or motor is at its upper position limit, or brakes toward it"
-    SINGULARITY = "a direction of the command is nearly lost in this configuration"
-    TURN_LOST = "the tool turns otherwise than commanded, because the arm has too few joints"
-    IMPOSSIBLE = "this arm has no such motion"
-    STALE = "no usable command or state: coming to rest"
-    COLLISION = "two bodies of the scene come near each other"
-
-
-_OF_STATUS = {
-    ServoStatus.STALE: ServoReason.STALE,
-    ServoStatus.IMPOSSIBLE_DIRECTION: ServoReason.IMPOSSIBLE,
-    ServoStatus.SLOWED_SINGULARITY: ServoReason.SINGULARITY,
-}
-
-_OF_CAUSE = {
-    Cause.NONE: (ServoStatus.OK, None),
-    Cause.SINGULARITY: (ServoStatus.SLOWED_SINGULARITY, ServoReason.SINGULARITY),
-    Cause.VELOCITY: (ServoStatus.SLOWED_LIMIT, ServoReason.VELOCITY_LIMIT),
-    Cause.LOWER: (ServoStatus.SLOWED_LIMIT, ServoReason.LOWER_LIMIT),
-    Cause.UPPER: (ServoStatus.SLOWED_LIMIT, ServoReason.UPPER_LIMIT),
-    Cause.UNUSABLE: (ServoStatus.STALE, ServoReason.STALE),
-    Cause.NEAR: (ServoStatus.SLOWED_COLLISION, ServoReason.COLLISION),
-}
-"""The status of a step and its reason, by cause."""
 
 NOTABLE_LOSS = 0.02
 """Least lost share of a command that the output mentions."""
@@ -79,14 +33,13 @@ STANDSTILL = 1e-3
 _NOTHING_LOST = frozen(np.zeros(6))
 
 
-class Request(NamedTuple):
-    """A command to an arm at theta (n,), whether the arm stops where it cannot follow, and the pair that holds it."""
+class StepRequest(NamedTuple):
+    """A command to an arm at theta (n,), and whether the arm stops where it cannot follow."""
 
     arm: Arm
     theta: Array
-    command: AnyCommand | None
-    stops: bool = False
-    contact: Contact | None = None
+    command: AnyCommand
+    stops: bool
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -94,6 +47,8 @@ class ServoOutput(Brief):
     """The answer of one step.
 
     theta_dot (n,) [rad/s, m/s]: the joint rates for the coming dt.
+
+    reason: a code for why the arm rests or does less than commanded. It changes only with the cause.
 
     scale: the executed share of the reachable command, at least 0: 1 − ‖done − reachable‖ over the longer of the two.
     It is below 1 while the arm changes speed, or a limit or a singularity slows it.
@@ -107,33 +62,30 @@ class ServoOutput(Brief):
     joint: the joint or motor most concerned by a limit or a singularity, or None.
 
     remaining: the distance of a `PoseCommand` from its pose, [m] and [rad], else zeros.
+
+    halted: whether a position limit or a collision holds the arm at rest.
+
+    contact: the pair of bodies that slows or halts the arm, with its distance and margin [m], or None.
     """
 
     theta_dot: Array
-    status: ServoStatus
+    reason: ServoReason
     scale: float
     lost_twist: Array
     lost_share: float
     joint: str | None
     remaining: tuple[float, float]
-    _why: str | Cause = field(repr=False)
-    _asked: Request | None = field(default=None, repr=False)
+    halted: bool = False
+    contact: Contact | None = None
+    _why: str | None = field(default=None, repr=False)
+    _asked: StepRequest | None = field(default=None, repr=False)
 
     @property
-    def contact(self) -> Contact | None:
-        """The pair of bodies that slows or halts the arm, with its distance and margin [m], or None."""
-        return self._asked.contact if self._asked else None
-
-    @property
-    def reason(self) -> ServoReason:
-        """A code for why the arm rests or does less than commanded. It changes only with the cause."""
-        if self.status in _OF_STATUS:
-            return _OF_STATUS[self.status]
-        if isinstance(self._why, Cause) and (reason := _OF_CAUSE[self._why][1]):
-            return reason
-        if self._asked and self.lost_share >= NOTABLE_LOSS:
-            return ServoReason.TURN_LOST
-        return ServoReason.CHANGING_SPEED if self.scale < ALL else ServoReason.MOVING
+    def status(self) -> str:
+        """A code for how the step went, one of `STATUSES`: that of the reason, "HALTED_…" if it halts the arm."""
+        if self.halted:
+            return "HALTED_COLLISION" if self.reason is ServoReason.COLLISION else "HALTED_LIMIT"
+        return self.reason.status
 
     def explain(self) -> str:
         """Why the arm rests or does less than commanded, in one sentence, made on demand.
@@ -142,29 +94,29 @@ class ServoOutput(Brief):
         its course" precedes it if settings.on_unreachable stopped the arm.
         """
         on_course = self._asked is not None and self._asked.stops and self.scale * (1.0 - self.lost_share) < STANDSTILL
-        if on_course and self._words != self.status.value and self.status is not ServoStatus.IMPOSSIBLE_DIRECTION:
+        if on_course and self._words != ServoReason.MOVING.words and self.reason is not ServoReason.IMPOSSIBLE:
             return f"stopped on its course: {self._words}"
         return self._words
 
     @cached_property
     def _words(self) -> str:
-        if isinstance(self._why, str):
+        if self._why is not None:
             return self._why
-        if self._why in (Cause.LOWER, Cause.UPPER):
-            side = self._why.name.lower()
-            if self.status is ServoStatus.HALTED_LIMIT:
+        if self.reason in (ServoReason.LOWER_LIMIT, ServoReason.UPPER_LIMIT):
+            side = "lower" if self.reason is ServoReason.LOWER_LIMIT else "upper"
+            if self.halted:
                 return f"{self.joint} is at its {side} position limit"
             return f"slowed by {position_limit(side, str(self.joint))}"
         if self.contact is not None:
-            return f"{self.status.value}: {self.contact}"
-        if self._why is Cause.VELOCITY:
+            return f"{'halted before' if self.halted else 'slowed near'} a collision: {self.contact}"
+        if self.reason is ServoReason.VELOCITY_LIMIT:
             return f"slowed by the velocity limit of {self.joint}"
-        complete = self._why is Cause.NONE and self._missing_share < NOTABLE_LOSS
+        complete = self.status == "OK" and self._missing_share < NOTABLE_LOSS
         if complete and self.scale < ALL:
-            return ServoReason.CHANGING_SPEED.value
+            return ServoReason.CHANGING_SPEED.words
         if self._asked and not (complete and self.lost_share < NOTABLE_LOSS):
             return _missing(self._asked, self.lost_twist, self.joint, self.share)[1]
-        return self.status.value
+        return self.reason.words
 
     @property
     def share(self) -> float:
@@ -190,38 +142,39 @@ class ServoOutput(Brief):
             reason: The reason, in words.
 
         Returns:
-            The output, with status STALE.
+            The output, with reason and status STALE.
         """
-        return cls(theta_dot, ServoStatus.STALE, 0.0, _NOTHING_LOST, 0.0, None, (0.0, 0.0), reason)
+        return cls(theta_dot, ServoReason.STALE, 0.0, _NOTHING_LOST, 0.0, None, (0.0, 0.0), _why=reason)
 
     @classmethod
-    def of(cls, answer: Answer, bounds: Bounds, asked: Request) -> ServoOutput:
+    def of(cls, step: CoreStep, bounds: ServoBounds, asked: StepRequest, contact: Contact | None) -> ServoOutput:
         """The output for an answer of the compiled step.
 
         Args:
-            answer: The step's answer as plain numbers.
+            step: The answer as plain numbers.
             bounds: The arm's bounds.
-            asked: The arm, the configuration and the command of the step, and the pair of bodies that holds the arm.
+            asked: The arm, the configuration and the command of the step.
+            contact: The pair of bodies that holds the arm, or None.
 
         Returns:
-            The output, with status, joint and reason.
+            The output, with joint and reason.
         """
-        cause, row = answer.cause, answer.row
-        status = _OF_CAUSE[cause][0]
-        if answer.halted:
-            status = ServoStatus.HALTED_COLLISION if cause is Cause.NEAR else ServoStatus.HALTED_LIMIT
-        names = asked.arm.joint_names if cause is Cause.SINGULARITY else bounds.motion.names
-        joint = names[row] if row >= 0 and cause is not Cause.NEAR else None
-        lost, remaining = (answer.lost, answer.lost_share), answer.remaining
-        output = cls(answer.theta_dot, status, answer.scale, *lost, joint, remaining, cause, asked)
-        if joint is not None or cause is Cause.NEAR or answer.lost_share <= ALL or output._missing_share <= ALL:
+        reason, near = step.reason, step.reason is ServoReason.COLLISION
+        names = asked.arm.joint_names if reason is ServoReason.SINGULARITY else bounds.motion.names
+        joint = names[step.row] if step.row >= 0 and not near else None
+        if reason is ServoReason.MOVING and step.lost_share >= NOTABLE_LOSS:
+            reason = ServoReason.TURN_LOST
+        elif reason is ServoReason.MOVING and step.scale < ALL:
+            reason = ServoReason.CHANGING_SPEED
+        lost, remaining = (step.lost, step.lost_share), step.remaining
+        output = cls(step.theta_dot, reason, step.scale, *lost, joint, remaining, step.halted, contact, _asked=asked)
+        if joint is not None or near or step.lost_share <= ALL or output._missing_share <= ALL:
             return output
-        nowhere, why = _missing(asked, answer.lost, joint, 0.0)
-        status = ServoStatus.IMPOSSIBLE_DIRECTION if nowhere else ServoStatus.SLOWED_SINGULARITY
-        return replace(output, status=status, _why=why)
+        nowhere, why = _missing(asked, step.lost, joint, 0.0)
+        return replace(output, reason=ServoReason.IMPOSSIBLE if nowhere else ServoReason.SINGULARITY, _why=why)
 
 
-def _missing(asked: Request, lost: Array, joint: str | None, share: float) -> tuple[bool, str]:
+def _missing(asked: StepRequest, lost: Array, joint: str | None, share: float) -> tuple[bool, str]:
     """The graver half of the lost twist (6,): whether the arm has it nowhere, and words."""
     turned = np.linalg.norm(lost[3:]) * asked.arm.reach >= np.linalg.norm(lost[:3])
     half, way = (ANGULAR, "turn") if turned else (LINEAR, "move")

@@ -9,10 +9,10 @@ import numpy as np
 from ...arm.arm import Arm, require_arm
 from ...support.checks import Array, as_pose, frozen, require
 from ...support.errors import InputError, shown
-from .answer import Answer, Cause
-from .bounds import Bounds, bounds_of
+from .bounds import ServoBounds, bounds_of
 from .command import AnyCommand, CommandLike, JogCommand, PoseCommand, TwistCommand
-from .output import Request, ServoOutput
+from .core_step import OF_CAUSE, CoreStep
+from .output import ServoOutput, StepRequest
 from .settings import ServoSettings
 from .state import MAX_VALUE, ServoState
 
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 COMMANDS = (TwistCommand, JogCommand, PoseCommand)
 _DEFAULT = ServoSettings()
-_CAUSES = tuple(Cause)
 
 
 def servo_step(
@@ -36,8 +35,8 @@ def servo_step(
     """One step of the servo: the state after `dt` [s] of `command`, and its joint rates.
 
     An unusable command raises no error, because a loop that raises loses the arm. The arm stops within its acceleration
-    limits. The status is STALE with the reason. A dt outside (0, settings.max_dt], or a state that is not finite, gives
-    STALE and zero rates at once.
+    limits. The reason is STALE and `explain` says why. A dt outside (0, settings.max_dt], or a state that is not
+    finite, gives STALE and zero rates at once.
 
     The rates minimise a strictly convex function, continuous in configuration and command (docs/servo.md). Away from
     singularities a twist is exact. If the arm lacks directions (below six joints, at a limit), held components come
@@ -86,16 +85,16 @@ def servo_step(
     after = ServoState(answer.theta, answer.theta_dot, answer.held, _holding(checked), answer.period)
     if checked is None:
         return after, ServoOutput.stale(after.theta_dot, reason)
-    return after, ServoOutput.of(answer, bounds, Request(arm, state.theta, checked, bounds.stops, contact))
+    return after, ServoOutput.of(answer, bounds, StepRequest(arm, state.theta, checked, bounds.stops), contact)
 
 
 def _apart(
-    arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand, dt: float, scene: Scene
-) -> tuple[Answer, Contact | None]:
+    arm: Arm, bounds: ServoBounds, state: ServoState, command: AnyCommand, dt: float, scene: Scene
+) -> tuple[CoreStep, Contact | None]:
     """The answer that keeps the bodies of a scene apart, and the pair that holds the arm."""
     from .apart import apart
 
-    def ask(near: Array | None) -> Answer:
+    def ask(near: Array | None) -> CoreStep:
         return _answer(arm, bounds, state, command, dt, near)
 
     return apart(ask, lambda: _answer(arm, bounds, state, None, dt), state.theta, dt, bounds, scene)
@@ -122,8 +121,8 @@ def _usable(arm: Arm, command: Any) -> tuple[AnyCommand | None, str]:
 
 
 def _answer(
-    arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand | None, dt: float, near: Array | None = None
-) -> Answer:
+    arm: Arm, bounds: ServoBounds, state: ServoState, command: AnyCommand | None, dt: float, near: Array | None = None
+) -> CoreStep:
     holding = _holding(command)
     held = state.held if holding is not None and type(state.holding) is int and state.holding == holding else None
     kind, flags, numbers = (0, 0, None) if command is None else (command.kind, command.flags, command.numbers)
@@ -137,7 +136,7 @@ def _answer(
         assert found is not None, "what was refused has been cleaned"
     theta, theta_dot, kept, cause, row, scale, lost, lost_share, halted, position, angle, period = found
     remaining = position, angle
-    return Answer(theta, theta_dot, _CAUSES[cause], row, scale, lost, lost_share, kept, halted, remaining, period)
+    return CoreStep(theta, theta_dot, OF_CAUSE[cause], row, scale, lost, lost_share, kept, halted, remaining, period)
 
 
 def _clean(arm: Arm, state: ServoState) -> ServoState:

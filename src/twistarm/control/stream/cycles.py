@@ -8,17 +8,17 @@ from dataclasses import dataclass
 from typing import Generic, ParamSpec, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm, require_arm
 from ...arm.usual_limits import defaults_line, usually_limited
-from ...support.checks import LARGEST_ARRAY, Array, as_flag, as_positive, as_whole, frozen, require, require_method
+from ...support.checks import LARGEST_ARRAY, Array, as_positive, as_whole, frozen, require, require_method
 from ...support.display import Brief
 from ...support.errors import InputError, TwistarmError
 from ..servo import ServoOutput, ServoSettings, ServoState, servo_step
 from .interlock import ENABLED, Interlock, Interlocked
 from .metronome import ROUNDING, require_time
 from .observer import RateObserver, with_reserve
+from .options import StreamOptions
 from .protocols import Feedback, Measured, Reading, Setpoint, Sink, UndeliveredError
 from .report import Ending, StreamReport, Tally
 from .watch import FeedbackWatch
@@ -88,32 +88,27 @@ class Cycles(ABC, Generic[C]):
         arm: Arm,
         sink: Sink,
         feedback: Feedback,
-        *,
-        rate: float,
-        feedback_timeout: float,
-        tolerance: ArrayLike,
+        options: StreamOptions,
         settings: ServoSettings,
-        velocity_mode: bool,
-        interlock: Interlock | None,
+        usual_tolerance: float,
     ) -> None:
+        require(options, StreamOptions, "options", "as StreamOptions() is")
         self.assumed = defaults_line(require_arm(arm))
         self.arm = usually_limited(arm)
         self.sink = require_method(sink, "sink", "write")
         self.feedback = require_method(feedback, "feedback", "read")
         self.settings = require(settings, ServoSettings, "settings", "as ServoSettings() is")
-        self.rate = checked_rate(rate, self.settings)
+        self.rate = checked_rate(options.rate, self.settings)
         self.period = 1.0 / self.rate
-        self.feedback_timeout = as_positive(feedback_timeout, "feedback_timeout")
-        self.velocity_mode = as_flag(velocity_mode, "velocity_mode")
-        self.interlock = require(
-            Interlock() if interlock is None else interlock, Interlock, "interlock", "as Interlock() is"
-        )
+        self.feedback_timeout, self.velocity_mode = options.feedback_timeout, options.velocity_mode
+        self.interlock = Interlock() if options.interlock is None else options.interlock
         self._interlock(self.feedback)
         self.state: ServoState | None = None
-        self.tally = Tally(self.rate, self.assumed)
+        self.tally = Tally(rate=self.rate, assumed=self.assumed)
+        tolerance = usual_tolerance if options.tolerance is None else options.tolerance
         self._watch = FeedbackWatch(arm, self.feedback_timeout, tolerance)
-        self._commanded_arm = with_reserve(self.arm) if velocity_mode else self.arm
-        self._observer = RateObserver(self.arm) if velocity_mode else None
+        self._commanded_arm = with_reserve(self.arm) if self.velocity_mode else self.arm
+        self._observer = RateObserver(self.arm) if self.velocity_mode else None
         self._number = 0
         self._stepped: float | None = None  # when the last step was made [s]
 
@@ -191,7 +186,10 @@ class Cycles(ABC, Generic[C]):
         Returns:
             The `StreamReport`.
         """
-        return self.tally.report(ending, reason, duration, at_rest, self.interlock.word)
+        return StreamReport(
+            **vars(self.tally), ending=ending, reason=reason, duration=duration, at_rest=at_rest,
+            interlock=self.interlock.word,
+        )  # fmt: skip
 
     @property
     def at_rest(self) -> bool:

@@ -12,7 +12,7 @@ from ...support.interrupts import ended_like_ctrl_c
 from .cycles import C, Cycles, StreamError
 from .metronome import LATEST, Metronome, MonotonicClock
 from .protocols import Clock
-from .report import Ending, StreamReport
+from .report import Ending, StreamReport, with_counts
 
 
 def drive(
@@ -45,7 +45,7 @@ def drive(
             ending, reason = failed.ending, failed.reason
         except BaseException as error:
             come_to_rest(cycles, metronome, time)
-            _note(error, tuple(cycles.tally.failures))
+            _note(error, with_counts(cycles.tally.failures))
             raise
         at_rest = come_to_rest(cycles, metronome, time)
         return cycles.report(ending, reason, time.now() - began, at_rest)
@@ -104,7 +104,7 @@ def _drive(
         periods = metronome.tick(now)
         if periods != 0:  # else the clock woke us a little early
             if due > -inf:
-                cycles.tally.lateness.add(now - due)
+                cycles.tally.begin(now - due)
             if before is not None:
                 before()
             cycle = cycles.cycle(now, periods)
@@ -120,7 +120,7 @@ def _wait(clock: Clock, metronome: Metronome, end: float) -> None:
     clock.sleep_until(min(metronome.next, end, clock.now() + metronome.period))
 
 
-def _note(error: BaseException, failures: tuple[str, ...]) -> None:
+def _note(error: BaseException, failures: list[str]) -> None:
     """Say at the exception on its way what else went wrong, where Python (3.11 on) can."""
     if sys.version_info >= (3, 11):
         for failure in failures:

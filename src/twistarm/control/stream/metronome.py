@@ -1,9 +1,9 @@
-"""Cycles on a fixed time grid: no drift, missed cycles counted, lateness in bounded memory."""
+"""Cycles on a fixed time grid: no drift, missed cycles counted."""
 
 from __future__ import annotations
 
 import time
-from math import ceil, exp, floor, inf, log
+from math import floor, inf
 from typing import Any
 
 from ...support.errors import InputError, shown
@@ -13,12 +13,6 @@ ROUNDING = 1e-6
 
 LATEST = 1e12
 """Seconds (30,000 years) beyond any clock, except one that counts nanoseconds."""
-
-FINEST = 1e-6
-"""Lateness [s] below this counts as 0."""
-
-BINS_PER_E = 100
-"""Bins of the lateness within a factor e: percentiles are right to 1 %."""
 
 
 def require_time(value: Any, name: str = "now") -> float:
@@ -79,28 +73,3 @@ class Metronome:
     def _begin(self, now: float, periods: int) -> int:
         self._origin, self._index, self.next = now, 0, now + self.period
         return periods
-
-
-class Lateness:
-    """How long after their time cycles began: a histogram of logarithmic bins."""
-
-    def __init__(self) -> None:
-        self._bins: dict[int, int] = {}
-        self._count = 0
-        self.largest = 0.0
-
-    def add(self, late: float) -> None:
-        """One cycle that began `late` [s]."""
-        index = ceil(log(max(late, FINEST) / FINEST) * BINS_PER_E)
-        self._bins[index] = self._bins.get(index, 0) + 1
-        self._count += 1
-        self.largest = max(self.largest, late)
-
-    def percentile(self, percent: float) -> float:
-        """The lateness [s] that `percent` of the cycles kept within; 0 without cycles."""
-        wanted, seen = self._count * percent / 100.0, 0
-        for index in sorted(self._bins):
-            seen += self._bins[index]
-            if seen >= wanted:
-                return min(self.largest, FINEST * exp(index / BINS_PER_E))
-        return self.largest

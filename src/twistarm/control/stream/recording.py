@@ -8,7 +8,6 @@ import time
 from ...arm.arm import Arm
 from ...planning.files.mcap_file import LABELS, SETPOINTS, TEXT, Bag
 from ...support.checks import require_method
-from ..servo import ServoStatus
 from .cycles import Cycle
 from .links.messages import setpoint_message
 from .protocols import Setpoint, Sink
@@ -48,6 +47,6 @@ class Recorder(Bag):
             now, output, told = setpoint.time, setpoint.output, setpoint_message(self._arm, setpoint)
             self.add_motion(SETPOINTS, now, [(0.0, setpoint.theta, setpoint.theta_dot)])
             values = [self.of(f"{DIAGNOSTIC}KeyValue", key, str(told[key] or "")) for key in KEYS]
-            level, words = int(output.status is not ServoStatus.OK), output.explain()
+            level, words = int(output.status != "OK"), output.explain()
             status = self.of(f"{DIAGNOSTIC}DiagnosticStatus", level, "twistarm", words, self._arm.name, values)
             self.add("/diagnostics", now, f"{DIAGNOSTIC}DiagnosticArray", [status])

@@ -1,18 +1,14 @@
-"""The report of a stream: cycles and jitter, stale inputs, and why it ended."""
+"""The report of a stream: cycles and lateness, stale inputs, and why it ended."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
-from types import MappingProxyType
-from typing import TypeVar
 
 from ...support.display import told
 from ...support.messages import joined
-from ..servo import ServoReason, ServoStatus
-from .metronome import Lateness
+from ..servo import ServoReason
 
 
 class Ending(Enum):
@@ -34,46 +30,66 @@ class Ending(Enum):
 ON_REQUEST = (Ending.DURATION, Ending.DONE, Ending.INTERRUPTED, Ending.ARRIVED, Ending.STOPPED)
 
 
-@dataclass(frozen=True, repr=False)
-class StreamReport:
-    """The result of a stream.
+@dataclass(kw_only=True, repr=False)
+class Tally:
+    """The counts of a stream until now, in bounded memory.
 
-    cycles: begun ones, and `missed` ones of the grid, at `rate` [Hz] over `duration` [s]. late_p50, late_p99, late_max
-    [s]: the lateness of cycles, the jitter. statuses, reasons: cycles of each.
+    cycles: begun ones, and `missed` ones of the grid, at `rate` [Hz]. late_mean, late_max [s]: how late cycles
+    began, on average and at most. statuses, reasons: cycles of each.
 
     waited, blind, uncommanded [s]: time before the first joint state, with a stale one later, and without command. Each
-    has its last reason. barred [s]: time without permission of the interlock, with the last reason. interlock: its
-    final word.
+    has its last reason. barred [s]: time without permission of the interlock, with the last reason.
 
-    ending and reason: why it ended. at_rest: whether the commanded arm was at rest at the end. undelivered: why
-    setpoints were lost. delivered: whether the last one arrived, as far as known. failures: errors while it came to
-    rest. assumed: the limits that the arm lacked and their replacements, or "".
+    undelivered: why setpoints were lost, and how many. delivered: whether the last one arrived, as far as known.
+    failures: errors while the arm came to rest. assumed: the limits that the arm lacked and their replacements, or "".
     """
 
-    cycles: int
-    missed: int
     rate: float
-    duration: float
-    late_p50: float
-    late_p99: float
-    late_max: float
-    statuses: Mapping[ServoStatus, int]
-    reasons: Mapping[ServoReason, int]
-    waited: float
-    blind: float
-    uncommanded: float
-    blind_reason: str
-    uncommanded_reason: str
-    barred: float
-    barred_reason: str
-    interlock: str
+    assumed: str = ""
+    cycles: int = 0
+    missed: int = 0
+    late_mean: float = 0.0
+    late_max: float = 0.0
+    statuses: Counter[str] = field(default_factory=Counter)
+    reasons: Counter[ServoReason] = field(default_factory=Counter)
+    waited: float = 0.0
+    blind: float = 0.0
+    blind_reason: str = ""
+    uncommanded: float = 0.0
+    uncommanded_reason: str = ""
+    barred: float = 0.0
+    barred_reason: str = ""
+    undelivered: Counter[str] = field(default_factory=Counter)
+    delivered: bool = True
+    failures: Counter[str] = field(default_factory=Counter)
+
+    def begin(self, late: float) -> None:
+        """Note that the next cycle begins `late` [s]. The first one sets the grid."""
+        self.late_mean += (late - self.late_mean) / max(self.cycles, 1)
+        self.late_max = max(late, self.late_max)
+
+    def count(self, *, blind: str = "", uncommanded: str = "", barred: str = "") -> None:
+        """Count a cycle and its reasons: no fresh joint state, no command, no permission."""
+        self.blind += bool(blind) / self.rate
+        self.uncommanded += bool(uncommanded) / self.rate
+        self.barred += bool(barred) / self.rate
+        self.uncommanded_reason = uncommanded or self.uncommanded_reason
+        self.barred_reason = barred or self.barred_reason
+
+
+@dataclass(kw_only=True, repr=False)
+class StreamReport(Tally):
+    """The result of a stream: its counts, as in `Tally`, and its end.
+
+    ending and reason: why it ended. duration [s]: the time since the start. at_rest: whether the commanded arm was at
+    rest at the end. interlock: its final word.
+    """
+
     ending: Ending
     reason: str
+    duration: float
     at_rest: bool
-    undelivered: tuple[str, ...]
-    delivered: bool
-    failures: tuple[str, ...]
-    assumed: str
+    interlock: str
 
     def __repr__(self) -> str:
         named = {name: getattr(self, name) for name in ("cycles", "missed", "duration", "ending", "reason")}
@@ -101,18 +117,17 @@ class StreamReport:
 
     def explain(self) -> str:
         """The report in lines."""
-        counts = names_counted(self.statuses)
+        counts = _counted(self.statuses)
         lines = [
             joined(": ", filter(None, [f"ended: {self.ending.value}", self.reason])),
             f"{self.cycles} cycles in {self.duration:.2f} s at {self.rate:g} Hz, {self.missed} missed",
-            f"cycles began late by {self.late_p50 * 1e3:.3f} ms (median), {self.late_p99 * 1e3:.3f} ms (99 %), "
-            f"{self.late_max * 1e3:.3f} ms (most)",
+            f"cycles began late by {self.late_mean * 1e3:.3f} ms (mean), {self.late_max * 1e3:.3f} ms (most)",
             f"status: {counts}" if counts else "the arm was never moved: no joint state arrived",
-            *([f"reasons: {names_counted(self.reasons)}"] if counts else []),
+            *([f"reasons: {_counted({each.name: count for each, count in self.reasons.items()})}"] if counts else []),
             *filter(None, [self.assumed]),
             *self._stale(),
-            *(f"setpoints did not get through: {text}" for text in self.undelivered),
-            *(f"while it came to rest: {failure}" for failure in self.failures),
+            *(f"setpoints did not get through: {text}" for text in with_counts(self.undelivered)),
+            *(f"while it came to rest: {failure}" for failure in with_counts(self.failures)),
             f"at the end: {self.at_the_end}",
         ]
         return joined("\n", lines)
@@ -131,57 +146,11 @@ class StreamReport:
         ]
 
 
-class Tally:
-    """The counts of a running stream for its report, in bounded memory."""
-
-    def __init__(self, rate: float, assumed: str = "") -> None:
-        self.rate, self.assumed = rate, assumed
-        self.cycles = self.missed = 0
-        self.waited = self.blind = self.uncommanded = self.barred = 0
-        self.statuses: Counter[ServoStatus] = Counter()
-        self.reasons: Counter[ServoReason] = Counter()
-        self.lateness = Lateness()
-        self.blind_reason = self.uncommanded_reason = self.barred_reason = ""
-        self.undelivered: Counter[str] = Counter()
-        self.delivered = True
-        self.failures: Counter[str] = Counter()
-
-    def count(self, *, blind: str = "", uncommanded: str = "", barred: str = "") -> None:
-        """Count a cycle and its reasons: no fresh joint state, no command, no permission."""
-        self.blind += bool(blind)
-        self.uncommanded += bool(uncommanded)
-        self.uncommanded_reason = uncommanded or self.uncommanded_reason
-        self.barred += bool(barred)
-        self.barred_reason = barred or self.barred_reason
-
-    def report(self, ending: Ending, reason: str, duration: float, at_rest: bool, interlock: str) -> StreamReport:
-        """The report of a stream that ended after `duration` [s]."""
-        late, seconds = self.lateness, 1.0 / self.rate
-        return StreamReport(
-            cycles=self.cycles, missed=self.missed, rate=self.rate, duration=duration,
-            late_p50=late.percentile(50.0), late_p99=late.percentile(99.0), late_max=late.largest,
-            statuses=_counts(self.statuses, ServoStatus), reasons=_counts(self.reasons, ServoReason),
-            waited=seconds * self.waited, blind=seconds * self.blind, uncommanded=seconds * self.uncommanded,
-            blind_reason=self.blind_reason, uncommanded_reason=self.uncommanded_reason,
-            barred=seconds * self.barred, barred_reason=self.barred_reason, interlock=interlock,
-            ending=ending, reason=reason, at_rest=at_rest, undelivered=counted(self.undelivered),
-            delivered=self.delivered, failures=counted(self.failures), assumed=self.assumed,
-        )  # fmt: skip
-
-
-E = TypeVar("E", bound=Enum)
-
-
-def _counts(counter: Counter[E], kinds: type[E]) -> Mapping[E, int]:
-    """What occurred, in the order of its kinds."""
-    return MappingProxyType({kind: counter[kind] for kind in kinds if counter[kind]})
-
-
-def names_counted(counts: Mapping[E, int]) -> str:
+def _counted(counts: dict[str, int]) -> str:
     """Each name with how often it occurred: "OK 120, STALE 3"."""
-    return ", ".join(f"{kind.name} {count}" for kind, count in counts.items())
+    return ", ".join(f"{name} {count}" for name, count in counts.items())
 
 
-def counted(texts: Counter[str]) -> tuple[str, ...]:
+def with_counts(texts: Counter[str]) -> list[str]:
     """Each text, with how often it was said."""
-    return tuple(f"{text} ({count} times)" if count > 1 else text for text, count in texts.items())
+    return [f"{text} ({count} times)" if count > 1 else text for text, count in texts.items()]

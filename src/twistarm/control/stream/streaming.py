@@ -8,7 +8,6 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm
 from ...support.checks import Array, as_positive, require, require_callback, require_method
@@ -16,8 +15,8 @@ from ...support.errors import InputError, shown
 from ..servo import AnyCommand, ServoSettings, servo_step
 from .cycles import Cycle, Cycles, call_device
 from .driving import drive
-from .interlock import Interlock
-from .links.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
+from .links.inbox import COMMAND_TIMEOUT
+from .options import USUAL, StreamOptions
 from .protocols import Clock, Feedback, Reading, Setpoint, Sink, Source
 from .report import Ending, StreamReport
 
@@ -39,21 +38,13 @@ class Streaming(Cycles[Cycle]):
         source: Source,
         sink: Sink,
         feedback: Feedback,
+        options: StreamOptions = USUAL,
         *,
-        rate: float = 100.0,
         command_timeout: float = COMMAND_TIMEOUT,
-        feedback_timeout: float = FEEDBACK_TIMEOUT,
-        tolerance: ArrayLike = TOLERANCE,
         settings: ServoSettings | None = None,
         scene: Scene | None = None,
-        velocity_mode: bool = False,
-        interlock: Interlock | None = None,
     ) -> None:
-        given = ServoSettings() if settings is None else settings
-        super().__init__(
-            arm, sink, feedback, rate=rate, feedback_timeout=feedback_timeout, tolerance=tolerance, settings=given,
-            velocity_mode=velocity_mode, interlock=interlock,
-        )  # fmt: skip
+        super().__init__(arm, sink, feedback, options, ServoSettings() if settings is None else settings, TOLERANCE)
         self.source = require_method(source, "source", "read")
         self.scene = scene
         if scene is not None:
@@ -71,12 +62,12 @@ class Streaming(Cycles[Cycle]):
         self._update_filter(None if blind else measured, now)
         reading = call_device(Ending.SOURCE_FAILED, self.source.read, now, self.state)
         command, uncommanded = self._command(reading)
-        barred = self.interlock.look().barrier
+        barred = self.interlock.barrier
         self._held = (self._held or bool(barred)) and _asks_for_motion(command)
         if self._held:
             command, uncommanded = None, RELEASE_FIRST
         if self.state is None:
-            self.tally.waited += 1
+            self.tally.waited += self.period
             return Cycle(now, reading, None, None, blind, interlock=self.interlock.word)
         strayed = "" if theta is None else self._watch.deviation(theta)
         if barred:
@@ -140,22 +131,18 @@ def run(
     source: Source,
     sink: Sink,
     feedback: Feedback,
+    options: StreamOptions = USUAL,
     *,
-    rate: float = 100.0,
     command_timeout: float = COMMAND_TIMEOUT,
-    feedback_timeout: float = FEEDBACK_TIMEOUT,
-    tolerance: ArrayLike = TOLERANCE,
     settings: ServoSettings | Callable[[], ServoSettings] | None = None,
     scene: Scene | None = None,
-    velocity_mode: bool = False,
-    interlock: Interlock | None = None,
     handle_signals: bool = True,
     duration: float | None = None,
     until: Callable[[], bool] | None = None,
     on_cycle: Callable[[Cycle], object] | None = None,
     clock: Clock | None = None,
 ) -> StreamReport:
-    """Stream `source`'s commands through the servo to `sink` at `rate` [Hz] until something ends it.
+    """Stream `source`'s commands through the servo to `sink` until something ends it.
 
     Missing velocity and acceleration limits are assumed (1 rad/s, 3 rad/s²; 0.25 m/s, 1 m/s²). The report says so.
 
@@ -182,15 +169,11 @@ def run(
         source: Where commands come from.
         sink: Where setpoints go.
         feedback: Where the joint state comes from.
-        rate: Cycles per second [Hz].
+        options: Rate, timeout of the joint state, tolerance, velocity mode and interlock.
         command_timeout: Greatest age of a command [s].
-        feedback_timeout: Greatest age of the joint state [s].
-        tolerance: Greatest distance of a joint from what was commanded, one number or (n,) [rad, m].
         settings: Settings of the servo, or a function of nothing that returns them before every cycle, and ends the
             stream where it returns anything else; None for the usual ones.
         scene: The bodies that the servo keeps apart, or None.
-        velocity_mode: Whether the robot takes rates alone.
-        interlock: The switch that allows motion, or None.
         handle_signals: Whether SIGTERM and SIGHUP end the stream as Ctrl-C does. This works in the main thread, and if
             the program has no handler. On return the old effect is back.
         duration: Greatest duration [s]; None for no limit.
@@ -210,9 +193,8 @@ def run(
     longest = inf if duration is None else as_positive(duration, "duration")
     current = _current(settings)
     streaming = Streaming(
-        arm, source, sink, feedback, rate=rate, command_timeout=command_timeout, feedback_timeout=feedback_timeout,
-        tolerance=tolerance, settings=current(), scene=scene, velocity_mode=velocity_mode, interlock=interlock,
-    )  # fmt: skip
+        arm, source, sink, feedback, options, command_timeout=command_timeout, settings=current(), scene=scene
+    )
 
     def take_settings() -> None:
         streaming.settings = call_device(Ending.SERVO_FAILED, current)

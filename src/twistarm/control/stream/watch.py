@@ -43,14 +43,7 @@ class FeedbackWatch:
 
     def look(self, measured: Measured | None, now: float) -> tuple[Array | None, str]:
         """theta (n,) at `now` [s], or None and why the joint state cannot be used."""
-        theta, reason = self._usable(measured, now)
         self.returned = False
-        if theta is not None and measured is not None:
-            self.returned = measured.time - self._heard > self._timeout
-            self._heard = measured.time
-        return theta, reason
-
-    def _usable(self, measured: Measured | None, now: float) -> tuple[Array | None, str]:
         if measured is None:
             return None, "no joint state has arrived"
         if measured.theta is None:
@@ -60,7 +53,15 @@ class FeedbackWatch:
             return None, f"the last joint state is {age:.3g} s old (timeout {self._timeout:g} s)"
         if age < -self._timeout:  # less is a thread that heard it while the loop waited for its turn
             return None, f"the joint state is {-age:.3g} s from the future: its clock is another, or went back"
-        return self._plausible(measured.theta)
+        try:
+            theta = as_theta(measured.theta, self._arm.n, "the joint state", self._arm.joint_names)
+        except InputError as error:
+            return None, str(error)
+        if theta.ndim != 1 or not (np.abs(theta) < AS_GOOD_AS_UNBOUNDED).all():
+            return None, f"the joint state is no position of {self._arm.name}: {theta.tolist()}"
+        self.returned = measured.time - self._heard > self._timeout
+        self._heard = measured.time
+        return theta, ""
 
     def forget(self) -> None:
         """Forget all setpoints, because the servo restarts at the measured position."""
@@ -97,12 +98,3 @@ class FeedbackWatch:
             away=Quantity(away[j], unit, 3),
             tolerance=Quantity(self._tolerance[j], unit),
         )
-
-    def _plausible(self, theta: ArrayLike) -> tuple[Array | None, str]:
-        try:
-            x = as_theta(theta, self._arm.n, "the joint state", self._arm.joint_names)
-        except InputError as error:
-            return None, str(error)
-        if x.ndim != 1 or not (np.abs(x) < AS_GOOD_AS_UNBOUNDED).all():
-            return None, f"the joint state is no position of {self._arm.name}: {x.tolist()}"
-        return x, ""

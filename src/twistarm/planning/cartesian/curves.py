@@ -35,11 +35,6 @@ class Curve:
         """The angle of the rotation [rad]."""
         return float(np.linalg.norm(self.turn))
 
-    @property
-    def bend(self) -> float:
-        """‖p''(s)‖ = ‖ω × p'‖ [m], at most; ω' is 0."""
-        return float(np.linalg.norm(self.twist[3:])) * self.length
-
     def __call__(self, s: Array) -> Array:
         """g(s) (..., 4, 4) at s (...) in [0, 1]."""
         g: Array = screws.exp(self.twist, s) @ self.g0

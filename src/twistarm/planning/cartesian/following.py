@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...arm.arm import Arm
 from ...support.checks import Array
-from ..bernstein import bernstein
 from ..joint_path import JointPath
-from ..piecewise import extremes, spread
+from ..piecewise import bernstein, extremes
 from ..spline import unforced
 from ..tolerances import leeway
 from ..within import POSITION_TOL as ROUNDING
@@ -20,19 +18,22 @@ from .meeting import met_near
 from .moving_target import MovingTarget
 from .nodes import EXACT, LONGEST_JUMP, Blocked, Node
 from .projection import projected
-from .tool_derivatives import deviation_bend
 
 Flags = NDArray[np.bool_]
 
 POSITION_TOL, ANGLE_TOL = 1e-4, np.radians(0.05)
-"""Greatest distance of the tool from the curve [m, rad], also between samples. Wider tolerances replace it."""
+"""Greatest distance of the tool from the curve [m, rad]. Wider tolerances replace it."""
+
+RESERVE = 0.95
+"""Share of `POSITION_TOL` and `ANGLE_TOL` that check points may use. The rest is for what lies between them."""
+
+FEWEST_CHECKS, CHECKS, MOST_CHECKS = 4, 16, 40_000
+"""Intervals of check points in each piece of a path, and the most on a whole path of many pieces."""
 
 SHARE = 0.95
 """A path that uses less than this share of a wide tolerance is sampled more densely and keeps its targets."""
 
 MOST_SAMPLES = 4096
-
-MOST_CHECKS = 20_000
 
 ROUNDS = 12
 """Halvings of intervals in which the tool is too far from the curve."""
@@ -41,21 +42,12 @@ SMOOTHINGS = 20
 """How often the samples of a redundant arm are smoothed toward the line between their neighbours."""
 
 
-@dataclass(frozen=True, eq=False)
-class Followed:
-    """A joint path on s in [0, 1], with bounds of the tool's error [m, rad]."""
-
-    path: JointPath
-    position_error: float
-    angle_error: float
-
-
-def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> Followed | Blocked:
+def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> JointPath | Blocked:
     """Return the joint path through samples of one curve, or the place where it leaps.
 
-    A C² cubic spline goes through the samples. Intervals where the tool may be too far from the curve are halved. Too
-    far means beyond `POSITION_TOL`, `ANGLE_TOL` or wider tolerances. The deviation is measured at check points. The
-    curvature of the tool's path bounds it between them. `even` first evens out the samples of a redundant arm.
+    A C² cubic spline goes through the samples. Intervals where the tool is too far from the curve are halved. Too far
+    means beyond `POSITION_TOL`, `ANGLE_TOL` or wider tolerances, at check points that lie densely in each interval.
+    `even` first evens out the samples of a redundant arm.
     """
     moving = samples[0].moving
     s, theta = np.array([node.s for node in samples]), np.array([node.theta for node in samples])
@@ -63,11 +55,10 @@ def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> Followed
         theta = _evened(arm, moving, s, theta)
     for _ in range(ROUNDS):
         path = JointPath(s, unforced(theta, s, "not-a-knot"))
-        off, position, angle = _deviation(arm, moving, path)
         outside = _outside(arm, path)
-        off |= outside
+        off = _too_far(arm, moving, path) | outside
         if not off.any():
-            return Followed(path, position, angle)
+            return path
         if len(s) > MOST_SAMPLES:
             break
         between = 0.5 * (s[:-1] + s[1:])[off]
@@ -110,26 +101,18 @@ def _blocked(root: Node, s: Array, theta: Array, ahead: float, *, leap: bool) ->
     return Blocked(Node(root.moving, float(s[last]), theta[last], root.cost, root), ahead, leap)
 
 
-def _deviation(arm: Arm, moving: MovingTarget, path: JointPath) -> tuple[Flags, float, float]:
-    """Pieces (m,) in which the tool may be too far away, and its greatest distance [m, rad].
-
-    Between check points a distance d apart, the deviation e exceeds the larger end by at most d² ‖e''‖ / 8.
-    """
-    h = np.diff(path.breakpoints)
-    bend = deviation_bend(arm, moving, path)
-    tolerance = np.maximum([POSITION_TOL, ANGLE_TOL], [moving.tolerances.position, moving.tolerances.orientation])
-    part = min(float((4.0 * tolerance / np.maximum(bend.max(axis=0), 1e-12)).min()) ** 0.5, 1.0)
-    each = np.clip(np.ceil(h / part), 2, max(2, MOST_CHECKS // len(h))).astype(np.int64)
-    piece, within = spread(each)
-    s = np.append(path.breakpoints[piece] + h[piece] * within / each[piece], path.length)
-    position, angle = moving.errors(s, arm.fk(path(s)))
-    slack = (h / each) ** 2 / 8.0
-    greatest = [
-        np.maximum.reduceat(np.maximum(error[:-1], error[1:]), np.cumsum(each) - each) + slack * bend[:, i]
-        for i, error in enumerate((position, angle))
-    ]
-    off = (greatest[0] > tolerance[0]) | (greatest[1] > tolerance[1])
-    return off, float(greatest[0].max()), float(greatest[1].max())
+def _too_far(arm: Arm, moving: MovingTarget, path: JointPath) -> Flags:
+    """Tell in which pieces (m,) the tool is too far from the curve at a check point."""
+    starts, h = path.breakpoints[:-1], np.diff(path.breakpoints)
+    count = int(np.clip(MOST_CHECKS // len(h), FEWEST_CHECKS, CHECKS))
+    inside = np.arange(1, count) / count  # at the ends of pieces are samples, which meet their targets
+    s = (starts[:, None] + h[:, None] * inside).ravel()
+    allowed = np.maximum(
+        [RESERVE * POSITION_TOL, RESERVE * ANGLE_TOL], [moving.tolerances.position, moving.tolerances.orientation]
+    )
+    far = np.stack(moving.errors(s, arm.fk(path(s))), axis=1) > allowed
+    far_in: Flags = np.logical_or.reduce(far.reshape(len(h), -1), axis=1)
+    return far_in
 
 
 def _outside(arm: Arm, path: JointPath) -> Flags:

@@ -10,15 +10,14 @@ from ...arm.arm import Arm
 from ...ik.answer import StopReason
 from ...ik.solution import IKResult
 from ...ik.solve import solve_ik
-from ...ik.targets import AnyTarget, Approach, Pose, Position
-from ...ik.task_space import Tolerances
 from ...limits.joint_limits import JointLimits
 from ...support.checks import Array
 from ...support.errors import TwistarmError
-from ...support.messages import Argument, Posture, Quantity, Text, joined
+from ...support.messages import Posture, Quantity, Text
 from ...support.unit_hints import length_hint
+from ..joint_path import JointPath
 from .branches import branches
-from .following import Followed, follow
+from .following import follow
 from .ladder import climb
 from .moving_target import MovingTarget
 from .nodes import LONGEST_JUMP, Blocked, Node, way
@@ -34,9 +33,6 @@ SINGULAR = 0.05
 
 CERTAIN = "; no configuration inside the limits meets it farther on, that is certain"
 """What the closed form shows of some targets."""
-
-NEAR_MISS = 10.0
-"""Where the tool misses a path by less than so many tolerances, wider ones are named."""
 
 MAX_OTHER_STARTS = 2
 """Other configurations from which the path may be followed that are tried."""
@@ -79,7 +75,10 @@ def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, segment: int, place
     nowhere = beyond is not None and beyond.certain
     reason, joint, why = _why(arm, blocked, beyond)
     other = _other_start(arm, limits, blocked) if others and not nowhere else None
-    help_ = _help(arm, limits, blocked, other)
+    help_ = "make it shorter, or move its ends"
+    if other is not None:
+        start = Posture(tuple(other.tolist()), arm.units)
+        help_ = Text("begin it in another configuration, {start}, from which all of it can be followed", start=start)
     hint = length_hint(float(np.linalg.norm(moving.curve(np.array(1.0))[:3, 3])), arm.reach)
     what = Text(
         "the tool follows the path for {part} and no farther: {why}{certain}{hint}: {help}",
@@ -151,48 +150,6 @@ def _other_start(arm: Arm, limits: JointLimits, blocked: Blocked) -> Array | Non
     roots = [Node(moving, 0.0, theta, 0.0) for theta in branches(arm, moving.at(0.0), start, moving.tolerances)]
     found = climb(arm, limits, roots) if roots else []
     for node in [] if isinstance(found, Blocked) else found[:MAX_OTHER_STARTS]:
-        if isinstance(follow(arm, way(node)), Followed):
+        if isinstance(follow(arm, way(node)), JointPath):
             return way(node)[0].theta
     return None
-
-
-def _help(arm: Arm, limits: JointLimits, blocked: Blocked, other: Array | None) -> str:
-    if other is not None:
-        what = "begin it in another configuration, {start}, from which all of it can be followed"
-        return Text(what, start=Posture(tuple(other.tolist()), arm.units))
-    moving = blocked.node.moving
-    if loose := _sufficient_tolerances(arm, limits, blocked):
-        return loose
-    if isinstance(moving.like, Pose):
-        g, axis = moving.like.g, arm.tool_axis
-        freer: dict[str, AnyTarget] = {
-            "turning about the tool axis": Approach(g[:3, 3], g[:3, :3] @ axis, axis),
-            "the rotation": Position(g[:3, 3]),
-        }
-        for what, like in freer.items():
-            if _followed(arm, limits, replace(moving, like=like), blocked.start):
-                return f"with {what} left free the arm can follow it (an Approach or a Position as goal)"
-    return "make it shorter, or move its ends"
-
-
-def _sufficient_tolerances(arm: Arm, limits: JointLimits, blocked: Blocked) -> str:
-    """Return tolerances that allow the whole path; "" where ten times the requested ones do not."""
-    moving, met = blocked.node.moving, blocked.node.moving.tolerances
-    looser = replace(moving, tolerances=Tolerances(NEAR_MISS * met.position, NEAR_MISS * met.orientation))
-    nodes = _followed(arm, limits, looser, blocked.start)
-    if not nodes:
-        return ""
-    s, theta = np.array([node.s for node in nodes]), np.array([node.theta for node in nodes])
-    position, angle = (float(each.max()) for each in moving.errors(s, arm.fk(theta)))
-    missed = [(position, "m", "position_tol")] * (position > met.position)
-    missed += [(angle, "rad", "orientation_tol")] * (angle > met.orientation)
-    by = joined(" and ", (Quantity(miss, unit, 2) for miss, unit, _ in missed))
-    wider = joined(" and ", (Argument(name, Quantity(1.1 * miss, unit, 2)) for miss, unit, name in missed))
-    return Text("the rest of it is missed by {by} at most: with {wider} the arm can follow it", by=by, wider=wider)
-
-
-def _followed(arm: Arm, limits: JointLimits, moving: MovingTarget, start: Array) -> list[Node]:
-    """Return the nodes on the way to the end of a path, or none."""
-    nodes = [] if moving.is_still else climb(arm, limits, [Node(moving, 0.0, start, 0.0)])
-    found = way(nodes[0]) if isinstance(nodes, list) and nodes else []
-    return found if found and isinstance(follow(arm, found), Followed) else []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,6 @@ from ...support.checks import Array, as_flag
 from ...support.code_text import c_number, c_string, c_strings, filled, identifier_of
 from ..piecewise import derivative, rescaled
 from ..trajectory import Trajectory, motors_of, require_motors
-from .motor_values import counted
 
 FOLDER = Path(__file__).parent
 
@@ -27,7 +27,7 @@ def header_text(
     """Return the text that `save_trajectory` writes. Every name in it begins with that of the file."""
     name = identifier_of(Path(file).stem, "motion")
     if as_flag(counts, "counts"):
-        trajectory = counted(trajectory, require_motors(motors_of(trajectory, actuators)))
+        trajectory = _counted(trajectory, require_motors(motors_of(trajectory, actuators)))
     pieces = _pieces(trajectory)
     begins = np.concatenate([[0], np.cumsum([piece.size for piece in pieces])])
     numbers = int(begins[-1]) + len(pieces)
@@ -79,3 +79,10 @@ def _labels(trajectory: Trajectory, name: str) -> str:
         return ""
     rows = ",\n    ".join(f"{{{c_number(time)}, {c_string(text)}}}" for time, text in trajectory.labels)
     return filled(FOLDER / "labels.h.in", name=name, count=len(trajectory.labels), rows=rows)
+
+
+def _counted(trajectory: Trajectory, motors: Actuators) -> Trajectory:
+    """Return the motion of the motors in what their drives count."""
+    moved, scale = trajectory.to_motors(motors), motors.counts_per_unit
+    waypoints, coefficients = moved.waypoints * scale, moved.coefficients * scale
+    return replace(moved, units=motors.units, waypoints=waypoints, coefficients=coefficients)

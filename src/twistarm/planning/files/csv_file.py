@@ -18,8 +18,7 @@ from ...support.csv_lines import csv_text as lines_of
 from ...support.errors import InputError, closest, listed
 from ...support.fields import number_in
 from ..trajectory import Trajectory, motors_of, require_motors
-from .motor_values import motor_values
-from .points import Points
+from .points import Points, motor_values
 
 TIME = "time [s]"
 LABEL = "label"

@@ -18,8 +18,7 @@ from ...support.fields import number, numbers
 from ...support.files import read_bounded, why_no_file
 from ...support.strict_json import parsed
 from ..trajectory import Trajectory, motors_of
-from .motor_values import motor_values
-from .points import Points
+from .points import Points, motor_values
 
 NANOSECOND = 1e-9
 

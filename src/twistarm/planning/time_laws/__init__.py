@@ -2,8 +2,7 @@
 
 from .bounds import PathBounds
 from .double_s import double_s, double_s_durations
-from .law import TimeLaw
-from .quintic import quintic
+from .law import TimeLaw, quintic
 from .s_curve import s_curve
 from .time_optimal import line_durations, time_optimal
 

@@ -1,4 +1,4 @@
-"""TimeLaw: when a motion is where on its path, as plain data."""
+"""TimeLaw: when a motion is where on its path, as plain data; and the quintic law."""
 
 from __future__ import annotations
 
@@ -8,15 +8,19 @@ import numpy as np
 
 from ...support.checks import Array, frozen
 from ...support.display import told
-from ..bernstein import largest
 from ..joint_path import Indices, JointPath
-from ..piecewise import composed, derivative, rescaled
+from ..piecewise import bisected, composed, derivative, largest, rescaled, shifted
 from ..spans import MARGIN, require_span
 from ..within import slowed_by
 from .bounds import PathBounds
 
 APART = 1e-12
 """Instants nearer than this part of the whole are one."""
+
+UNIT = np.array([6.0, -15.0, 10.0, 0.0, 0.0, 0.0])
+"""Coefficients of the fraction travelled in the fraction u of the time, highest power first."""
+
+BISECTIONS = 60
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -86,3 +90,25 @@ def apart(instants: Array) -> Array:
     times = np.concatenate([times[:-1][np.diff(times) > APART * times[-1]], times[-1:]])
     times[0] = 0.0
     return times
+
+
+def quintic(path: JointPath, bounds: PathBounds) -> TimeLaw:
+    """s = L (10 u³ − 15 u⁴ + 6 u⁵), u = t/T, with the least T that keeps every limit.
+
+    Velocity and acceleration are zero at both ends. The jerk is limited where a jerk limit was given. A path that
+    stays where it is takes no time. Source: Lynch & Park, Modern Robotics, §9.2.2.1.
+    """
+    if not path.moves:
+        return TimeLaw.at_once()
+    u = _reached(path.breakpoints / path.length)
+    pieces = np.repeat(path.length * UNIT[:, None], len(u) - 1, axis=1)
+    law = TimeLaw(u, shifted(pieces, u[:-1]))
+    return law.at_full_pace(path, bounds, bounds.rates.jerk)
+
+
+def _reached(fraction: Array) -> Array:
+    """The u (m + 1,) at which these fractions of the way have been travelled."""
+    ends = np.zeros_like(fraction), np.ones_like(fraction)
+    _, high = bisected(lambda u: np.polyval(UNIT, u) < fraction, *ends, BISECTIONS)
+    high[0], high[-1] = 0.0, 1.0
+    return high

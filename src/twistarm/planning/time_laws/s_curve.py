@@ -8,14 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...support.checks import Array
-from ..bernstein import bernstein
-from ..joint_path import JointPath
-from ..piecewise import derivative, evaluate
+from ..joint_path import Indices, JointPath
+from ..piecewise import bernstein, bisected, derivative, evaluate
 from .bounds import PathBounds
-from .law import TimeLaw
-from .path_velocity import LimitedPath
-from .smoothing import roughly_smoothed, smoothed
-from .time_optimal import first_grid, on_grid
+from .law import TimeLaw, apart
+from .time_optimal import LimitedPath, first_grid, on_grid
 
 WINDOWS = (0.7, 1.0, 1.4, 2.0, 2.8, 4.0)
 """Window widths to try, as multiples of the rise time of the slowest rate to its acceleration limit."""
@@ -45,6 +42,9 @@ ROUNDS = 6
 GAIN = 5e-3
 """Greatest number of laws with ever lower ceilings, and the least share by which each must be shorter."""
 
+BISECTIONS = 60
+"""To find when a place is reached, to rounding."""
+
 
 def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
     """A law of limited jerk that keeps every limit, with zero velocity and acceleration at both ends.
@@ -72,7 +72,7 @@ def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
     if best.factor.max() > CLOSE:
         tightened = [*search.tightened(search.slow_in_bends(narrow)), *search.tightened(best)]
         best = min((best, *tightened), key=_Tried.duration)
-    return smoothed(best.fastest, best.window, fine).at_full_pace(fine, bounds, bounds.jerk)
+    return _smoothed(best.fastest, best.window, fine).at_full_pace(fine, bounds, bounds.jerk)
 
 
 def _downhill(tried: Callable[[int], _Tried], first: int, best: _Tried) -> _Tried:
@@ -114,7 +114,7 @@ class _Search:
         return on_grid(replace(self.limited, ceiling=ceiling), self.grid)
 
     def averaged(self, fastest: TimeLaw, ceiling: Array, window: float) -> _Tried:
-        return _Tried(fastest, ceiling, window, *self.needs.of(roughly_smoothed(fastest, window, self.path)))
+        return _Tried(fastest, ceiling, window, *self.needs.of(_roughly_smoothed(fastest, window, self.path)))
 
     def tried(self, ceiling: Array, window: float) -> _Tried:
         return self.averaged(self.fastest(ceiling), ceiling, window)
@@ -181,3 +181,74 @@ def _widened(ceiling: Array, breakpoints: Array, window: float) -> Array:
     before, after = breakpoints[slow, None] - reach, breakpoints[slow + 1, None] + reach
     near = (breakpoints[:-1] < after) & (breakpoints[1:] > before)
     return np.where(near, ceiling[slow, None], np.inf).min(axis=0, initial=np.inf)
+
+
+def _smoothed(law: TimeLaw, window: float, path: JointPath) -> TimeLaw:
+    """s_w(t) = (1/w) ∫ s(τ) dτ over [t − w, t] is longer by the window w [s], and of one degree more.
+
+    Its rate is (s(t) − s(t − w))/w ≥ 0. Further derivatives are difference quotients too. Where s̈ jumps, s̈_w rises
+    evenly. It is zero at both ends. Pieces end where the path's do.
+    """
+    average = _Average(law, window)
+    return average.law(_reached(average, path.breakpoints[1:-1]))
+
+
+def _roughly_smoothed(law: TimeLaw, window: float, path: JointPath) -> TimeLaw:
+    """The same law in pieces that end only about where the path's do."""
+    average = _Average(law, window)
+    return average.law(np.interp(path.breakpoints[1:-1], average.at(average.knots), average.knots))
+
+
+class _Average:
+    """The moving average of a law of parabolas, at rest before and after it."""
+
+    def __init__(self, law: TimeLaw, window: float) -> None:
+        steps, c = np.diff(law.breakpoints), law.coefficients
+        powers = np.arange(len(c), 0, -1.0)
+        integral = np.concatenate([c / powers[:, None], np.zeros((1, c.shape[1]))])
+        integral[-1, 1:] = np.cumsum(np.polyval(integral, steps))[:-1]
+        end = float(np.polyval(c[:, -1], steps[-1])), float(np.polyval(integral[:, -1], steps[-1]))
+        before, after = np.zeros((len(integral), 1)), np.zeros((len(integral), 1))
+        after[-2:, 0] = end
+        self.integral = np.concatenate([before, integral, after], axis=1)[:, :, None]
+        self.starts = np.concatenate([[0.0], law.breakpoints])
+        self.window = window
+        self.knots = apart(np.concatenate([law.breakpoints, law.breakpoints + window]))
+
+    def law(self, instants: Array) -> TimeLaw:
+        """The average as a law with ends of pieces at these instants too."""
+        times = apart(np.concatenate([self.knots, instants]))
+        return TimeLaw(times, self.pieces(times))
+
+    def at(self, times: Array) -> Array:
+        """s_w at some of the knots."""
+        return self._quotient(times, self._piece(times), self._piece(times - self.window), 0)
+
+    def pieces(self, times: Array) -> Array:
+        """Coefficients (degree + 2, k) on the pieces between these times (k + 1,), which hold every knot."""
+        middle, starts = 0.5 * (times[:-1] + times[1:]), times[:-1]
+        now, before = self._piece(middle), self._piece(middle - self.window)
+        rows, factorial = [], 1.0
+        for order in range(len(self.integral)):
+            factorial *= max(order, 1)
+            rows.append(self._quotient(starts, now, before, order) / factorial)
+        return np.stack(rows[::-1])
+
+    def _quotient(self, times: Array, now: Indices, before: Indices, order: int) -> Array:
+        coefficients = derivative(self.integral, order)
+        tau = times - self.starts[now], times - self.window - self.starts[before]
+        late, early = (evaluate(coefficients[:, i], t[:, None])[:, 0] for i, t in zip((now, before), tau, strict=True))
+        return (late - early) / self.window
+
+    def _piece(self, times: Array) -> Indices:
+        return np.searchsorted(self.starts[1:], times, side="right")
+
+
+def _reached(average: _Average, places: Array) -> Array:
+    """When the average passes these places of the path."""
+    times = average.knots
+    pieces = average.pieces(times)
+    index = np.clip(np.searchsorted(pieces[-1], places, side="right") - 1, 0, len(times) - 2)
+    own, ends = pieces[:, index], np.diff(times)[index]
+    _, late = bisected(lambda tau: evaluate(own, tau) < places, np.zeros_like(places), ends, BISECTIONS)
+    return times[index] + late

@@ -21,7 +21,7 @@ from ..parts.summary import describe_arm, named_poses
 from ..parts.theory import axes, most_moved, numbers
 from ..parts.tool_path import tool_path
 from ..protocol.messages import Message
-from ..scene.arm_scene import Scene
+from ..scene.arm_drawing import Drawing
 from ..scene.kinematics import kinematics
 from ..stage import Stage
 
@@ -50,7 +50,7 @@ NUMBER_DECIMALS = 6
 
 @dataclass(frozen=True)
 class SceneSnapshot:
-    """`arm` at theta (n,) [rad, m] with its other joints, drawn as `scene`, and the visible layers.
+    """`arm` at theta (n,) [rad, m] with its other joints, drawn as `drawing`, and the visible layers.
 
     `playback` is the motion that the page plays and its start time, or None. `findings` is their message, or None
     before the doctor has run. `recorded` holds poses by name, `obstacles` and `shapes` what is drawn of a scene, and
@@ -58,7 +58,7 @@ class SceneSnapshot:
     """
 
     arm: Arm
-    scene: Scene
+    drawing: Drawing
     theta: Array
     others: Mapping[str, float]
     visible: Mapping[str, bool]
@@ -88,12 +88,12 @@ class SceneSnapshot:
         It may run in any thread, because it does not touch the stage. It reads remaining meshes and runs the doctor if
         needed.
         """
-        at, scene = self.playback, self.scene.whole()
-        skipped = scene.live | {b""}
+        at, drawing = self.playback, self.drawing.whole()
+        skipped = drawing.live | {b""}
         still = {"times": [0.0], "theta": [self.theta.tolist()]}
         return {
             "arm": describe_arm(self.arm),
-            "links": scene.links,
+            "links": drawing.links,
             "visible": dict(self.visible),
             "path": dict(self.path),
             "kinematics": kinematics(self.arm, list(self.others)),
@@ -101,14 +101,14 @@ class SceneSnapshot:
             "poses": self._poses(),
             "samples": still if at is None else _moving(at.trajectory),
             "aside": None if at is None or self._on(at) else self.theta.tolist(),
-            "plots": plots(self.arm, at),
+            "plots": plots(self.arm, None if at is None else at.trajectory),
             "player": None if at is None else {name: getattr(at, name) for name in PLAYED},
-            "objects": [base64.b64encode(part).decode("ascii") for part in scene.objects if part not in skipped],
+            "objects": [base64.b64encode(part).decode("ascii") for part in drawing.objects if part not in skipped],
             "obstacles": self.obstacles,
             "shapes": self.shapes,
             "reach": self.reach,
             "drawings": self.drawings,
-            "notes": scene.notes,
+            "notes": drawing.notes,
             "theory": sampled_theory(self.arm, self.theta, None if at is None else at.trajectory),
             "findings": examined(self.arm) if self.findings is None else self.findings,
         }
@@ -126,11 +126,11 @@ class SceneSnapshot:
 
 def of_arm(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | None = None) -> SceneSnapshot:
     """`arm` at theta (n,), by default ready, with all layers and `trajectory` playing."""
-    shown = on_show(Stage(arm, theta), Scene(arm))
+    shown = on_show(Stage(arm, theta), Drawing(arm))
     return shown if trajectory is None else shown.playing(trajectory)
 
 
-def on_show(stage: Stage, scene: Scene) -> SceneSnapshot:
+def on_show(stage: Stage, drawing: Drawing) -> SceneSnapshot:
     """What the pages of a live view show now, and the loaded motion.
 
     Call it in the stage's thread.
@@ -141,7 +141,7 @@ def on_show(stage: Stage, scene: Scene) -> SceneSnapshot:
     unexamined = PENDING in stage.findings["note"] and not stage.driven
     return SceneSnapshot(
         stage.arm,
-        scene,
+        drawing,
         stage.theta.copy(),
         stage.others,
         {layer: on for layer, (on, _) in stage.visible.items()},

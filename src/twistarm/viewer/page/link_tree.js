@@ -1,5 +1,4 @@
-// The links as a tree. Each can be hidden or seen through, and has a frame, a box of its inertia and its shapes that are
-// checked for collisions.
+// The links as a tree. Each can be hidden or seen through, and has a frame and its shapes that are checked for collisions.
 
 import { hang, made, stand } from "./collision.js";
 import { dispose } from "./disposal.js";
@@ -11,9 +10,8 @@ import { THREE } from "./view.js";
 const FAINTEST = 0.1;
 const FAINT = 0.25; // opacity of a link that is seen through
 const FRAME = 0.15; // of the axes, in radii of the arm
-const BOX = 0x7a4fd0;
 const MARKS = { // the switches of a link: sign and words
-  hidden: ["∅", "Hide"], faint: ["◐", "See through"], frame: ["⌖", "Frame of"], inertia: ["▣", "Inertia of"], shapes: ["⬡", "Collision shapes of"],
+  hidden: ["∅", "Hide"], faint: ["◐", "See through"], frame: ["⌖", "Frame of"], shapes: ["⬡", "Collision shapes of"],
 };
 const NAMES = Object.keys(MARKS);
 
@@ -23,7 +21,7 @@ export class LinkTree {
     this.view = view;
     this.need = need;
     this.nodes = {};
-    this.tree = {}; // {parent, inertia} of each link
+    this.parents = {}; // the parent of each link, null of the root
     this.frame = null;
     this.buttons = [];
     this.marks = marksOf({});
@@ -39,7 +37,7 @@ export class LinkTree {
 
   // `links`: the node of each by its name. One that was hidden stays so on an arm that comes in this one's place.
   hello({ links, kinematics }) {
-    Object.assign(this, { nodes: links, tree: kinematics.tree ?? {}, frame: null, buttons: [] });
+    Object.assign(this, { nodes: links, parents: kinematics.parents ?? {}, frame: null, buttons: [] });
     $("links").replaceChildren(...this.below(null));
     $("links-part").hidden = Object.keys(links).length === 0;
     this.apply();
@@ -47,7 +45,7 @@ export class LinkTree {
 
   // The rows of the links that `parent` carries, each with those that it carries itself.
   below(parent) {
-    return Object.keys(this.tree).filter((name) => this.tree[name].parent === parent).map((name) => {
+    return Object.keys(this.parents).filter((name) => this.parents[name] === parent).map((name) => {
       const [item, row, carried] = [element("li"), element("div", "link"), this.below(name)];
       row.append(writeName(element("span"), name), ...NAMES.map((mark) => this.toggle(mark, name)));
       item.append(row);
@@ -63,7 +61,6 @@ export class LinkTree {
       this.marks[mark][this.marks[mark].has(name) ? "delete" : "add"](name);
       this.apply();
     });
-    press.disabled = mark === "inertia" && this.tree[name].inertia === null;
     this.buttons.push(Object.assign(press, { ariaLabel: press.title, marked: () => this.marks[mark].has(name) }));
     return press;
   }
@@ -107,16 +104,15 @@ export class LinkTree {
     viewer.set_dirty();
   }
 
-  // The frames, boxes and collision shapes of links. They stay visible where the link itself is hidden.
+  // The frames and collision shapes of links. They stay visible where the link itself is hidden.
   draw() {
-    const { frame, inertia, shapes } = this.marks;
+    const { frame, shapes } = this.marks;
     const named = (names) => Object.keys(this.nodes).filter((name) => names.has(name));
-    const at = (name, matrix, mesh) => ({ node: this.nodes[name], matrix, mesh: Object.assign(mesh, { matrixAutoUpdate: false }) });
     dispose(this.view.node("/links"));
     this.bodies = [
-      ...named(frame).map((name) => at(name, new THREE.Matrix4().elements, axes(FRAME * this.view.radius))),
-      ...named(inertia).filter((name) => this.tree[name].inertia)
-        .map((name) => at(name, this.tree[name].inertia.matrix, box(this.tree[name].inertia.edges, this.view.radius))),
+      ...named(frame).map((name) => ({
+        node: this.nodes[name], matrix: new THREE.Matrix4().elements, mesh: Object.assign(axes(FRAME * this.view.radius), { matrixAutoUpdate: false }),
+      })),
       ...this.shapes.filter(({ node }) => named(shapes).some((name) => this.nodes[name] === node))
         .map((body) => ({ ...body, mesh: made(body, true, this.view.radius) })),
     ];
@@ -133,13 +129,6 @@ function axes(length) {
   const group = new THREE.Group();
   COLORS.forEach((color, axis) => group.add(solid(rod(0.02 * length, 0.02 * length, 0, length, axis), color, 1)));
   return group;
-}
-
-// A box with these edges, about the centre of mass.
-function box(edges, radius) {
-  const thin = 1e-3 * radius; // a flat box stays visible
-  const group = solid(new THREE.BoxGeometry(...edges.map((edge) => Math.max(edge, thin))), BOX, 0.3);
-  return group.add(solid(new THREE.SphereGeometry(0.012 * radius, 20, 12), BOX, 1));
 }
 
 function solid(geometry, color, opacity) {

@@ -1,4 +1,4 @@
-// The moves of an arm with nobody to ask, to be undone and done again; as history.py has them live. A step is what was
+// The moves of an arm with nobody to ask, to be undone and done again. A step is what was
 // moved, as it was before: `theta`, or the joints beside the arm, `others`.
 
 const MOST = 100; // steps

@@ -113,8 +113,8 @@ const parts = {
     pace: (speed, loop) => ask({ type: "pace", speed, loop }),
   }),
   history: new History({
-    undo: () => ask({ type: "undo", ease: eases() }),
-    redo: () => ask({ type: "redo", ease: eases() }),
+    undo: () => ask({ type: "undo" }),
+    redo: () => ask({ type: "redo" }),
   }),
   plots: new Plots(seek),
   theory: new Theory(page),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any
 
@@ -12,14 +12,16 @@ from ...arm.arm import Arm
 from ...arm.bodies import Body, outline
 from ...collision import Scene
 from ...planning.trajectory import Trajectory
-from ...support.checks import as_vector
+from ...support.checks import Array, as_vector
 from ...support.errors import InputError
 from ...theory.rotations import from_xyzw
+from ..memo import Memo, same
 from ..protocol.jobs import Job, Progress
-from ..protocol.messages import Message, Request, packed
+from ..protocol.messages import Message, packed
 from ..scene.drawing import columns
 from ..scene.nodes import link_path
-from .part import Part, Show
+from .part import Part, Route, Show
+from .pose_list import RecordedPose
 from .solutions import Solutions
 
 KINDS = {"box": 3, "sphere": 1, "cylinder": 2}
@@ -36,8 +38,6 @@ NOWHERE: Message = {"type": "collision", "ready": False, "links": [], "words": [
 class Collisions(Part):
     """Checks what is on show with a scene: the program's, or one that is made when its layer is first switched on."""
 
-    requests = frozenset({"obstacle", "remove_obstacle", "save_scene"})
-
     def __init__(self, scene: Scene | None, solutions: Solutions) -> None:
         self.scene, self._solutions = scene, solutions
         self._before: Scene | None = None  # of the arm before
@@ -46,7 +46,12 @@ class Collisions(Part):
         self._band: list[list[float]] = []
         self.shapes: list[Message] = []  # those that are checked, as pages draw them, once the checks are ready
         self._saved = self._bodies  # as the file has them
-        self._kept: dict[str, tuple[tuple[Any, ...], Message]] = {}
+        self._obstacles, self._now, self._elsewhere = Memo(self._drawn), Memo(_here), Memo(_colliding)
+        self.routes = {
+            "obstacle": Route(self._put),
+            "remove_obstacle": Route(lambda show, now, name: self._require_ready().remove(name)),
+            "save_scene": Route(self._save),
+        }
 
     def follow(self, other: Collisions) -> None:
         """Take over the obstacles of another arm."""
@@ -63,7 +68,7 @@ class Collisions(Part):
             return Job("collision", "preparing the collision checks", prepare, partial(self._begin, show))
         motion = None if show.playback is None else show.playback.trajectory
         before, self._checked = self._checked, (motion, *self._bodies)
-        if _same(before, self._checked):
+        if same(before, self._checked):
             return None
         if motion is not before[0]:
             self._band = []
@@ -72,20 +77,18 @@ class Collisions(Part):
         check = partial(_band, self.scene, motion)
         return Job("band", "checking the motion for collisions", check, partial(setattr, self, "_band"))
 
-    def handle(self, request: Request, show: Show, now: float) -> Job | None:
-        """Add, move or remove an obstacle, or write the file of the scene. InputError if it cannot."""
+    def _require_ready(self) -> Scene:
         if self.scene is None or not self._ready:
             raise InputError("switch the layer Collision on and wait until it is ready; then obstacles can be changed")
-        if request.kind == "remove_obstacle":
-            self.scene.remove(request.fields["name"])
-        elif request.kind == "save_scene":
-            if self.file is None:
-                raise InputError("the scene has no file yet: download it, and start with --scene FILE")
-            self.scene.save(self.file)
-            self._saved = self._bodies
-        else:
-            self._put(self.scene, **request.fields)
-        return None
+        return self.scene
+
+    def _save(self, show: Show, now: float) -> None:
+        """Write the file of the scene."""
+        scene = self._require_ready()
+        if self.file is None:
+            raise InputError("the scene has no file yet: download it, and start with --scene FILE")
+        scene.save(self.file)
+        self._saved = self._bodies
 
     @property
     def file(self) -> str | None:
@@ -95,19 +98,11 @@ class Collisions(Part):
 
     def messages(self, show: Show) -> Iterator[Message]:
         """Shapes and obstacles as they are drawn, what collides now, and what else collides."""
-        bodies, layer = self._bodies, "collision" in show.needed
+        scene, bodies = self.scene if self._ready else None, self._bodies
         yield {"type": "shapes", "bodies": self.shapes}
-        yield self._made("obstacles", (*bodies, self._saved), self._obstacles)
-        yield self._made("collision", (*bodies, self._ready, show.theta, layer), partial(self._now, show))
-        poses, theta = show.poses.poses, self._solutions.theta
-        others = (*bodies, self._ready, poses, theta, self._band)
-        yield self._made("colliding", others, partial(self._elsewhere, poses, theta))
-
-    def _made(self, kind: str, key: tuple[Any, ...], make: Callable[[], Message]) -> Message:
-        """The message of this kind, made again if something that it depends on is another object."""
-        if kind not in self._kept or not _same(self._kept[kind][0], key):
-            self._kept[kind] = key, make()
-        return self._kept[kind][1]
+        yield self._obstacles(self._saved, *bodies)
+        yield self._now(scene, show.theta, "collision" in show.needed, *bodies)
+        yield self._elsewhere(scene, show.poses.poses, self._solutions.theta, self._band, *bodies)
 
     @property
     def _bodies(self) -> tuple[Body, ...]:
@@ -117,8 +112,9 @@ class Collisions(Part):
         self.scene, self.shapes = result
         show.scene, self._ready = self.scene, True
 
-    def _put(self, scene: Scene, name: str, kind: str, size: list[float], position: Any, xyzw: Any) -> None:
-        g = np.eye(4)
+    def _put(self, show: Show, now: float, name: str, kind: str, size: list[float], position: Any, xyzw: Any) -> None:
+        """Add an obstacle, or move and resize it."""
+        scene, g = self._require_ready(), np.eye(4)
         g[:3, 3], g[:3, :3] = position, from_xyzw(np.array(xyzw))
         body = scene.obstacles.get(name)
         if body is None:
@@ -139,35 +135,33 @@ class Collisions(Part):
         held = set() if self.scene is None else {entry.name for entry in self.scene.content().entries if entry.on}
         return [{"name": body.name, "held": body.name in held, **drawing(body)} for body in self._bodies]
 
-    def _obstacles(self) -> Message:
-        saved = _same(self._saved, self._bodies)
-        return {"type": "obstacles", "obstacles": self.drawn, "file": self.file, "saved": saved}
-
-    def _now(self, show: Show) -> Message:
-        scene = self.scene
-        if scene is None or not self._ready:
-            return NOWHERE
-        contacts = scene.contacts(show.theta) if scene.collides(show.theta) else ()
-        links = list(dict.fromkeys(name for contact in contacts for name in contact.links))
-        nearest = None
-        if "collision" in show.needed and len((found := scene.distance(show.theta)).links):
-            nearest = {"points": found.points.tolist(), "metres": found.metres, "words": str(found)}
-        words = [str(contact) for contact in contacts]
-        return {"type": "collision", "ready": True, "links": links, "words": words, "nearest": nearest}
-
-    def _elsewhere(self, poses: tuple[Any, ...], theta: Any) -> Message:
-        """The ids of recorded poses, the places of configurations, and the parts of the motion that collide."""
-        message: Message = {"type": "colliding", "poses": [], "solutions": [], "band": self._band}
-        if self.scene is not None and self._ready:
-            message["poses"] = [pose.id for pose in poses if self.scene.collides(pose.theta)]
-            if theta is not None:
-                message["solutions"] = np.flatnonzero(self.scene.collides(theta)).tolist()
-        return message
+    def _drawn(self, saved: tuple[Body, ...], *bodies: Body) -> Message:
+        return {"type": "obstacles", "obstacles": self.drawn, "file": self.file, "saved": same(saved, bodies)}
 
 
-def _same(one: tuple[Any, ...], other: tuple[Any, ...]) -> bool:
-    """Whether both hold the same objects."""
-    return len(one) == len(other) and all(a is b for a, b in zip(one, other, strict=True))
+def _here(scene: Scene | None, theta: Array, near: bool, *bodies: Body) -> Message:
+    """The links in collision at theta (n,), and with `near` the nearest pair."""
+    if scene is None:
+        return NOWHERE
+    contacts = scene.contacts(theta) if scene.collides(theta) else ()
+    links = list(dict.fromkeys(name for contact in contacts for name in contact.links))
+    nearest = None
+    if near and len((found := scene.distance(theta)).links):
+        nearest = {"points": found.points.tolist(), "metres": found.metres, "words": str(found)}
+    words = [str(contact) for contact in contacts]
+    return {"type": "collision", "ready": True, "links": links, "words": words, "nearest": nearest}
+
+
+def _colliding(
+    scene: Scene | None, poses: Sequence[RecordedPose], theta: Array | None, band: list[list[float]], *bodies: Body
+) -> Message:
+    """The ids of recorded poses, the places of configurations (k, n), and the parts of the motion that collide."""
+    message: Message = {"type": "colliding", "poses": [], "solutions": [], "band": band}
+    if scene is not None:
+        message["poses"] = [pose.id for pose in poses if scene.collides(pose.theta)]
+        if theta is not None:
+            message["solutions"] = np.flatnonzero(scene.collides(theta)).tolist()
+    return message
 
 
 def drawing(body: Body) -> dict[str, Any]:

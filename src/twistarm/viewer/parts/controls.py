@@ -11,8 +11,8 @@ from typing import Any, Generic, TypeVar
 
 from ...support.errors import InputError, one_line, unknown_name
 from ..protocol.jobs import Job, Progress
-from ..protocol.messages import Message, Request
-from .part import Part, Show
+from ..protocol.messages import Message
+from .part import Part, Route, Show
 
 V = TypeVar("V")
 
@@ -81,11 +81,10 @@ class Control(Generic[V]):
 class Controls(Part):
     """The controls in the order of the program, and those that wait for their callback."""
 
-    requests = frozenset({"slide", "press"})
-
     def __init__(self) -> None:
         self.shown: dict[str, Control[Any]] = {}
         self.waiting: deque[Control[Any]] = deque()
+        self.routes = {"slide": Route(self._slide), "press": Route(self._press)}
 
     def take_over(self, other: Controls) -> None:
         """Show the controls of another arm's view."""
@@ -96,15 +95,19 @@ class Controls(Part):
         if self.shown.get(control.name) is control:
             del self.shown[control.name]
 
-    def handle(self, request: Request, show: Show, now: float) -> Job:
-        """Take a slider's value. The job calls the program, one callback at a time, in order."""
-        name = request.fields["name"]
+    def _slide(self, show: Show, now: float, name: str, value: float) -> Job:
+        self._named(name).take(value)
+        return self._press(show, now, name)
+
+    def _press(self, show: Show, now: float, name: str) -> Job:
+        """The job calls the program, one callback at a time, in order."""
+        self.waiting.append(self._named(name))
+        return Job("controls", "calling the program", self._call, lambda result: None)
+
+    def _named(self, name: str) -> Control[Any]:
         if name not in self.shown:
             raise unknown_name("control", name, self.shown, within="the view", listing=", ".join(self.shown))
-        if request.kind == "slide":
-            self.shown[name].take(request.fields["value"])
-        self.waiting.append(self.shown[name])
-        return Job("controls", "calling the program", self._call, lambda result: None)
+        return self.shown[name]
 
     def messages(self, show: Show) -> Iterator[Message]:
         """The controls."""

@@ -12,9 +12,10 @@ from ...arm.abilities import ANGULAR, LINEAR, NO_MOTION, largest_rank, span
 from ...arm.arm import Arm
 from ...arm.usual_limits import usually_limited
 from ...control.servo import ServoSettings
-from ...control.servo.bounds import Bounds, bounds_of
+from ...control.servo.bounds import ServoBounds, bounds_of
 from ...support.checks import Array
 from ...support.directions import leading, nearest_axes
+from ..memo import Memo
 from ..protocol.messages import Message
 from .part import Part, Show
 
@@ -41,8 +42,7 @@ class Gauge(Part):
 
     def __init__(self, arm: Arm) -> None:
         self.arm = arm
-        self._at: tuple[Array, str | None] | None = None
-        self._words = SILENT
+        self._words = Memo(self.words)
 
     def messages(self, show: Show) -> Iterator[Message]:
         """The messages with singular value and limit.
@@ -53,14 +53,10 @@ class Gauge(Part):
         `room` [unit] to its `end`, and the warning distance `near`. All are null without a servo or without a limit.
         """
         limited = show.report["joint"] if str(show.report["status"]).endswith("_LIMIT") else None
-        if not show.driven:
-            self._at, self._words = None, SILENT
-        elif self._at is None or show.theta is not self._at[0] or limited != self._at[1]:
-            self._at, self._words = (show.theta, limited), self.words(show.theta, limited)
-        yield {"type": "gauge", **self._words}
+        yield {"type": "gauge", **(self._words(show.theta, limited) if show.driven else SILENT)}
 
     @cached_property
-    def bounds(self) -> Bounds:
+    def bounds(self) -> ServoBounds:
         """Those of a servo with standard settings."""
         return bounds_of(usually_limited(self.arm), ServoSettings())
 

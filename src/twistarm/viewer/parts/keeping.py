@@ -14,19 +14,18 @@ from ...support.checks import Array
 from ...support.errors import InputError
 from ...support.files import as_path, is_file
 from ..protocol.jobs import Job, Progress
-from ..protocol.messages import Message, Request
+from ..protocol.messages import Message
 from .limit_checks import checked_theta
-from .part import Part, Show
+from .part import Part, Route, Show
 
 
 class Keeping(Part):
     """A part that writes poses once the server offers the arm's file. It does so for pages of this computer only."""
 
-    requests = frozenset({"keep_pose"})
-
     def __init__(self) -> None:
         self._message: Message = {"type": "keeping", "file": None, "names": []}
         self._file: Path | None = None
+        self.routes = {"keep_pose": Route(self._keep)}
 
     def offer(self, arm: Arm) -> None:
         """Let pages write into the arm.toml that `arm` was loaded from, if there is one."""
@@ -38,14 +37,13 @@ class Keeping(Part):
     def _tell(self, names: Iterable[str]) -> None:
         self._message = {"type": "keeping", "file": str(self._file), "names": list(names)}
 
-    def handle(self, request: Request, show: Show, now: float) -> Job:
+    def _keep(self, show: Show, now: float, name: str, theta: list[float], replace: bool) -> Job:
         """Write a pose in a thread. InputError if no file is offered."""
         if self._file is None:
             raise InputError("no arm.toml is written from this page: copy the lines into it")
-        name, theta = request.fields["name"].strip(), checked_theta(show.arm, request.fields["theta"])
-        if not name:
+        if not name.strip():
             raise InputError("a pose needs a name, such as stowed")
-        work = partial(_written, self._file, show.arm, name, theta, request.fields["replace"])
+        work = partial(_written, self._file, show.arm, name.strip(), checked_theta(show.arm, theta), replace)
         return Job("keep_pose", "writing the pose", work, self._tell)
 
     def messages(self, show: Show) -> Iterator[Message]:

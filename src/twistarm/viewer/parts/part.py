@@ -2,39 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any, NamedTuple, Protocol
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm, require_arm
 from ...collision import Scene
-from ...collision.scene import Placed
 from ...control.servo.settings import SLIDE
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ...support.errors import InputError
 from ..protocol.jobs import Job
-from ..protocol.messages import Message, Request
+from ..protocol.messages import Message
 from .limit_checks import checked_theta
 from .playback import Glide, Playback
-from .pose_list import PoseList, RecordedPose
+from .pose_list import PoseList
 from .servo_words import SILENT
 from .summary import extra_joints, rest
 from .tool_path import NO_PATH
 
 NO_DRIVE: Message = {"type": "drive", "on": False, "note": "", "on_unreachable": SLIDE, "free": False}
 """on_unreachable: what a servo does if the arm cannot follow. free: pages may choose it for a servo of the program."""
-
-
-class Seen(NamedTuple):
-    """The state that a step of undo may change."""
-
-    poses: tuple[RecordedPose, ...]
-    theta: Array
-    others: Mapping[str, float]
-    obstacles: Placed | None
 
 
 class Show:
@@ -112,10 +102,10 @@ class Show:
         """Whether the arm moves by itself, in a trajectory or on its way to a pose."""
         return self.running or self._glide is not None
 
-    def seen(self) -> Seen:
-        """The list of poses, where the arm stands or is about to, and the obstacles."""
-        theta = self.theta if self._glide is None else self._glide.goal
-        return Seen(self.poses.poses, theta, self.others, None if self.scene is None else self.scene.placed)
+    @property
+    def goal(self) -> Array:
+        """The configuration (n,) where the arm stands, or to which it is on its way."""
+        return self.theta if self._glide is None else self._glide.goal
 
     def draw_path(self, path: Mapping[str, Any]) -> None:
         """Draw this path of the tool: points and radius."""
@@ -130,15 +120,23 @@ class Show:
             )
 
 
-class Part(Protocol):
+class Route(NamedTuple):
+    """The handler of one kind of request.
+
+    `handle(show, now, **fields)` runs in the loop at `now` [s] and may return a job. Where it raises TwistarmError,
+    nothing has changed. `moves`: it moves the arm, so it is refused while a servo drives the arm.
+    """
+
+    handle: Callable[..., Job | None]
+    moves: bool = False
+
+
+class Part:
     """A part of what is on show. It lives in the server's loop, and has no threads and no sockets."""
 
-    requests: frozenset[str] = frozenset()
-    """The kinds of request that it answers."""
-
-    def handle(self, request: Request, show: Show, now: float) -> Job | None:
-        """Handle a page's request at `now` [s] or return a job for it. Raises TwistarmError if it cannot."""
-        raise InputError(f"no such request: {request.kind}")
+    routes: Mapping[str, Route] = {}
+    """The requests of the pages that it handles, by kind."""
 
     def messages(self, show: Show) -> Iterable[Message]:
         """The messages for the pages. A large message is the same object until it changes."""
+        return ()

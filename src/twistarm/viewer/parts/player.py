@@ -1,4 +1,4 @@
-"""The trajectory on show: its player, and plots of every joint with the limits."""
+"""The trajectory on show: its clock and player, and plots of every joint with the limits."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from ...limits.joint_limits import JointLimits, usual_range
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ...support.errors import InputError
-from ..protocol.jobs import Job
-from ..protocol.messages import Message, Request
+from ..memo import Memo
+from ..protocol.messages import Message
 from .limit_checks import checked_theta
-from .part import Part, Show
+from .part import Part, Route, Show
 from .playback import Playback
 
 SPEEDS = (0.05, 20.0)
@@ -38,31 +38,39 @@ NO_PLOTS: Message = {"type": "plots", "times": [], "joints": [], **{rate: [] for
 
 
 class Player(Part):
-    """Plays the loaded trajectory as the pages ask."""
+    """Plays the loaded trajectory as the pages ask, and plots it."""
 
-    requests = frozenset({"play", "pause", "seek", "pace"})
+    def __init__(self) -> None:
+        self._plots = Memo(plots)
+        self.routes = {
+            "play": Route(self._play, moves=True),
+            "pause": Route(self._pause),
+            "seek": Route(self._seek, moves=True),
+            "pace": Route(self._pace),
+        }
 
-    def handle(self, request: Request, show: Show, now: float) -> Job | None:
-        """Do what a page asks for; InputError where no trajectory is loaded."""
-        at = show.playback
-        if at is None:
-            raise InputError(f"nothing to {request.kind}: no trajectory is loaded")
-        if request.kind == "play":
-            at.play(now)
-        elif request.kind == "pause":
-            at.running = False
-        elif request.kind == "pace":
-            speed, (slowest, fastest) = request.fields["speed"], SPEEDS
-            if speed != at.speed and not slowest <= speed <= fastest:
-                raise InputError(f"speed must be {slowest:g} … {fastest:g} times the trajectory's own; got {speed:g}")
-            at.speed, at.loop = speed, request.fields["loop"]
-        else:
-            at.seek(request.fields["time"])
-            show.theta = checked_theta(show.arm, at.theta())
-        return None
+    def _play(self, show: Show, now: float) -> None:
+        at = _loaded(show, "play")
+        show.stop()
+        at.play(now)
+
+    def _pause(self, show: Show, now: float) -> None:
+        _loaded(show, "pause").running = False
+
+    def _seek(self, show: Show, now: float, time: float) -> None:
+        at = _loaded(show, "seek")
+        show.stop()
+        at.seek(time)
+        show.theta = checked_theta(show.arm, at.theta())
+
+    def _pace(self, show: Show, now: float, speed: float, loop: bool) -> None:
+        at, (slowest, fastest) = _loaded(show, "pace"), SPEEDS
+        if speed != at.speed and not slowest <= speed <= fastest:
+            raise InputError(f"speed must be {slowest:g} … {fastest:g} times the trajectory's own; got {speed:g}")
+        at.speed, at.loop = speed, loop
 
     def messages(self, show: Show) -> Iterator[Message]:
-        """The trajectory that is loaded; duration null where none is."""
+        """The trajectory that is loaded, and its plots; duration null where none is."""
         at = show.playback
         yield {
             "type": "player",
@@ -70,32 +78,22 @@ class Player(Part):
             "speed": 1.0 if at is None else at.speed,
             "loop": at is not None and at.loop,
         }
+        yield self._plots(show.arm, None if at is None else at.trajectory)
 
 
-class Plots(Part):
-    """Tells the pages of the trajectory that is loaded."""
-
-    def __init__(self) -> None:
-        self._shown: Trajectory | None = None
-        self._message = NO_PLOTS
-
-    def messages(self, show: Show) -> Iterator[Message]:
-        """The same object as long as the trajectory is the same."""
-        at = show.playback
-        loaded = None if at is None else at.trajectory
-        if loaded is not self._shown:
-            self._shown, self._message = loaded, plots(show.arm, at)
-        yield self._message
+def _loaded(show: Show, doing: str) -> Playback:
+    if show.playback is None:
+        raise InputError(f"nothing to {doing}: no trajectory is loaded")
+    return show.playback
 
 
-def plots(arm: Arm, playback: Playback | None) -> Message:
+def plots(arm: Arm, trajectory: Trajectory | None) -> Message:
     """Times [s], the values of each joint for each derivative [rad, m, per s, s²], and the plotted joints.
 
     The limits are those of the motion, or the arm's. Infinite or missing values give no plot.
     """
-    if playback is None:
+    if trajectory is None:
         return NO_PLOTS
-    trajectory = playback.trajectory
     limits = trajectory.limits or arm.limits
     times = _times(trajectory)
     values = [np.round(trajectory(times, order), DECIMALS).T for order in range(len(RATES))]

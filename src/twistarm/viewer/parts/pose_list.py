@@ -1,11 +1,11 @@
-"""The list of recorded poses, each with a unique number, a unique name, and theta."""
+"""The list of recorded poses, each with a unique number, a unique name, and theta; undo and redo of its changes."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,6 +22,9 @@ LONGEST_NAME = 60
 LARGEST_LIST = LARGEST_MESSAGE * 7 // 8
 """Bytes of a whole list as a message: some 300 poses of seven joints."""
 
+
+MAX_STEPS = 100
+"""Most changes of the list that can be undone."""
 
 MOVES = ("joint", "line", "screw", "via", "free")
 """How the arm moves to a pose: every joint straight, the tool on a straight line or a screw motion, or on the arc that
@@ -46,6 +49,13 @@ LeftOut = tuple[tuple[str, ...], Mapping[str, Any]]
 """A pose that does not fit the arm on show: the joints that it moves, and its name and theta."""
 
 
+class Step(NamedTuple):
+    """A change of the list: its name, and the poses as they are without it."""
+
+    words: str
+    poses: tuple[RecordedPose, ...]
+
+
 class PoseList:
     """Poses of one arm in order. A refused change leaves the list unchanged."""
 
@@ -53,30 +63,32 @@ class PoseList:
         self._arm = arm
         self._made = 0
         self.poses: tuple[RecordedPose, ...] = ()
+        self._steps: dict[str, list[Step]] = {"undo": [], "redo": []}
 
     def record(self, name: str, theta: Array) -> None:
         """Add theta (n,) at the end. An empty name is made up, and one that is taken gets a number."""
-        self._keep([*self.poses, self._new(name, theta, self.poses)])
+        self._keep([*self.poses, self._new(name, theta, self.poses)], "record a pose")
 
     def rename(self, number: int, name: str) -> None:
         """Give another name, by the same rules."""
         pose = self._pose(number)
-        self._exchange(pose, replace(pose, name=_free(name, [other for other in self.poses if other is not pose])))
+        others = [other for other in self.poses if other is not pose]
+        self._exchange("rename a pose", pose, replace(pose, name=_free(name, others)))
 
     def move(self, number: int, by: str) -> None:
         """Have the arm move to a pose in another way, one of MOVES."""
         pose = self._pose(number)
-        self._exchange(pose, replace(pose, by=by))
+        self._exchange("choose a move", pose, replace(pose, by=by))
 
     def reorder(self, number: int, place: int) -> None:
         """Move to `place`, 0 the first; beyond the end means the last."""
         pose = self._pose(number)
         others = [other for other in self.poses if other is not pose]
-        self._keep([*others[:place], pose, *others[place:]])
+        self._keep([*others[:place], pose, *others[place:]], "reorder the poses")
 
     def delete(self, number: int) -> None:
         """Take a pose off the list."""
-        self._exchange(self._pose(number))
+        self._exchange("delete a pose", self._pose(number))
 
     def replace(self, joints: Sequence[str], poses: Iterable[Mapping[str, Any]]) -> None:
         """Replace the list by poses with name and theta in the order of `joints`."""
@@ -84,7 +96,19 @@ class PoseList:
         taken: list[RecordedPose] = []
         for pose in poses:
             taken.append(self._read(pose, order, taken))
-        self._keep(taken)
+        self._keep(taken, "load a list")
+
+    def go_back(self, kind: str) -> None:
+        """Undo ("undo") the last change of the list, or redo it ("redo"). Raises InputError without one."""
+        if not self._steps[kind]:
+            raise InputError(f"nothing to {kind} in the list of poses")
+        words, poses = self._steps[kind].pop()
+        self._steps["redo" if kind == "undo" else "undo"].append(Step(words, self.poses))
+        self.poses = poses
+
+    def next_step(self, kind: str) -> str | None:
+        """The name of the change that "undo" or "redo" concerns; None without one."""
+        return self._steps[kind][-1].words if self._steps[kind] else None
 
     def take(self, joints: Sequence[str], poses: Iterable[Mapping[str, Any]]) -> list[str]:
         """Add the poses that fit the arm. Returns the reason for each of the others."""
@@ -103,9 +127,9 @@ class PoseList:
         """Theta (n,) by name, in order; the arrays are the caller's."""
         return {pose.name: pose.theta.copy() for pose in self.poses}
 
-    def _exchange(self, old: RecordedPose, *new: RecordedPose) -> None:
+    def _exchange(self, words: str, old: RecordedPose, *new: RecordedPose) -> None:
         at = self.poses.index(old)
-        self._keep([*self.poses[:at], *new, *self.poses[at + 1 :]])
+        self._keep([*self.poses[:at], *new, *self.poses[at + 1 :]], words)
 
     def _pose(self, number: int) -> RecordedPose:
         for pose in self.poses:
@@ -145,11 +169,14 @@ class PoseList:
             raise InputError(f"the list moves {moved}; {self._arm.name} has {', '.join(names)}")
         return [list(joints).index(name) for name in names]
 
-    def _keep(self, poses: Sequence[RecordedPose]) -> None:
+    def _keep(self, poses: Sequence[RecordedPose], words: str = "") -> None:
+        """Take these poses as the list. `words` name the change; without them it cannot be undone."""
         given = [pose.entry() for pose in poses]
         size = len(encode({"joints": self._arm.joint_names, "poses": given}))
         if size > LARGEST_LIST and len(poses) >= len(self.poses):
             raise InputError(f"a list has at most {LARGEST_LIST} bytes; {len(poses)} poses would have {size}")
+        if words and tuple(poses) != self.poses:
+            self._steps = {"undo": [*self._steps["undo"][1 - MAX_STEPS :], Step(words, self.poses)], "redo": []}
         self.poses = tuple(poses)
 
 

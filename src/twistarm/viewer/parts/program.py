@@ -19,10 +19,11 @@ from ...planning.joint_space import LAWS, plan_joint
 from ...planning.motion import plan
 from ...planning.trajectory import Trajectory
 from ...support.errors import InputError
+from ..memo import Memo
 from ..protocol.jobs import Job, Progress
-from ..protocol.messages import Message, Request
+from ..protocol.messages import Message
 from ..scene.placement import Placement, standing_at
-from .part import Show
+from .part import Part, Route, Show
 from .pose_list import PoseList, RecordedPose
 from .pose_segments import ideal_way, segments
 from .tool_path import tool_path
@@ -55,10 +56,8 @@ class MotionRequest(NamedTuple):
 NO_REQUEST = MotionRequest("", False, 0.0, 0.0)
 
 
-class Program:
+class Program(Part):
     """The list of poses, and which of its states was planned."""
-
-    requests = frozenset({"record", "rename", "reorder", "move", "delete", "go", "poses", "plan"})
 
     def __init__(self, arm: Arm, poses: PoseList) -> None:
         self.list = poses
@@ -67,38 +66,24 @@ class Program:
         self._motion: Trajectory | None = None
         self._through: tuple[tuple[int, str], ...] = ()
         self._asked = NO_REQUEST
-        self._shown: tuple[Any, ...] = ()
-        self._message: Message = {}
-
-    def handle(self, request: Request, show: Show, now: float) -> Job | None:
-        """Do what a page asks for; a plan is a job. TwistarmError, and nothing changed, where it cannot."""
-        kind, fields = request.kind, request.fields
-        if kind == "plan":
-            return self._plan(MotionRequest(**fields), show)
-        if kind == "record":
-            self.list.record(fields["name"], show.theta)
-        elif kind == "rename":
-            self.list.rename(fields["id"], fields["name"])
-        elif kind == "move":
-            self.list.move(fields["id"], fields["by"])
-        elif kind == "reorder":
-            self.list.reorder(fields["id"], fields["place"])
-        elif kind == "delete":
-            self.list.delete(fields["id"])
-        elif kind == "go":
-            show.go(self.list.theta(fields["id"]), fields["ease"], now)
-        else:
-            self.list.replace(fields["joints"], fields["poses"])
-        return None
+        self._message = Memo(self._described)
+        self.routes = {
+            "record": Route(lambda show, now, name: poses.record(name, show.theta)),
+            "rename": Route(lambda show, now, id, name: poses.rename(id, name)),
+            "move": Route(lambda show, now, id, by: poses.move(id, by)),
+            "reorder": Route(lambda show, now, id, place: poses.reorder(id, place)),
+            "delete": Route(lambda show, now, id: poses.delete(id)),
+            "poses": Route(lambda show, now, joints, poses: self.list.replace(joints, poses)),
+            "undo": Route(lambda show, now: poses.go_back("undo")),
+            "redo": Route(lambda show, now: poses.go_back("redo")),
+            "go": Route(lambda show, now, id, ease: show.go(poses.theta(id), ease, now), moves=True),
+            "plan": Route(self._plan, moves=True),
+        }
 
     def messages(self, show: Show) -> Iterator[Message]:
-        """The list, and whether the trajectory that is loaded is the one through it."""
-        at = show.playback
-        loaded = None if at is None else at.trajectory
-        shown = (self.list.poses, loaded)
-        if len(self._shown) != 2 or any(old is not new for old, new in zip(self._shown, shown, strict=True)):
-            self._shown, self._message = shown, self._words(loaded is not None and loaded is self._motion)
-        yield self._message
+        """The list, its last changes, and whether the trajectory that is loaded is the one through it."""
+        yield self._message(self.list.poses, None if show.playback is None else show.playback.trajectory)
+        yield {"type": "history", **{kind: self.list.next_step(kind) for kind in ("undo", "redo")}}
 
     def follow(self, other: Program) -> None:
         """Take over the motion that `other` planned and its poses."""
@@ -106,20 +91,21 @@ class Program:
         if [pose.entry() for pose in self.list.poses] == [pose.entry() for pose in other.list.poses]:
             self._through = _listed(self.list.poses) if other._through == _listed(other.list.poses) else ()
 
-    def _words(self, ours: bool) -> Message:
-        current = ours and self._through == _listed(self.list.poses)
-        poses = [{"id": pose.id, **pose.entry()} for pose in self.list.poses]
+    def _described(self, listed: tuple[RecordedPose, ...], loaded: Trajectory | None) -> Message:
+        ours = loaded is not None and loaded is self._motion
+        current = ours and self._through == _listed(listed)
+        poses = [{"id": pose.id, **pose.entry()} for pose in listed]
         asked = self._asked if ours else NO_REQUEST
-        through_joints = asked.through_joints(self.list.poses)
+        through_joints = asked.through_joints(listed)
         straight = STRAIGHT if through_joints and asked.stop else ""
         said = self._motion.notes if current and self._motion else ()
-        words = [straight, *(_of_poses(each, self.list.poses) for each in said), self._usual]
+        words = [straight, *(_of_poses(each, listed) for each in said), self._usual]
         note = ("; ".join(filter(None, words)) if current else STALE) if ours else ""
         settings = {**asked._asdict(), "kind": asked.kind or None}
         return {"type": "program", "poses": poses, "planned": current, **settings, "note": note}
 
-    def _plan(self, asked: MotionRequest, show: Show) -> Job:
-        poses = self.list.poses
+    def _plan(self, show: Show, now: float, **fields: Any) -> Job:
+        asked, poses = MotionRequest(**fields), self.list.poses
         if len(poses) < 2:
             raise InputError(f"a motion needs at least two poses; the list has {len(poses)}: record another")
         if not np.ptp([pose.theta for pose in poses], axis=0).any():

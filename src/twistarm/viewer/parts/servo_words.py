@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...control.servo import AnyCommand, PoseCommand, ServoOutput, ServoStatus
+from ...control.servo import AnyCommand, PoseCommand, ServoOutput
 from ...control.stream import Cycle
 from ...support.checks import require
 
@@ -14,7 +14,7 @@ SILENT: dict[str, Any] = {"status": None, "joint": None, "reason": "", "share": 
 def servo_words(answer: Cycle | ServoOutput) -> dict[str, Any]:
     """The answer of a servo or its loop in words.
 
-    {"status": name of a ServoStatus or null, "joint": name or null, "reason": text, "share": executed share of the
+    {"status": status of a ServoOutput or null, "joint": name or null, "reason": text, "share": executed share of the
     command from 0 to 1, or null}.
     """
     if isinstance(answer, ServoOutput):
@@ -28,9 +28,9 @@ def servo_words(answer: Cycle | ServoOutput) -> dict[str, Any]:
 
 
 def _words(output: ServoOutput, asked: bool) -> dict[str, Any]:
-    valid = asked and output.status is not ServoStatus.STALE
+    valid = asked and output.status != "STALE"
     return {
-        "status": output.status.name,
+        "status": output.status,
         "joint": output.joint,
         "reason": output.explain(),
         "share": round(output.share, 2) if valid else None,  # whole percents: pages get only changes

@@ -14,9 +14,9 @@ from ...support.checks import Array
 from ...support.directions import value_in_words
 from ...support.errors import InputError
 from ..protocol.jobs import Job
-from ..protocol.messages import Message, Request
+from ..protocol.messages import Message
 from ..scene.placement import Placement, standing_at
-from .part import Show
+from .part import Part, Route, Show
 from .target import target_asked
 
 MAX_SHOWN = 32
@@ -29,100 +29,92 @@ NONE: Message = {"type": "solutions", "asked": False, "places": [], "words": "",
 """The message before a search."""
 
 
-class Answer(NamedTuple):
-    """theta (k, n), those inside the limits first, their number, and the texts."""
+class Choices(NamedTuple):
+    """theta (k, n), those inside the limits first, how many these are, and the message."""
 
     theta: Array
     inside: int
-    told: Message
+    message: Message
 
 
-class Solutions:
+class Solutions(Part):
     """Holds the configurations of one target. They are let go once the arm is moved by anything else."""
 
-    requests = frozenset({"solutions", "solution", "solutions_end"})
-
     def __init__(self) -> None:
-        self._answer: Answer | None = None
+        self._choices: Choices | None = None
         self._at: int | None = None  # the configuration that was chosen
         self._stands: int | None = None  # the one where the arm stands
         self._where: Array | None = None  # where the arm stands for it, or is on its way to
         self._number = 0  # of the latest question
-
-    def handle(self, request: Request, show: Show, now: float) -> Job | None:
-        """Find all configurations, go to one of them, or let them go. InputError for what can be no target."""
-        if request.kind == "solutions":
-            return self._find(request.fields, show)
-        if request.kind == "solutions_end":
-            self.release()
-        else:
-            self._step(request.fields["place"], request.fields["ease"], show, now)
-        return None
+        self.routes = {
+            "solutions": Route(self._find, moves=True),
+            "solution": Route(self._step, moves=True),
+            "solutions_end": Route(lambda show, now: self.release()),
+        }
 
     def messages(self, show: Show) -> Iterator[Message]:
         """The configurations, and which of them was chosen."""
-        if self._answer is not None and show.seen().theta is not self._where:
+        if self._choices is not None and show.goal is not self._where:
             self.release()
-        yield NONE if self._answer is None else self._answer.told
+        yield NONE if self._choices is None else self._choices.message
         yield {"type": "solution", "at": self._at, "stands": self._stands}
 
-    def _find(self, fields: Mapping[str, Any], show: Show) -> Job:
-        show.require_free()
-        target, start = target_asked(show.arm, fields), show.seen().theta
+    def _find(self, show: Show, now: float, **fields: Any) -> Job:
+        target, start = target_asked(show.arm, fields), show.goal
         self._number += 1
         find = partial(_found, show.arm, target, start, dict(show.others), show.tolerances)
         finish = partial(self._finish, show, start, self._number)
         return Job("solutions", "looking for all configurations", lambda _: find(), finish)
 
-    def _finish(self, show: Show, start: Array, number: int, answer: Answer) -> None:
-        """Tell the answer, unless another was asked for meanwhile, or something moved the arm."""
-        if number == self._number and show.seen().theta is start and not show.driven:
-            self.take(answer, start)
+    def _finish(self, show: Show, start: Array, number: int, choices: Choices) -> None:
+        """Show them, unless another was asked for meanwhile, or something moved the arm."""
+        if number == self._number and show.goal is start and not show.driven:
+            self.take(choices, start)
 
-    def take(self, answer: Answer, where: Array) -> None:
+    def take(self, choices: Choices, where: Array) -> None:
         """Hold these configurations; the arm stands at `where` (n,)."""
-        here = answer.inside > 0 and np.abs(answer.theta[0] - where).max(initial=0.0) < AT_SOLUTION
-        self._answer, self._where = answer, where
+        here = choices.inside > 0 and np.abs(choices.theta[0] - where).max(initial=0.0) < AT_SOLUTION
+        self._choices, self._where = choices, where
         self._at = self._stands = 0 if here else None
 
-    def _step(self, place: int, ease: bool, show: Show, now: float) -> None:
+    def _step(self, show: Show, now: float, place: int, ease: bool) -> None:
         """Choose a configuration. The arm goes there if it is inside the limits; otherwise its ghost shows."""
-        if self._answer is None or place >= len(self._answer.theta):
+        if self._choices is None or place >= len(self._choices.theta):
             raise InputError("these configurations were let go, because the arm was moved: ask for all of them again")
         assert self._where is not None
-        inside = place < self._answer.inside
-        show.go(self._answer.theta[place] if inside else self._where, ease, now)
-        self._at, self._where = place, show.seen().theta
+        inside = place < self._choices.inside
+        show.go(self._choices.theta[place] if inside else self._where, ease, now)
+        self._at, self._where = place, show.goal
         self._stands = place if inside else self._stands
 
     @property
     def theta(self) -> Array | None:
         """The configurations (k, n) that are held; None without any."""
-        return None if self._answer is None else self._answer.theta
+        return None if self._choices is None else self._choices.theta
 
     def release(self) -> None:
         """Let the configurations go."""
-        self._answer = self._at = self._stands = self._where = None
+        self._choices = self._at = self._stands = self._where = None
 
 
-def _found(arm: Arm, target: AnyTarget, start: Array, others: Mapping[str, float], met: Mapping[str, Any]) -> Answer:
+def _found(arm: Arm, target: AnyTarget, start: Array, others: Mapping[str, float], met: Mapping[str, Any]) -> Choices:
     """All configurations; joints that the target does not determine stay where they are."""
     held = {name: float(start[arm.joint_names.index(name)]) for name in closed_form_of(arm, target).held}
-    return answer_of(solve_ik_all(arm, target, start, fixed_joints=held, **met), others, _held_in_words(arm, held))
+    return choices_of(solve_ik_all(arm, target, start, fixed_joints=held, **met), others, _held_in_words(arm, held))
 
 
-def answer_of(solutions: AllSolutions, others: Mapping[str, float], more: Sequence[str] = ()) -> Answer:
-    """What is held and told of the configurations; `more`: further lines of words."""
+def choices_of(solutions: AllSolutions, others: Mapping[str, float], more: Sequence[str] = ()) -> Choices:
+    """The configurations and their message; `more`: further lines of words."""
     theta = np.vstack([solutions.theta, solutions.outside])[:MAX_SHOWN]
     placement = Placement(solutions.arm)
-    told = {
+    message = {
         "type": "solutions",
         "asked": True,
         "places": [_place(solutions, each, i) for i, each in enumerate(theta)],
         "words": "\n".join([*solutions.explain().splitlines(), *more]),
         "ghosts": [standing_at(placement, each, others) for each in theta],
     }
-    return Answer(theta, min(len(solutions), MAX_SHOWN), told)
+    return Choices(theta, min(len(solutions), MAX_SHOWN), message)
 
 
 def _held_in_words(arm: Arm, held: Mapping[str, float]) -> list[str]:

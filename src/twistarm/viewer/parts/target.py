@@ -17,9 +17,9 @@ from ...support.checks import Array
 from ...support.errors import InputError
 from ...theory import rotations
 from ..protocol.jobs import Job
-from ..protocol.messages import Message, Request
+from ..protocol.messages import Message
 from ..scene.placement import ghost
-from .part import Show
+from .part import Part, Route, Show
 
 MAX_TIME = 0.5
 """Most seconds of a search. The core needs at most 3 ms. Without it, an unreachable target takes some 0.4 s."""
@@ -35,35 +35,27 @@ TOLERANCES = {"position": "m", "orientation": "rad"}
 NO_TARGET: Message = {"type": "target", "given": None, "met": None, "words": "", "ghost": None}
 """The message without a target."""
 
-Answer = tuple[Array, Message]
-"""The configuration to show (n,), and the message about it."""
 
-
-class TargetPart:
+class TargetPart(Part):
     """Holds at most one target. It is let go once the arm is moved by anything else."""
-
-    requests = frozenset({"target", "release", "tolerances"})
 
     def __init__(self) -> None:
         self._status = NO_TARGET
         self._shown: Array | None = None  # the configuration on show, where it is the target's answer
         self._wanted = False  # whether an answer may still come
         self._number = self._answered = 0  # of the latest target asked for, and of the one whose answer is on show
+        self.routes = {
+            "target": Route(self._solve, moves=True),
+            "release": Route(lambda show, now: self._release()),
+            "tolerances": Route(_set_tolerances),
+        }
 
-    def handle(self, request: Request, show: Show, now: float) -> Job | None:
-        """Solve for a target from the present configuration, or release it.
-
-        Raises InputError for an invalid target.
+    def _solve(self, show: Show, now: float, **given: Any) -> Job | None:
+        """Solve for a target from the present configuration.
 
         One short search answers at once; only a failure becomes a job.
         """
-        if request.kind == "release":
-            self._release()
-            return None
-        if request.kind == "tolerances":
-            show.tolerances = tolerances_asked(request.fields)
-            return None
-        target, given = target_asked(show.arm, request.fields), dict(request.fields)
+        target = target_asked(show.arm, given)
         show.show(show.theta)  # a running trajectory stops
         self._number += 1
         self._wanted = True
@@ -84,7 +76,7 @@ class TargetPart:
         yield {"type": "tolerances", **{word: show.tolerances.get(f"{word}_tol", 0.0) for word in TOLERANCES}}
         yield self._status
 
-    def _finish(self, show: Show, start: Array, number: int, answer: Answer) -> None:
+    def _finish(self, show: Show, start: Array, number: int, answer: tuple[Array, Message]) -> None:
         """Show the answer unless a later target came, the user released it, or the arm moved."""
         moved = show.theta is not start and show.theta is not self._shown
         if number < self._answered or not self._wanted or moved or show.driven or show.moving:
@@ -113,9 +105,9 @@ def target_asked(arm: Arm, fields: Mapping[str, Any]) -> Pose | Position | Appro
     return Pose(g)
 
 
-def tolerances_asked(fields: Mapping[str, float]) -> dict[str, float]:
-    """The requested tolerances for solvers and planners; 0 is the default."""
-    return {
+def _set_tolerances(show: Show, now: float, **fields: float) -> None:
+    """Keep the tolerances for solvers and planners; 0 is the default."""
+    show.tolerances = {
         f"{word}_tol": as_tolerance(fields[word], f"{word} [{unit}]")
         for word, unit in TOLERANCES.items()
         if fields[word] != 0.0
@@ -135,6 +127,7 @@ def solved_at_once(arm: Arm, search: Callable[..., IKResult]) -> IKResult | None
     return solution if solution.converged and in_time else None
 
 
-def _answer(given: dict[str, Any], solution: IKResult, others: Mapping[str, float]) -> Answer:
-    told = {"type": "target", "given": given, "met": solution.converged, "words": solution.explain()}
-    return solution.theta, {**told, "ghost": ghost(solution, others)}
+def _answer(given: dict[str, Any], solution: IKResult, others: Mapping[str, float]) -> tuple[Array, Message]:
+    """The configuration to show (n,), and the message about it."""
+    message = {"type": "target", "given": given, "met": solution.converged, "words": solution.explain()}
+    return solution.theta, {**message, "ghost": ghost(solution, others)}

@@ -14,6 +14,7 @@ from ...support.directions import axis_in_words
 from ...theory import poe
 from ...theory.manipulability import Manipulability, scaled_jacobian
 from ...theory.screws import to_screw
+from ..memo import Memo
 from ..protocol.messages import Message
 from ..scene.axes import AXIS_HALF, PITCHLESS, anchors, arm_size
 from ..scene.nodes import screw_path
@@ -37,25 +38,22 @@ class Theory(Part):
 
     def __init__(self, arm: Arm) -> None:
         self._axes: Message = {"type": "axes", **axes(arm)}
-        self._theta: Array | None = None
+        self._before: Array | None = None
         self._moved = 0
-        self._numbers: Message = {}
+        self._numbers = Memo(self._computed)
 
     def messages(self, show: Show) -> Iterator[Message]:
         """The joints' axes; and the numbers, where they are looked at."""
         yield self._axes
         if "theory" in show.needed:
-            if show.theta is not self._theta:
-                self._moved = self._which_moved(show)
-                self._theta = show.theta
-                self._numbers = {"type": "theory", "moved": self._moved, **numbers(show.arm, *_motion(show))}
-            yield self._numbers
+            yield self._numbers(show, show.theta)
 
-    def _which_moved(self, show: Show) -> int:
-        """The coordinate that changed most, the one before where none did."""
-        if self._theta is None or np.array_equal(show.theta, self._theta):
-            return self._moved
-        return most_moved(show.arm, show.theta - self._theta)
+    def _computed(self, show: Show, theta: Array) -> Message:
+        """`moved`: the coordinate that changed most since the last time that one did."""
+        if self._before is not None and not np.array_equal(theta, self._before):
+            self._moved = most_moved(show.arm, theta - self._before)
+        self._before = theta
+        return {"type": "theory", "moved": self._moved, **numbers(show.arm, theta, _rates(show))}
 
 
 def most_moved(arm: Arm, change: Array) -> int:
@@ -86,12 +84,12 @@ def axes(arm: Arm) -> dict[str, Any]:
     }
 
 
-def _motion(show: Show) -> tuple[Array, Array | None]:
-    """The configuration on show and its rates (n,) on the trajectory, if it plays."""
+def _rates(show: Show) -> Array | None:
+    """The rates (n,) of the configuration on show on the trajectory, if it plays."""
     playback = show.playback
     if playback is None or not (playback.running or np.array_equal(playback.theta(), show.theta)):
-        return show.theta, None
-    return show.theta, playback.trajectory(playback.time, 1)
+        return None
+    return playback.trajectory(playback.time, 1)
 
 
 def _plain_pitch(pitch: float, size: float) -> float | None:

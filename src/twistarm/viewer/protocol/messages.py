@@ -28,7 +28,7 @@ LONGEST_NAME = 1000
 
 
 @dataclass(frozen=True)
-class Request:
+class PageRequest:
     """A page's request: its kind, its fields, and the number for its `done`."""
 
     kind: str
@@ -36,7 +36,7 @@ class Request:
     number: int
 
 
-def parse(message: str | bytes) -> Request:
+def parse(message: str | bytes) -> PageRequest:
     """The request in a page's message: {"type": kind, fields of REQUESTS, "number": a counter}.
 
     Values are in rad, m and s. Raises InputError for anything else.
@@ -48,7 +48,7 @@ def parse(message: str | bytes) -> Request:
     if not isinstance(kind, str) or kind not in REQUESTS:
         raise InputError(f"unknown message type {shown(kind)}; one of {', '.join(REQUESTS)}")
     count = whole(asked.pop("number", 0), "number")
-    return Request(kind, fields(asked, "", REQUESTS[kind]), count)
+    return PageRequest(kind, fields(asked, "", REQUESTS[kind]), count)
 
 
 def number_of(message: str | bytes) -> int | None:

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from ...arm.arm import Arm
-from ...description.inertial import bodies
 from ...description.tree import Description
 from ...support.checks import Array
 from ...theory.screws import transform_twist
@@ -23,8 +22,8 @@ def kinematics(arm: Arm, others: Sequence[str]) -> dict[str, Any]:
     Coordinates x are theta, then the joints beside the chain named `others`. Joint j has the next joint toward the root
     as `parent` (or null). It maps to space E_j = E_parent · exp(ξ_j c·x). `terms` [i, c_i] hold the nonzero c, and the
     space twist `screw` is ξ_j (MLS §3.2). The pose of node k is E_base⁻¹ · E_j · `rest` (by columns) with j its
-    `joint`. E_base belongs to the joint `base`, and is 1 if no joint carries the base. `tree` has each link's parent
-    and the box of its inertia: edges, and its matrix in the link's node.
+    `joint`. E_base belongs to the joint `base`, and is 1 if no joint carries the base. `parents` has
+    each link's parent (or null).
     """
     if arm.description is None:
         return _chain(arm)
@@ -55,24 +54,18 @@ class _Tree:
         }
 
     def described(self) -> dict[str, Any]:
-        arm = self._arm
+        arm, links = self._arm, self._description.links
         screws = [_node(self._order[name], np.eye(4)) for name in arm.moving_names]
         return {
             "base": self._above(arm.base),
-            "tree": self._tree(),
+            "parents": {name: self._carrier[name].parent if name in self._carrier else None for name in links},
             "joints": [self._joint(name) for name in self._order],
             "nodes": {
-                **{link_path(name): _node(self._above(name), self._rest[name]) for name in self._description.links},
+                **{link_path(name): _node(self._above(name), self._rest[name]) for name in links},
                 **{screw_path(i): node for i, node in enumerate(screws)},
                 TOOL: _node(self._above(arm.tip_link), self._rest[arm.tip]),
             },
         }
-
-    def _tree(self) -> dict[str, Any]:
-        boxes = {name: body.box for name, body in bodies(self._description).items()}
-        drawn = {name: {"edges": a.tolist(), "matrix": g.T.ravel().tolist()} for name, (a, g) in boxes.items()}
-        parent = {name: joint.parent for name, joint in self._carrier.items()}
-        return {name: {"parent": parent.get(name), "inertia": drawn.get(name)} for name in self._description.links}
 
     def _joint(self, name: str) -> dict[str, Any]:
         joint = self._description.joints[name]

@@ -13,6 +13,7 @@ from ...ik import IKResult
 from ...support.checks import Array
 from ...theory.rotations import to_rpy
 from ...theory.screws import exp
+from ..memo import Memo
 from .nodes import link_path, rod_path, screw_path
 
 
@@ -25,20 +26,13 @@ class Placement:
         m = arm.screws.shape[1]
         rods = [rod_path(i) for i in range(m)] if arm.description is None else []
         self._paths = [*map(link_path, self._links), *map(screw_path, range(m)), *rods, "/frames/tool"]
-        self._placed: tuple[Array | None, Mapping[str, float], dict[str, Any]] = (None, {}, {})
+        self.at = Memo(self._at)
 
-    def at(self, theta: Array, others: Mapping[str, float]) -> dict[str, Any]:
+    def _at(self, theta: Array, others: Mapping[str, float]) -> dict[str, Any]:
         """Joint values [rad, m], the matrix of each moving node by columns, and the tool's position [m] and rpy [rad].
 
-        Links and tool are exactly at `arm.poses`. The same arguments as before return the same answer.
+        Links and tool are exactly at `arm.poses`.
         """
-        last_theta, last_others, placed = self._placed
-        if theta is not last_theta or others is not last_others:
-            placed = self._place(theta, others)
-            self._placed = (theta, others, placed)
-        return placed
-
-    def _place(self, theta: Array, others: Mapping[str, float]) -> dict[str, Any]:
         poses = self.arm.poses(theta, others)
         g_st = poses[self.arm.tip]
         moved = carried(self.arm, theta)

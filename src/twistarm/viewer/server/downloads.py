@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ...collision.scene_file import scene_text
 from ...planning.files.c_header import header_text
@@ -17,10 +16,8 @@ from ...planning.trajectory import Trajectory
 from ...support.errors import InputError
 from ..files.page_export import stand_alone
 from ..files.scene_snapshot import on_show
-
-if TYPE_CHECKING:
-    from ..scene.arm_scene import Scene
-    from ..stage import Stage
+from ..scene.arm_drawing import Drawing
+from ..stage import Stage
 
 SAMPLE_TIME = 0.01
 """Time between two rows of an export [s]."""
@@ -33,20 +30,20 @@ MOST_SAMPLES = 20_000
 class Download:
     """A file: its content type, and the ending of its name after the arm's name.
 
-    The loop calls `prepare(stage, scene)`, which copies what it needs from the stage. A thread calls the result, which
-    returns the text and must not touch the stage. Both may raise InputError with the reason why there is no file.
+    The loop calls `prepare(stage, drawing)`, which copies what it needs from the stage. A thread calls the result,
+    which returns the text and must not touch the stage. Both may raise InputError with the reason why there is no file.
     """
 
     content_type: str
     ending: str
-    prepare: Callable[[Stage, Scene], Callable[[], str]]
+    prepare: Callable[[Stage, Drawing], Callable[[], str]]
 
     def file_name(self, arm: str) -> str:
         """The file's name, in letters that every system and header takes."""
         return re.sub(r"[^A-Za-z0-9._-]", "_", arm)[:100] + self.ending
 
 
-def _motion(write: Callable[[Trajectory, float], str], stage: Stage, scene: Scene) -> Callable[[], str]:
+def _motion(write: Callable[[Trajectory, float], str], stage: Stage, drawing: Drawing) -> Callable[[], str]:
     at = stage.playback
     if at is None:
         raise InputError("nothing to export: no trajectory is loaded")
@@ -58,11 +55,11 @@ def _header(motion: Trajectory, dt: float) -> str:
     return header_text(motion)
 
 
-def _page(stage: Stage, scene: Scene) -> Callable[[], str]:
-    return partial(stand_alone, on_show(stage, scene))
+def _page(stage: Stage, drawing: Drawing) -> Callable[[], str]:
+    return partial(stand_alone, on_show(stage, drawing))
 
 
-def _scene(stage: Stage, scene: Scene) -> Callable[[], str]:
+def _scene(stage: Stage, drawing: Drawing) -> Callable[[], str]:
     made = stage.collisions.scene
     if made is None:
         raise InputError("there is no scene yet: switch the layer Collision on first")

@@ -19,7 +19,7 @@ from ...control.stream import Cycle, Ending, Inbox, Reading, SimulatedJoints, co
 from ...support.errors import InputError
 from ..parts.limit_checks import require_all_inside
 from ..parts.servo_words import servo_words
-from ..protocol.messages import Request
+from ..protocol.messages import PageRequest
 from ..stage import Stage
 
 COMMANDS = ("jog", "jog_joints", "stop")
@@ -54,7 +54,7 @@ class PageCommands:
         chosen = {on_unreachable: replace(settings, on_unreachable=on_unreachable) for on_unreachable in ON_UNREACHABLE}
         return lambda: chosen[self.on_unreachable]
 
-    def take(self, request: Request, sender: str) -> None:
+    def take(self, request: PageRequest, sender: str) -> None:
         """Put a command of the page `sender` into the inbox. Raises InputError for an invalid one."""
         if not (self.open or self.drive):
             raise InputError(
@@ -70,7 +70,7 @@ class PageCommands:
         self.inbox.put(sender, command, time.monotonic())
         (self._jogging.discard if stops else self._jogging.add)(sender)
 
-    def _message(self, request: Request) -> Mapping[str, Any]:
+    def _message(self, request: PageRequest) -> Mapping[str, Any]:
         """The command as `command_of` takes it."""
         if request.kind == "stop":
             return {"stop": True}

@@ -8,7 +8,7 @@ import re
 import threading
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import tornado.web
 import tornado.websocket
@@ -17,11 +17,9 @@ from ...support.errors import TwistarmError
 from ...support.strict_json import LARGEST_MESSAGE, encode
 from ..files.page_export import modules
 from ..page_files import page_files
-from ..scene.arm_scene import Scene
+from ..scene.arm_drawing import Drawing
 from .downloads import DOWNLOADS
-
-if TYPE_CHECKING:
-    from .server import Server
+from .server import Server
 
 HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
 """Headers of every answer, refusals included."""
@@ -131,7 +129,7 @@ class DownloadHandler(Guarded):
         """Send the file, or 404 with the reason."""
         download = DOWNLOADS[name]
         try:
-            text = await _in_daemon_thread(download.prepare(self.server.current(), self.server.scene))
+            text = await _in_daemon_thread(download.prepare(self.server.current(), self.server.drawing))
         except TwistarmError as error:
             self.set_status(404)
             self.set_header("Content-Type", "text/plain; charset=utf-8")
@@ -164,7 +162,7 @@ class SocketHandler(Guarded, tornado.websocket.WebSocketHandler):
         """Called by tornado with the arguments of the route."""
         super().initialize(server)
         self._outbox: dict[str, str] = {}
-        self._scene: Scene | None = None  # of which the page has been sent the first objects
+        self._drawing: Drawing | None = None  # of which the page has been sent the first objects
         self._waiting = asyncio.Event()
         self._sender: asyncio.Task[None] | None = None
         self._sent = 0
@@ -217,15 +215,18 @@ class SocketHandler(Guarded, tornado.websocket.WebSocketHandler):
 
     async def _catch_up(self) -> None:
         """Send the missing parts of the scene. Before the meshes, all other messages go first."""
-        while (scene := self.server.scene) is not self._scene or self._sent < len(scene.objects) or self._outbox:
-            if scene is not self._scene:  # a new page, or another arm
-                self._scene, self._sent = scene, 0
-                await self.write_message(encode(self.server.stage.hello(scene.links)))
-            elif self._sent < len(scene.objects):
+        while True:
+            drawing = self.server.drawing
+            if drawing is self._drawing and self._sent >= len(drawing.objects) and not self._outbox:
+                return
+            if drawing is not self._drawing:  # a new page, or another arm
+                self._drawing, self._sent = drawing, 0
+                await self.write_message(encode(self.server.stage.hello(drawing.links)))
+            elif self._sent < len(drawing.objects):
                 self._sent += 1
-                if scene.objects[self._sent - 1]:  # else a later one has replaced it
-                    await self.write_message(scene.objects[self._sent - 1], binary=True)
-            if scene is self.server.scene and self._sent >= scene.plain and self._outbox:
+                if drawing.objects[self._sent - 1]:  # else a later one has replaced it
+                    await self.write_message(drawing.objects[self._sent - 1], binary=True)
+            if drawing is self.server.drawing and self._sent >= drawing.plain and self._outbox:
                 await self._empty_outbox()
 
     async def _empty_outbox(self) -> None:

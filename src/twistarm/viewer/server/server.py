@@ -10,22 +10,23 @@ from concurrent.futures import Future, wait
 from contextlib import suppress
 from functools import partial
 from itertools import count
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from tornado.httpserver import HTTPServer
+from tornado.web import Application
 
+from ...arm.arm import Arm
 from ...support.errors import InputError, TwistarmError
 from ...support.strict_json import encode
 from ..parts.findings import examined
 from ..protocol.change_publisher import ChangePublisher, Source
 from ..protocol.jobs import Job, Progress, Workers
-from ..protocol.messages import Message, Request, failure, number_of, parse
-from ..scene.arm_scene import Scene
+from ..protocol.messages import Message, PageRequest, failure, number_of, parse
+from ..scene.arm_drawing import Drawing
 from ..stage import Stage
 from ..state_transfer import carry
 from .access import LOOPBACK, Authentication, bind
 from .driver import COMMANDS, Driver, PageCommands
-from .handlers import SocketHandler, application
 
 FRAME_TIME = 1.0 / 60.0
 START_TIME = 10.0
@@ -35,15 +36,32 @@ CALM_TIME = 0.5
 IDLE_TIME, LARGEST_HEAD = 30.0, 16 * 1024
 
 Change = Callable[[Stage], None]
-Answer = TypeVar("Answer")
+T = TypeVar("T")
+
+
+class Client(Protocol):
+    """A page's socket. Messages of the same kind replace each other while they wait."""
+
+    def begin(self, texts: Mapping[str, str]) -> None:
+        """Send the messages of the whole state, by kind."""
+
+    def put(self, kind: str, text: str) -> None:
+        """Send a message of this kind."""
+
+    def close(self, code: int, reason: str) -> None:
+        """Close the socket."""
 
 
 class Server:
     """Serves a stage to any number of pages. Methods that other threads may call come first."""
 
-    def __init__(self, stage: Stage, scene: Scene, host: str, port: int) -> None:
+    def __init__(
+        self, stage: Stage, drawing: Drawing, host: str, port: int, application: Callable[[Server], Application]
+    ) -> None:
+        """application: makes the handlers of the requests to a server."""
+        self._application = application
         self.commands = PageCommands(stage.arm)
-        self.clients: dict[SocketHandler, None] = {}
+        self.clients: dict[Client, None] = {}
         self._sockets = bind(host, port)
         self.port = int(self._sockets[0].getsockname()[1])
         self.authentication = Authentication(host)
@@ -54,15 +72,21 @@ class Server:
         self.names = (f"page {number}" for number in count(1))  # each page is a separate sender of commands
         self._jobs: dict[str, float | None] = {}
         self._needs: dict[str, set[str]] = {}  # by page
-        self._adopt(stage, scene)
+        self._routes: dict[str, Callable[..., None]] = {
+            "servo": lambda sender, on: self.driver.switch(on),
+            "on_unreachable": self._choose,
+            "exact": self._draw_exactly,
+            "needs": self._need,
+        }
+        self._adopt(stage, drawing)
         self._workers = Workers(self._deliver, self._show_job)
         self._player: asyncio.Task[None] | None = None
         self._thread = threading.Thread(target=lambda: asyncio.run(self._main()), name="twistarm viewer", daemon=True)
         self._started = threading.Event()
 
-    def _adopt(self, stage: Stage, scene: Scene) -> None:
+    def _adopt(self, stage: Stage, drawing: Drawing) -> None:
         """Make this the arm on show, and make everything that belongs to one arm."""
-        self.stage, self.scene = stage, scene
+        self.stage, self.drawing = stage, drawing
         if self.authentication.host in LOOPBACK:
             stage.keeping.offer(stage.arm)
         self.commands.arm = stage.arm
@@ -85,7 +109,7 @@ class Server:
             with suppress(RuntimeError):  # the loop may have been closed meanwhile, by another thread's stop
                 self._loop.call_soon_threadsafe(self._stop.set)
             self._thread.join(STOP_TIME)
-        self.scene.close()
+        self.drawing.close()
         self._workers.stop(STOP_TIME)
 
     def post(self, key: str, change: Change) -> None:
@@ -101,11 +125,12 @@ class Server:
             with suppress(RuntimeError):  # the loop may have been closed meanwhile
                 self._loop.call_soon_threadsafe(self._apply_in_time)
 
-    def exchange(self, stage: Stage, scene: Scene) -> list[str]:
+    def exchange(self, arm: Arm) -> list[str]:
         """Show another arm; returns the words of `carry`. InputError while a servo drives, and once closed."""
         if not self._thread.is_alive():
             raise InputError("the viewer was closed: there is nothing to show an arm in")
-        return self.ask(lambda shown: self._exchange(stage, scene))
+        stage, drawing = Stage(arm), self.drawing.successor(arm)
+        return self.ask(lambda shown: self._exchange(stage, drawing))
 
     def notify(self, words: str, wrong: bool = False) -> None:
         """Show a notice on the pages until the next one. `wrong` marks an error."""
@@ -114,11 +139,11 @@ class Server:
 
     def _draw_meshes(self) -> None:
         """Read the meshes in a thread while pages are served. Each progress report updates the pages."""
-        scene, meshes = self.scene, self.scene.left
+        drawing, meshes = self.drawing, self.drawing.left
 
         def draw(progress: Progress) -> None:
-            while scene.draw():
-                progress(max(0.0, 1.0 - scene.left / meshes))
+            while drawing.draw():
+                progress(max(0.0, 1.0 - drawing.left / meshes))
 
         if meshes:
             self._workers.submit(Job("scene", "reading the meshes", draw, lambda result: None))
@@ -138,12 +163,12 @@ class Server:
     def _show_job(self, key: str, share: float | None) -> None:
         self.post(f"job {key}", lambda stage: self._jobs.update({key: share}))
 
-    def ask(self, question: Callable[[Stage], Answer]) -> Answer:
+    def ask(self, question: Callable[[Stage], T]) -> T:
         """The answer of `question(stage)`, after every change posted so far. A closed view answers as it stands.
 
         Raises TwistarmError where the loop does not answer within STOP_TIME.
         """
-        future: Future[Answer] = Future()
+        future: Future[T] = Future()
         with suppress(RuntimeError):  # the loop may have been closed, which is seen below
             self._loop.call_soon_threadsafe(self._answer, question, future)
         end = time.monotonic() + STOP_TIME
@@ -157,7 +182,7 @@ class Server:
     async def _main(self) -> None:
         self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
         listener = HTTPServer(
-            application(self), idle_connection_timeout=IDLE_TIME, max_header_size=LARGEST_HEAD, max_body_size=0
+            self._application(self), idle_connection_timeout=IDLE_TIME, max_header_size=LARGEST_HEAD, max_body_size=0
         )
         listener.add_sockets(self._sockets)
         self._start_examination()
@@ -173,14 +198,14 @@ class Server:
     def _start_examination(self) -> None:
         self._consultation = self._loop.create_task(self._examine_in_calm())
 
-    def _exchange(self, stage: Stage, scene: Scene) -> list[str]:
+    def _exchange(self, stage: Stage, drawing: Drawing) -> list[str]:
         old = self.stage
         if old.driven:
             raise InputError(f"a servo drives {old.arm.name}: another arm is shown once it has ended")
         words = carry(old, stage)
         self._consultation.cancel()
-        scene.draw_again(self.scene.exact)
-        self._adopt(stage, scene)
+        drawing.draw_again(self.drawing.exact)
+        self._adopt(stage, drawing)
         self._start_examination()
         self._draw_meshes()
         self._submit(stage.reach.due(stage))
@@ -199,7 +224,7 @@ class Server:
         self.examine()
 
     def _is_calm(self) -> bool:
-        return bool(self.clients) and not self.stage.driven and not self.scene.left
+        return bool(self.clients) and not self.stage.driven and not self.drawing.left
 
     def state(self) -> dict[str, str]:
         """The messages of the whole view, by type. Other pages get the recent changes too."""
@@ -213,7 +238,7 @@ class Server:
 
     def _own_messages(self) -> list[Message]:
         jobs = [{"key": key, "share": share} for key, share in self._jobs.items() if share is not None]
-        return [{"type": "work", "jobs": jobs}, self.scene.message(), self.notice]
+        return [{"type": "work", "jobs": jobs}, self.drawing.message(), self.notice]
 
     def receive(self, text: str | bytes, sender: str) -> list[dict[str, Any]]:
         """Do the request of the page `sender`, update every page, and return the sender's replies.
@@ -233,31 +258,30 @@ class Server:
             replies.append(failure(error))
         return [*replies, {"type": "done", "number": request.number}]
 
-    def _do(self, request: Request, sender: str) -> None:
+    def _do(self, request: PageRequest, sender: str) -> None:
         if request.kind in COMMANDS:
-            self.commands.take(request, sender)
-            return
+            return self.commands.take(request, sender)
         self._apply()
-        if request.kind == "servo":
-            self.driver.switch(request.fields["on"])
-        elif request.kind == "on_unreachable":
-            self.commands.on_unreachable = request.fields["what"]
-            self.show_choice()
-        elif request.kind == "exact":
-            if request.fields["on"] != self.scene.exact:
-                self.scene.draw_again(request.fields["on"])
-                self._draw_meshes()
-        elif request.kind == "needs":
-            self._need(sender, request.fields)
+        if request.kind in self._routes:
+            self._routes[request.kind](sender, **request.fields)
         else:
             self._submit(self.stage.handle(request, time.monotonic()))
         self.publish()
+
+    def _choose(self, sender: str, what: str) -> None:
+        self.commands.on_unreachable = what
+        self.show_choice()
+
+    def _draw_exactly(self, sender: str, on: bool) -> None:
+        if on != self.drawing.exact:
+            self.drawing.draw_again(on)
+            self._draw_meshes()
 
     def _submit(self, job: Job | None) -> None:
         if job is not None:
             self._workers.submit(job)
 
-    def _need(self, sender: str, needs: Mapping[str, bool]) -> None:
+    def _need(self, sender: str, **needs: bool) -> None:
         """Make what a page needs, as long as one does."""
         self._needs[sender] = {name for name, needed in needs.items() if needed}
         self.stage.needed = frozenset().union(*self._needs.values())
@@ -272,14 +296,14 @@ class Server:
         self.commands.refuse(sender, "its page has gone")
         if not self.clients:
             self.driver.stop()
-        self._need(sender, {})
+        self._need(sender)
         del self._needs[sender]
 
     def publish(self) -> None:
         """Send the latest changes to every page, and keep a motion going."""
         if self.clients:
             self._send_changes()
-            if not self.scene.left:
+            if not self.drawing.left:
                 self._submit(self.stage.collisions.due(self.stage))
         if self.stage.moving and (self._player is None or self._player.done()):
             self._player = self._loop.create_task(self._play())
@@ -306,7 +330,7 @@ class Server:
         self._apply()
         return self.stage
 
-    def _answer(self, question: Callable[[Stage], Answer], future: Future[Answer]) -> None:
+    def _answer(self, question: Callable[[Stage], T], future: Future[T]) -> None:
         try:
             future.set_result(question(self.current()))
         except Exception as error:

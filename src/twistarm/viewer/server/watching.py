@@ -14,9 +14,8 @@ from ...support.errors import one_line
 from ...support.files import as_paths, stamp
 from ...support.interrupts import Closeable
 from ...support.path_redaction import without_places
-from ..stage import Stage
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # without the extra `view` there is no tornado, and `loaded` needs none
     from .server import Server
 
 PERIOD = 0.25
@@ -87,10 +86,7 @@ class Watch(Closeable):
                 arm = self._load()
             files |= meshes_of(arm)
             if not self._closed.is_set():
-                self._tell(
-                    "; ".join(["loaded again", *self._server.exchange(Stage(arm), self._server.scene.successor(arm))]),
-                    wrong=False,
-                )
+                self._tell("; ".join(["loaded again", *self._server.exchange(arm)]), wrong=False)
         except Exception as error:
             if self._server.stage.driven:  # since a moment ago
                 self._wait()

@@ -14,15 +14,15 @@ from ....arm.arm import Arm
 from ....planning import Trajectory
 from ....support.checks import Array, as_flag, as_positive, frozen, require
 from ....support.errors import InputError, one_line, shown
-from ...servo import ServoOutput, ServoSettings, ServoState, ServoStatus
+from ...servo import ServoOutput, ServoReason, ServoSettings, ServoState
 from ..cycles import Cycle, Cycles, StreamError
-from ..interlock import EMERGENCY_STOP, LONGEST_REASON, Interlock
-from ..links.inbox import FEEDBACK_TIMEOUT
+from ..interlock import EMERGENCY_STOP, LONGEST_REASON
+from ..options import USUAL, StreamOptions
 from ..protocols import Feedback, Setpoint, Sink
 from ..report import Ending
 from ..watch import one_or_each
 from .beginning import motion_of, way_there, why_elsewhere
-from .motion_clock import SLOPE, Leg, MotionClock
+from .motion_clock import SLOPE, LimitedMotion, MotionClock
 
 TRACKING_TOLERANCE = 0.1
 """Allowed distance of a joint from the command [rad, m]. Nobody corrects it by hand, unlike with a servo."""
@@ -121,25 +121,18 @@ class Following(Cycles[FollowCycle]):
         trajectory: Trajectory,
         sink: Sink,
         feedback: Feedback,
+        options: StreamOptions = USUAL,
         *,
-        rate: float = 100.0,
         speed: float = 1.0,
         approach: bool = False,
         start_tolerance: ArrayLike = START_TOLERANCE,
-        tolerance: ArrayLike = TRACKING_TOLERANCE,
-        feedback_timeout: float = FEEDBACK_TIMEOUT,
-        velocity_mode: bool = False,
         control: FollowControl | None = None,
-        interlock: Interlock | None = None,
     ) -> None:
-        super().__init__(
-            arm, sink, feedback, rate=rate, feedback_timeout=feedback_timeout, tolerance=tolerance,
-            settings=ServoSettings(), velocity_mode=velocity_mode, interlock=interlock,
-        )  # fmt: skip
+        super().__init__(arm, sink, feedback, options, ServoSettings(), TRACKING_TOLERANCE)
         made = FollowControl() if control is None else control
         self.control = require(made, FollowControl, "control", "as FollowControl() is")
         self.motion = motion_of(self.arm, trajectory)
-        self._leg = self._main = Leg.of(self._commanded_arm, self.motion)
+        self._leg = self._main = LimitedMotion.of(self._commanded_arm, self.motion)
         self.speed = as_positive(speed, "speed")
         if self.speed > 1.0:
             raise InputError(f"speed is a share of the trajectory's own, above 0 and at most 1; got {shown(speed)}")
@@ -179,11 +172,11 @@ class Following(Cycles[FollowCycle]):
             self._begin(theta, now)
         self._update_filter(None if blind else measured, now)
         if self.state is None:
-            self.tally.waited += 1
+            self.tally.waited += self.period
             return self._reported(now, None, None, blind)
         lag = None if theta is None else frozen(np.abs(theta - self.state.theta))
         strayed = "" if theta is None else self._watch.deviation(theta)
-        barrier = self.interlock.look().barrier
+        barrier = self.interlock.barrier
         if barrier:  # enabling does not resume the motion
             self.control.pause(barrier)
         self._astray = bool(strayed) or self.interlock.word == EMERGENCY_STOP
@@ -212,7 +205,7 @@ class Following(Cycles[FollowCycle]):
         if elsewhere and not self.approach:
             raise StreamError(Ending.ELSEWHERE, elsewhere)
         self._start_at(theta, now)
-        self._leg = Leg.of(self._commanded_arm, way_there(self._commanded_arm, theta, self.motion))
+        self._leg = LimitedMotion.of(self._commanded_arm, way_there(self._commanded_arm, theta, self.motion))
         self._clock = MotionClock(0.0, 0.0)
 
     def _along(self, now: float, hold: str) -> Setpoint:
@@ -232,7 +225,7 @@ class Following(Cycles[FollowCycle]):
         moving = bool(rates.any())
         output = ServoOutput.stale(rates, hold)
         if not hold:
-            output = replace(output, status=ServoStatus.OK, scale=1.0)
+            output = replace(output, reason=ServoReason.MOVING, scale=1.0)
         setpoint = self._moved(ServoState(theta, rates), output, now, follow=moving or not hold)
         self._clock = clock
         return setpoint
@@ -247,7 +240,7 @@ class Following(Cycles[FollowCycle]):
         if strayed:
             return Ending.STRAYED, strayed
         if self._astray:
-            return Ending.STOPPED, f"{self.interlock.look().barrier} {self._where}"
+            return Ending.STOPPED, f"{self.interlock.barrier} {self._where}"
         if self.state is None or self.state.theta_dot.any():
             return None, ""
         if self.control.stopped:

@@ -14,11 +14,10 @@ from ....support.checks import Array, require_callback
 from ....support.display import Brief
 from ....support.messages import Quantity, Text, joined
 from ..driving import drive
-from ..interlock import Interlock
-from ..links.inbox import FEEDBACK_TIMEOUT
+from ..options import USUAL, StreamOptions
 from ..protocols import Clock, Feedback, Sink
 from ..report import Ending, StreamReport
-from .cycle import START_TOLERANCE, TRACKING_TOLERANCE, FollowControl, FollowCycle, Following
+from .cycle import START_TOLERANCE, FollowControl, FollowCycle, Following
 
 AS_PLANNED = 0.9995
 """Share of the trajectory's speed that counts as full speed."""
@@ -81,21 +80,17 @@ def follow(
     trajectory: Trajectory,
     sink: Sink,
     feedback: Feedback,
+    options: StreamOptions = USUAL,
     *,
-    rate: float = 100.0,
     speed: float = 1.0,
     approach: bool = False,
     start_tolerance: ArrayLike = START_TOLERANCE,
-    tolerance: ArrayLike = TRACKING_TOLERANCE,
-    feedback_timeout: float = FEEDBACK_TIMEOUT,
-    velocity_mode: bool = False,
     control: FollowControl | None = None,
-    interlock: Interlock | None = None,
     handle_signals: bool = True,
     on_cycle: Callable[[FollowCycle], object] | None = None,
     clock: Clock | None = None,
 ) -> FollowReport:
-    """Follow `trajectory` on a robot. Positions and rates go to `sink` at `rate` [Hz], and `feedback` is watched.
+    """Follow `trajectory` on a robot. Positions and rates go to `sink`, and `feedback` is watched.
 
     The motion begins only if each measured joint is within `start_tolerance` of the trajectory's start. A straight
     joint move inside the limits covers the rest. With `approach` this move may begin anywhere; it avoids no obstacles.
@@ -116,15 +111,11 @@ def follow(
         trajectory: The motion, with the arm's joints in any order, without jumps, at rest at both ends.
         sink: Where setpoints go.
         feedback: Where the joint state comes from.
-        rate: Cycles per second [Hz].
+        options: Rate, timeout of the joint state, tolerance, velocity mode and interlock, as in `run`.
         speed: The share of the trajectory's own speed, above 0 and at most 1.
         approach: Whether to move straight in joint space to the start first, if the arm is elsewhere.
         start_tolerance: Allowed distance from the start without that, one number or (n,) [rad, m].
-        tolerance: Greatest distance of a joint from the command, one number or (n,) [rad, m].
-        feedback_timeout: Greatest age of the joint state [s].
-        velocity_mode: Whether the robot takes rates alone, as in `run`.
         control: What pauses, resumes and stops the motion, from any thread, or None.
-        interlock: The switch that allows motion, or None.
         handle_signals: Whether SIGTERM and SIGHUP end it, as in `run`.
         on_cycle: Called with each `FollowCycle`, or None; it must be quick.
         clock: The clock, by default the system's monotonic one.
@@ -139,9 +130,8 @@ def follow(
     """
     require_callback(on_cycle, "on_cycle", "(cycle)")
     following = Following(
-        arm, trajectory, sink, feedback, rate=rate, speed=speed, approach=approach,
-        start_tolerance=start_tolerance, tolerance=tolerance, feedback_timeout=feedback_timeout,
-        velocity_mode=velocity_mode, control=control, interlock=interlock,
+        arm, trajectory, sink, feedback, options, speed=speed, approach=approach, start_tolerance=start_tolerance,
+        control=control,
     )  # fmt: skip
     report = drive(following, clock=clock, handle_signals=handle_signals, on_cycle=on_cycle)
     motion, off = following.motion, (following.largest_lag, following.largest_error)

@@ -20,7 +20,7 @@ HALVINGS = 20
 """Bisections for the change of rate: precise to a millionth."""
 
 
-class Leg(NamedTuple):
+class LimitedMotion(NamedTuple):
     """A motion and its limits: x = C theta + c of its joints and motors, in r rows.
 
     rows (degree + 1, s, r): the coefficients of x, laid out as the motion's. acceleration (r,): the limits. rate: the
@@ -33,7 +33,7 @@ class Leg(NamedTuple):
     rate: float
 
     @classmethod
-    def of(cls, arm: Arm, motion: Trajectory) -> Leg:
+    def of(cls, arm: Arm, motion: Trajectory) -> LimitedMotion:
         """With the limits of `arm` and of its motors."""
         motors = arm.actuators
         limited = None if motors is None else motors.motion_limits(arm.limits)
@@ -53,7 +53,7 @@ class MotionClock(NamedTuple):
     time: float
     rate: float
 
-    def after(self, dt: float, leg: Leg, target: float) -> MotionClock:
+    def after(self, dt: float, leg: LimitedMotion, target: float) -> MotionClock:
         """The clock `dt` [s] later, with a rate as near to `target` as limits allow.
 
         The rate changes linearly over dt. Bounds of q' and q'' over dt keep each joint and motor within its
@@ -62,13 +62,13 @@ class MotionClock(NamedTuple):
         """
         change = float(np.clip(target - self.rate, -SLOPE * dt, SLOPE * dt))
         if change:
-            bounds = Bounds.of(leg, self.time, self.time + max(self.rate, self.rate + change) * dt)
+            bounds = Enclosure.of(leg, self.time, self.time + max(self.rate, self.rate + change) * dt)
             change *= bounds.largest_share(self.rate, change, dt, leg.acceleration)
         rate = target if change == target - self.rate else self.rate + change
         return MotionClock(min(self.time + 0.5 * (self.rate + rate) * dt, leg.motion.duration), rate)
 
 
-class Bounds(NamedTuple):
+class Enclosure(NamedTuple):
     """Between what x' and x'' stay on a stretch of a leg, each (r,)."""
 
     lowest_velocity: Array
@@ -77,7 +77,7 @@ class Bounds(NamedTuple):
     highest_acceleration: Array
 
     @classmethod
-    def of(cls, leg: Leg, begin: float, end: float) -> Bounds:
+    def of(cls, leg: LimitedMotion, begin: float, end: float) -> Enclosure:
         """From `begin` to `end` [s], by the Taylor series about the middle of each piece."""
         knots = leg.motion.breakpoints
         first = int(np.clip(np.searchsorted(knots, begin, side="right") - 1, 0, len(knots) - 2))

@@ -1,18 +1,24 @@
-"""Inboxes filled by threads, sockets and pages: the latest value of one sender, for a timeout."""
+"""Inboxes filled by threads, sockets and pages: the latest command, and joint states merged by name."""
 
 from __future__ import annotations
 
 import threading
 import time
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import islice
 from math import inf
 from typing import Generic, TypeVar
 
-from ....support.checks import as_number, as_positive, require
-from ....support.errors import InputError, one_line, shown
+from numpy.typing import ArrayLike
+
+from ....arm.arm import Arm, require_arm
+from ....support.checks import as_number, as_positive, as_theta, frozen, require, require_mapping
+from ....support.errors import InputError, closest, listed, one_line, shown
 from ...servo import AnyCommand, JogCommand, ServoState, TwistCommand
 from ...servo.step import COMMANDS
-from ..protocols import Reading
+from ..motors import motor_side
+from ..protocols import Measured, Reading
 
 COMMAND_TIMEOUT = 0.2
 """Seconds that a command is valid: five messages at 25 Hz, which pages and game pads manage."""
@@ -23,127 +29,93 @@ FEEDBACK_TIMEOUT = 0.2
 LONGEST_SENDER = 100
 """Most characters of a sender's name in a message."""
 
+MAX_OTHER_NAMES = 20
+"""Most unknown names to keep for messages."""
+
 T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class Look(Generic[T]):
-    """The usable value and its age [s] (inf if none arrived), or None and the reason.
+class Arrival(Generic[T]):
+    """A value from a sender at a time [s], with the sender's counter if it has one; or None and why it is refused."""
 
-    `last` is the last value if only its age is against it. `quiet`: nothing was ever sent.
-    """
-
-    value: T | None
-    age: float
-    reason: str
-    last: T | None = None
-    quiet: bool = False
-
-
-@dataclass(frozen=True)
-class _Arrival(Generic[T]):
     sender: str
     time: float
     value: T | None
-    number: int | None
-    reason: str
+    number: int | None = None
+    reason: str = ""
 
 
 class Latest(Generic[T]):
-    """The latest value and its sender.
-
-    Older ones are dropped, so a flood takes no memory. Thread-safe.
+    """The latest arrival, and the one before from another sender.
 
     A value counts for `timeout` [s], like a dead man's switch, and only from a single sender. A refused message
     replaces the value, so malformed input stops the arm. A message is dropped if its number does not exceed the
-    sender's last one. Silence for a timeout resets this.
-
-    Writers and readers may be threads. So a stamp may be before or after the last look. Only the readers' clock must
-    run forward.
+    sender's last one. Silence for a timeout resets this. Writers and readers may be threads, so an arrival may be
+    stamped a little after a look.
     """
 
     def __init__(self, timeout: float, what: str) -> None:
         self.timeout = as_positive(timeout, f"the timeout of a {what}")
-        self._what = what
-        self._lock = threading.Lock()
-        self._latest: _Arrival[T] | None = None
-        self._rival: _Arrival[T] | None = None
-        self._clock = -inf
-        self._ignored = ""
+        self.last: Arrival[T] | None = None
+        self._rival: Arrival[T] | None = None
+        self._what, self._dropped = what, ""
 
-    def put(self, sender: str, value: T, now: float | None = None, number: int | None = None) -> None:
-        """Store `value` from `sender` at `now` [s], with the sender's counter if it has one.
+    def arrive(self, new: Arrival[T]) -> None:
+        """Keep an arrival in place of the last one."""
+        before = self.of(new.sender)
+        if before is not None and abs(new.time - before.time) <= self.timeout and _outdated(new.number, before.number):
+            self._dropped = f"; number {new.number} came after {before.number} and was left out"
+            return
+        if self.last is not None and self.last.sender != new.sender:
+            self._rival = self.last
+        self.last, self._dropped = new, ""
 
-        Its age counts from `now` (default: `MonotonicClock`, the loop's), or from an earlier first look.
-        """
-        if number is not None and not isinstance(number, (int, float)):
-            raise InputError(f"number must be a counter, a whole number; got {shown(number)}")
-        self._arrive(_Arrival(_name(sender), moment(now), value, number, ""))
+    def of(self, sender: str) -> Arrival[T] | None:
+        """What came from `sender`, if that is the last arrival or the one before from another."""
+        return next((each for each in (self.last, self._rival) if each and each.sender == sender), None)
 
-    def refuse(self, sender: str, reason: str, now: float | None = None) -> None:
-        """Something from `sender` that cannot be used arrived at `now` [s].
+    def age(self, now: float) -> float:
+        """The age of the last arrival [s], inf before the first."""
+        return inf if self.last is None else now - self.last.time
 
-        Args:
-            sender: The sender's name.
-            reason: The reason, in words.
-            now: The time of arrival [s]; by default that of `MonotonicClock`.
-        """
-        self._arrive(_Arrival(_name(sender), moment(now), None, None, require(reason, str, "reason", "in words")))
-
-    def heard(self, sender: str) -> bool:
-        """Whether the last one who said anything, or the one before, is `sender`."""
-        with self._lock:
-            return self._last_from(_name(sender)) is not None
-
-    def look(self, now: float, of: str = "") -> Look[T]:
-        """What counts at `now` [s]. of: what the reason adds to the words for what is held here."""
-        now = moment(now)
-        with self._lock:
-            self._follow(now)
-            if self._latest is None:
-                return Look(None, inf, self._ignored or f"no {self._what}{of} has arrived", quiet=not self._ignored)
-            age = now - self._latest.time
-            reason = self._why_not(self._latest, age, now, self._what + of)
-            last = None if self._ignored else self._latest.value
-            return Look(None if reason else self._latest.value, age, reason, last)
-
-    def _why_not(self, latest: _Arrival[T], age: float, now: float, what: str) -> str:
+    def why_not(self, now: float) -> str:
+        """Why no value counts at `now` [s]; "" if that of the last arrival does."""
+        age = self.age(now)
+        if self.last is None:
+            return f"no {self._what} has arrived"
         if not age <= self.timeout:
-            return f"the last {what} is {age:.3g} s old (timeout {self.timeout:g} s){self._ignored}"
-        if self._rival is not None and now - self._rival.time <= self.timeout:
-            return f"two senders of a {what}, {self._rival.sender} and {latest.sender}: stop one of them"
-        return f"{what} from {latest.sender} refused: {latest.reason}" if latest.value is None else ""
-
-    def _arrive(self, new: _Arrival[T]) -> None:
-        with self._lock:
-            last = self._last_from(new.sender)
-            if last is not None and new.time - last.time <= self.timeout and _is_outdated(last.number, new.number):
-                self._ignored = f"; number {new.number} came after {last.number} and was left out"
-                return
-            if self._latest is not None and self._latest.sender != new.sender:
-                self._rival = self._latest
-            self._latest, self._ignored = new, ""
-
-    def _last_from(self, sender: str) -> _Arrival[T] | None:
-        return next((each for each in (self._latest, self._rival) if each and each.sender == sender), None)
-
-    def _follow(self, now: float) -> None:
-        """If the readers' clock ran backwards, drop the values from that future."""
-        if now < self._clock:
-            self._latest, self._rival = None, None
-            self._ignored = f"time went back by {self._clock - now:.3g} s; no {self._what} has arrived since"
-        self._clock = now
-        self._latest, self._rival = (each and _arrival_time(each, now) for each in (self._latest, self._rival))
+            return f"the last {self._what} is {age:.3g} s old (timeout {self.timeout:g} s){self._dropped}"
+        if age < -self.timeout:
+            return f"the last {self._what} is {-age:.3g} s from the future: its clock is another, or went back"
+        if self._rival is not None and abs(now - self._rival.time) <= self.timeout:
+            return f"two senders of a {self._what}, {self._rival.sender} and {self.last.sender}: stop one of them"
+        return f"{self._what} from {self.last.sender} refused: {self.last.reason}" if self.last.value is None else ""
 
 
-class Inbox(Latest[AnyCommand]):
-    """A source that holds one command, put there by `put(sender, command)` from any thread. See `Latest`."""
+class Inbox:
+    """A source that holds one command, put there by `put(sender, command)` from any thread.
+
+    A command counts for `timeout` [s]: repeat it. Two senders within a timeout cancel each other. A refused message
+    stops the arm. A message is dropped if its number does not exceed the sender's last one within a timeout. Only the
+    latest messages are kept, so a flood takes no memory.
+    """
 
     def __init__(self, timeout: float = COMMAND_TIMEOUT) -> None:
-        super().__init__(timeout, "command")
+        self._latest: Latest[AnyCommand] = Latest(timeout, "command")
+        self._lock = threading.Lock()
+
+    @property
+    def timeout(self) -> float:
+        """Seconds that a command is valid."""
+        return self._latest.timeout
+
+    @timeout.setter
+    def timeout(self, seconds: float) -> None:
+        self._latest.timeout = as_positive(seconds, "the timeout of a command")
 
     def put(self, sender: str, value: AnyCommand, now: float | None = None, number: int | None = None) -> None:
-        """Put in a command, which holds for `timeout`: repeat it. InputError for what is no command.
+        """Put in a command. InputError for what is no command.
 
         Args:
             sender: The sender's name: the commands of one alone count.
@@ -158,7 +130,21 @@ class Inbox(Latest[AnyCommand]):
                 raise InputError(
                     f"a command is a TwistCommand, JogCommand, PoseCommand or six numbers: {error}"
                 ) from error
-        super().put(sender, value, now, number)
+        self._arrive(Arrival(_name(sender), moment(now), value, _counter(number)))
+
+    def refuse(self, sender: str, reason: str, now: float | None = None) -> None:
+        """Something from `sender` that cannot be used arrived at `now` [s].
+
+        Args:
+            sender: The sender's name.
+            reason: The reason, in words.
+            now: The time of arrival [s]; by default that of `MonotonicClock`.
+        """
+        self._arrive(_refused(sender, reason, now))
+
+    def _arrive(self, arrival: Arrival[AnyCommand]) -> None:
+        with self._lock:
+            self._latest.arrive(arrival)
 
     def read(self, now: float, state: ServoState | None = None) -> Reading:
         """The command of the one commander at `now` [s], or None and the reason.
@@ -170,10 +156,115 @@ class Inbox(Latest[AnyCommand]):
         Returns:
             The `Reading`: a command, or None and the reason.
         """
-        look = self.look(now)
-        silent = look.value is None and look.age > self.timeout
-        stopped = isinstance(look.last, JogCommand) and not look.last.theta_dot.any()
-        return Reading(look.value, look.age, look.reason, silent and (look.quiet or stopped))
+        now = moment(now)
+        with self._lock:
+            reason, last, age = self._latest.why_not(now), self._latest.last, self._latest.age(now)
+        if last is None:
+            return Reading(None, age, reason, idle=True)
+        if not reason:
+            return Reading(last.value, age)
+        stopped = isinstance(last.value, JogCommand) and not last.value.theta_dot.any()
+        return Reading(None, age, reason, idle=stopped and age > self.timeout)
+
+
+class StateInbox:
+    """A feedback that stores joint states from `put(sender, state)`, whole or in parts, from any thread.
+
+    A joint's value is valid for `timeout` [s]. theta needs a value for every joint and is as old as the oldest. Each
+    joint follows the rules of `Inbox`: one sender, increasing numbers. Other names are ignored, and named if theta is
+    unknown. A refused message counts against all joints of its sender, or without one against every joint.
+
+    units: "joint", or "motor" or "counts" for motors (`MotorSide`). They merge before theta is computed. So each motor
+    of a differential may have its message.
+
+    Raises InputError for a timeout that is not positive, and for units unknown to the arm.
+    """
+
+    def __init__(self, arm: Arm, timeout: float = FEEDBACK_TIMEOUT, *, units: str = "joint") -> None:
+        self.motors = motor_side(require_arm(arm), units)
+        self.names = arm.joint_names if self.motors is None else self.motors.names
+        what = "joint state" if self.motors is None else "motors' state"
+        self._parts: dict[str, Latest[float]] = {name: Latest(timeout, what) for name in self.names}
+        self.timeout = timeout
+        self._lock = threading.Lock()
+        self._others: tuple[str, ...] = ()
+
+    def put(
+        self, sender: str, state: Mapping[str, float] | ArrayLike, now: float | None = None, number: int | None = None
+    ) -> None:
+        """Put in a message with the state of some joints or of all.
+
+        A state that is not finite, or has another shape, is refused.
+
+        Args:
+            sender: The sender's name.
+            state: {joint: value}, or values (n,), base to tip [rad, m].
+            now: The time of arrival [s]; by default that of `MonotonicClock`, the loop's own.
+            number: The sender's own counter, where it counts.
+        """
+        name, now, number = _name(sender), moment(now), _counter(number)
+        try:
+            values = self._values(state)
+        except InputError as error:
+            self.refuse(sender, str(error), now)
+            return
+        with self._lock:
+            for joint, value in values.items():
+                self._parts[joint].arrive(Arrival(name, now, value, number))
+
+    def refuse(self, sender: str, reason: str, now: float | None = None) -> None:
+        """Note that an unusable message has arrived.
+
+        Args:
+            sender: The sender's name.
+            reason: The reason, in words.
+            now: The time of arrival [s]; by default that of `MonotonicClock`.
+        """
+        arrival: Arrival[float] = _refused(sender, reason, now)
+        with self._lock:
+            its_own = [part for part in self._parts.values() if part.of(arrival.sender)]
+            for part in its_own or self._parts.values():
+                part.arrive(arrival)
+
+    def read(self, now: float) -> Measured:
+        """The joint state at `now` [s], or None and which joint it lacks, and why."""
+        now, groups = moment(now), dict[str, list[str]]()
+        with self._lock:
+            for name, part in self._parts.items():
+                if why := part.why_not(now):
+                    groups.setdefault(why, []).append(name)
+            heard = now - max(part.age(now) for part in self._parts.values())
+            last = [part.last.value for part in self._parts.values() if part.last is not None]
+        if groups:
+            whys = [
+                why if len(names) == len(self.names) else f"{why} ({', '.join(names)})" for why, names in groups.items()
+            ]
+            return Measured(None, heard, "; ".join(whys) + (self._hint() if heard == -inf else ""))
+        values = [value for value in last if value is not None]
+        return Measured(frozen(values) if self.motors is None else self.motors.theta(values), heard)
+
+    def _hint(self) -> str:
+        """Other names in the messages. They may be a name of a joint with a slip."""
+        if not self._others:
+            return ""
+        never_heard = next(name for name, part in self._parts.items() if part.last is None)
+        return f"; a message named {listed(self._others, 5)}" + closest(never_heard, self._others)
+
+    def _values(self, state: Mapping[str, float] | ArrayLike) -> dict[str, float]:
+        """The values that count, by name; InputError for what is not finite."""
+        if not isinstance(state, Mapping):
+            whole = as_theta(state, len(self.names), "the joint state", self.names)
+            if whole.ndim != 1:
+                raise InputError(f"the joint state is one configuration ({len(self.names)},); got {whole.shape}")
+            return dict(zip(self.names, whole.tolist(), strict=True))
+        require_mapping(state, "the joint state", "{joint: value}")
+        ours = tuple(name for name in self.names if name in state)
+        if len(ours) < len(state):
+            self._others = tuple(islice((name for name in state if name not in self._parts), MAX_OTHER_NAMES))
+        if not ours:
+            return {}
+        values = as_theta([state[name] for name in ours], len(ours), f"the joint state of {', '.join(ours)}", ours)
+        return dict(zip(ours, values.tolist(), strict=True))
 
 
 def moment(now: float | None) -> float:
@@ -183,14 +274,19 @@ def moment(now: float | None) -> float:
     return now if type(now) is float else as_number(now, "now [s]")
 
 
-def _is_outdated(last: int | None, new: int | None) -> bool:
-    return last is not None and new is not None and new <= last
-
-
 def _name(sender: str) -> str:
     return one_line(require(sender, str, "sender", "the name of who says it"), LONGEST_SENDER)
 
 
-def _arrival_time(arrival: _Arrival[T], now: float) -> _Arrival[T]:
-    """The arrival time, at most `now`. A later one would count for longer than a timeout."""
-    return arrival if arrival.time <= now else replace(arrival, time=now)
+def _counter(number: int | None) -> int | None:
+    if number is not None and not isinstance(number, (int, float)):
+        raise InputError(f"number must be a counter, a whole number; got {shown(number)}")
+    return number
+
+
+def _outdated(number: int | None, last: int | None) -> bool:
+    return number is not None and last is not None and number <= last
+
+
+def _refused(sender: str, reason: str, now: float | None) -> Arrival[T]:
+    return Arrival(_name(sender), moment(now), None, None, require(reason, str, "reason", "in words"))

@@ -16,12 +16,11 @@ from ...servo import ServoState
 from ..interlock import Interlock
 from ..motors import MotorSide
 from ..protocols import Measured, Reading
-from .inbox import Inbox
+from .inbox import Inbox, StateInbox
 from .messages import StateMessage, heard_word, parse_command
-from .state_inbox import StateInbox
 
 
-class Link(ABC):
+class MessageInput(ABC):
     """A line on which texts arrive for an inbox.
 
     Texts that waited for longer than a timeout are dropped, because their age is unknown. The last `each` texts of at
@@ -59,13 +58,12 @@ class Link(ABC):
         last: dict[Hashable, deque[bytes]] = {}
         missed, self._looked = now - self._looked > self._inbox.timeout, now
         for sender, text in self.arrivals():
-            if self._heard(text, not missed):
+            if self._heard(text, not missed) or (sender not in last and len(last) >= self.senders):
                 continue
-            texts = last.pop(sender, None)
-            if texts is not None or len(last) < self.senders:
-                last[sender] = texts or deque(maxlen=self.each)
-                last[sender].append(text)
-                _truncate(last[sender])
+            texts = last[sender] = last.pop(sender, deque(maxlen=self.each))  # the last sender is the last in the dict
+            texts.append(text)
+            while len(texts) > 1 and sum(map(len, texts)) > LARGEST_MESSAGE:
+                texts.popleft()
         for sender, texts in last.items() if not missed else ():
             for text in texts:
                 self._put(self.sender_name(sender), text, now)
@@ -79,7 +77,7 @@ class Link(ABC):
             self._inbox.put(sender, value, now, number)
 
 
-class CommandLink(Link):
+class CommandInput(MessageInput):
     """A source of commands and interlock messages as JSON (`command_of`)."""
 
     def __init__(self, arm: Arm, timeout: float) -> None:
@@ -107,7 +105,7 @@ class CommandLink(Link):
         return reading if reading.command is not None else replace(reading, reason=reading.reason + self.note)
 
 
-class StateLink(Link):
+class StateInput(MessageInput):
     """A feedback of joint states, which `parse(arm, text, motors)` reads.
 
     If the robot may not move, neither may the stream.
@@ -134,10 +132,3 @@ class StateLink(Link):
         self._take(now)
         measured = self._states.read(now)
         return measured if measured.theta is not None else replace(measured, reason=measured.reason + self.note)
-
-
-def _truncate(texts: deque[bytes]) -> None:
-    """Drop the oldest texts, except the last, until together they are as short as one message."""
-    size = sum(map(len, texts))
-    while len(texts) > 1 and size > LARGEST_MESSAGE:
-        size -= len(texts.popleft())

@@ -180,7 +180,7 @@ def setpoint_message(arm: Arm, setpoint: Setpoint, motors: MotorSide | None = No
         "joint_names": list(arm.joint_names),
         "theta": setpoint.theta.tolist(),
         "theta_dot": setpoint.theta_dot.tolist(),
-        "status": setpoint.output.status.name,
+        "status": setpoint.output.status,
         "joint": setpoint.output.joint,
         "scale": float(setpoint.output.scale),
         "reason": setpoint.output.reason.name,

@@ -2,7 +2,7 @@
 
 setpoint: `number,theta_1,…,theta_n,rate_1,…,rate_n,ES*hh`; joint state: `number,theta_1,…,theta_n*hh`, or with `,E`
 after theta_n. The order is base to tip, in rad, m, rad/s, m/s with six decimals. E is the interlock's or the robot's
-state: E enabled, S stopped, X emergency stop. S is the servo's status, a digit in the order of `ServoStatus`. hh is the
+state: E enabled, S stopped, X emergency stop. S is the servo's status, a digit in the order of `STATUSES`. hh is the
 XOR of all bytes before the `*`, in two hexadecimal digits (NMEA 0183).
 """
 
@@ -19,19 +19,17 @@ from ....support.checks import as_theta, as_whole
 from ....support.errors import InputError, missing_extra, shown
 from ....support.fields import whole
 from ....support.interrupts import Closeable
-from ...servo import ServoStatus
+from ...servo import STATUSES
 from ..interlock import EMERGENCY_STOP, ENABLED, STOPPED
 from ..motors import MotorSide
 from ..protocols import Setpoint
 from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
-from .intake import CommandLink, StateLink
+from .intake import CommandInput, StateInput
 from .messages import StateMessage
 
 LETTERS = {ENABLED: "E", STOPPED: "S", EMERGENCY_STOP: "X"}
 
 STATE_OF = {letter: word for word, letter in LETTERS.items()}
-
-STATUSES = tuple(ServoStatus)
 
 LONGEST_LINE = 4096
 """Most bytes of a line: twice a joint state of 250 joints."""
@@ -78,15 +76,15 @@ class SerialLines(Closeable):
         self._serial.close()
 
 
-class SerialSource(SerialLines, CommandLink):
+class SerialSource(SerialLines, CommandInput):
     """Commands as lines of JSON (`command_of`) from a box of controls at a serial port."""
 
     def __init__(self, arm: Arm, port: str, baudrate: int = BAUDRATE, *, timeout: float = COMMAND_TIMEOUT) -> None:
-        CommandLink.__init__(self, arm, timeout)
+        CommandInput.__init__(self, arm, timeout)
         SerialLines.__init__(self, port, baudrate)
 
 
-class SerialRobot(SerialLines, StateLink):
+class SerialRobot(SerialLines, StateInput):
     """A robot at a serial port: setpoint lines out, joint state lines in.
 
     units: "joint", or "motor" or "counts" for a robot without joint values (see `MotorSide`).
@@ -95,7 +93,7 @@ class SerialRobot(SerialLines, StateLink):
     def __init__(
         self, arm: Arm, port: str, baudrate: int = BAUDRATE, *, timeout: float = FEEDBACK_TIMEOUT, units: str = "joint"
     ) -> None:
-        StateLink.__init__(self, arm, timeout, units, parse_state_line)
+        StateInput.__init__(self, arm, timeout, units, parse_state_line)
         SerialLines.__init__(self, port, baudrate)
 
     def write(self, setpoint: Setpoint) -> None:

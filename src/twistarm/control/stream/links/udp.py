@@ -16,7 +16,7 @@ from ....support.strict_json import LARGEST_MESSAGE, encode
 from ..motors import motor_side
 from ..protocols import Setpoint, UndeliveredError
 from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
-from .intake import CommandLink, StateLink
+from .intake import CommandInput, StateInput
 from .messages import parse_state, setpoint_message
 from .signing import Signer, Verifier
 
@@ -109,7 +109,7 @@ class Receiver(Socket):
             yield sender, datagram
 
 
-class UdpSource(Receiver, CommandLink):
+class UdpSource(Receiver, CommandInput):
     """Commands from datagrams to host and port (0: a free one, see `address`). A sender is an address with its port.
 
     senders: allowed hosts, empty for all. key: the key that signs the datagrams (see `Signer`, `read_key`). Raises
@@ -126,11 +126,11 @@ class UdpSource(Receiver, CommandLink):
         senders: Collection[str] = (),
         key: bytes | None = None,
     ) -> None:
-        CommandLink.__init__(self, arm, timeout)
+        CommandInput.__init__(self, arm, timeout)
         Receiver.__init__(self, host, port, senders, key)
 
 
-class UdpFeedback(Receiver, StateLink):
+class UdpFeedback(Receiver, StateInput):
     """Joint states from datagrams to host and port (0: a free one, see `address`).
 
     Senders and key are as in `UdpSource`.
@@ -151,7 +151,7 @@ class UdpFeedback(Receiver, StateLink):
         key: bytes | None = None,
         units: str = "joint",
     ) -> None:
-        StateLink.__init__(self, arm, timeout, units, parse_state)
+        StateInput.__init__(self, arm, timeout, units, parse_state)
         Receiver.__init__(self, host, port, senders, key)
 
 

@@ -1,4 +1,4 @@
-"""The scene of an arm: parts without files first, then its meshes one by one."""
+"""The drawing of an arm: parts without files first, then its meshes one by one."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ BESIDE = "/beside"
 """The node that carries all of a second arm."""
 
 
-class Scene:
+class Drawing:
     """An arm's drawing: messages in order, the node of each link, and failures.
 
     Everything that moves has a node. So a configuration is one matrix per node, {path: (4, 4) by columns}. `draw`
@@ -66,9 +66,9 @@ class Scene:
             pieces = draw_meshes(other, arm_size(self._beside), self.exact, {})
             self._meshes = chain(self._meshes, map(_below, pieces))
 
-    def successor(self, arm: Arm) -> Scene:
-        """The scene of another arm. Unchanged files are not read again."""
-        return Scene(arm, self.exact, {piece.source: piece for piece in self._pieces.values() if piece.drawn})
+    def successor(self, arm: Arm) -> Drawing:
+        """The drawing of another arm. Unchanged files are not read again."""
+        return Drawing(arm, self.exact, {piece.source: piece for piece in self._pieces.values() if piece.drawn})
 
     def draw_again(self, exact: bool) -> None:
         """Draw the meshes again, with all triangles or simplified.
@@ -118,7 +118,7 @@ class Scene:
         self._pieces[piece.node] = piece
         self.objects += piece.objects
 
-    def whole(self) -> Scene:
+    def whole(self) -> Drawing:
         """The same, with every mesh."""
         while self.draw():
             pass

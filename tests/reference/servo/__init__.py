@@ -1,1 +1,0 @@
-"""The servo's law in NumPy, which judges the compiled one."""
