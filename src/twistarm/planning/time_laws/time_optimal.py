@@ -65,7 +65,8 @@ def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None 
         if progress is not None:
             progress(done / ROUNDS)
         endless = np.isinf(durations)
-        loss = np.where(endless, 0.0, durations) * (1.0 - profile.share)
+        # Where both speeds are zero no limit has a share, and the interval is halved.
+        loss = np.where(endless, 0.0, durations) * np.where(endless, 0.0, 1.0 - profile.share)
         coarse = endless | (loss > LOSS * duration / len(loss))
         fine = loss.sum() < UNUSED_PER_GAIN * GAIN * duration or duration > shortest * (1.0 - GAIN)
         if not endless.any() and (fine or not coarse.any() or len(coarse) > MAX_INTERVALS):
