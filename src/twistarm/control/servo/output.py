@@ -82,7 +82,7 @@ class ServoOutput(Brief):
 
     @property
     def status(self) -> str:
-        """A code for how the step went, one of `STATUSES`: that of the reason, "HALTED_…" if it halts the arm."""
+        """A code for how the step went: that of the reason, or `HALTED_LIMIT` or `HALTED_COLLISION` for a halt."""
         if self.halted:
             return "HALTED_COLLISION" if self.reason is ServoReason.COLLISION else "HALTED_LIMIT"
         return self.reason.status
