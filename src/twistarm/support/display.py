@@ -48,6 +48,7 @@ def _array(array: np.ndarray[Any, Any]) -> str:
         turned = math.degrees(math.acos(min(max((float(np.trace(array)) - 2.0) / 2.0, -1.0), 1.0)))
         return f"at {_array(array[:3, 3])} turned {turned:.4g}°"
     if array.ndim == 1 and len(array) <= LONGEST_ROW and array.dtype.kind in "iuf":
-        # What is below 1e-12 beside other numbers is the rounding of a zero.
-        return f"[{', '.join('0' if abs(value) < 1e-12 else f'{value:.4g}' for value in array.tolist())}]"
+        # What is below 1e-12, or far below the four digits of the largest, is the rounding of a zero.
+        zero = max(1e-12, 1e-6 * float(np.abs(array).max(initial=0.0)))
+        return f"[{', '.join('0' if abs(value) < zero else f'{value:.4g}' for value in array.tolist())}]"
     return f"array of shape {array.shape}"

@@ -55,7 +55,13 @@ class Interlock:
             return self._now[0]
 
     def hear(self, word: str, reason: str, fresh: bool = True) -> None:
-        """Obey a message, one of `WORDS`. One that is not fresh may stop the arm, but not let it move again."""
+        """Obey a message. One that is not fresh may stop the arm, but not let it move again.
+
+        Args:
+            word: One of `WORDS`.
+            reason: Why, for the report.
+            fresh: Whether the message is new.
+        """
         if require_choice(word, WORDS, "word") == "emergency stop":
             self.emergency_stop(reason)
         elif word == "stop":
@@ -64,7 +70,12 @@ class Interlock:
             self.clear() if word == "clear" else self.enable()
 
     def follow(self, word: str | None, who: str) -> None:
-        """Stop if `who`, a robot, reports one of `STATES` that stops it. "enabled" and None change nothing."""
+        """Stop if a robot reports that it is stopped.
+
+        Args:
+            word: One of `STATES`. "enabled" and None change nothing.
+            who: The robot's name in the reason.
+        """
         if word is not None and require_choice(word, STATES, "word") == EMERGENCY_STOP:
             self.emergency_stop(f"{who} is in emergency stop")
         elif word == STOPPED:
