@@ -38,6 +38,9 @@ STIFFEST, BISECTIONS = 12.0, 30
 PINNED = 1e9
 """Weight of the first and the last waypoint. The spline passes them to rounding, and then they are put in."""
 
+LEAST_STEP = 0.1
+"""Least distance between two middles, in tolerances."""
+
 FEWEST = 5
 """A smoothing spline needs so many waypoints."""
 
@@ -131,14 +134,17 @@ def smoothed(points: Array, most: float, limits: JointLimits) -> Array:
     middles[0], middles[-1] = points[0], points[-1]
     if len(middles) < FEWEST:
         return middles[box]
-    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(middles, axis=0), axis=1))])
+    # A recording that begins or ends with a stay has two middles at one place, and s must increase.
+    steps = np.maximum(np.linalg.norm(np.diff(middles, axis=0), axis=1), LEAST_STEP * most)
+    s = np.concatenate([[0.0], np.cumsum(steps)])
     s *= len(s) / s[-1]
     make, weight = scipy("interpolate").make_smoothing_spline, np.ones(len(s))
     weight[[0, -1]] = PINNED
     best, least, greatest = middles, -STIFFEST, STIFFEST
     for _ in range(BISECTIONS):
         exponent = 0.5 * (least + greatest)
-        z = np.clip(make(s, middles, w=weight, lam=10.0**exponent)(s), limits.lower, limits.upper)
+        columns = [make(s, column, w=weight, lam=10.0**exponent)(s) for column in middles.T]
+        z = np.clip(np.stack(columns, axis=1), limits.lower, limits.upper)
         z[[0, -1]] = middles[[0, -1]]
         if np.maximum(z - low, high - z)[1:-1].max() <= most:
             best, least = z, exponent
