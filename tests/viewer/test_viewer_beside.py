@@ -44,6 +44,7 @@ def test_live_pages_alone_show_both(rover: Any, name: str, tmp_path: Path) -> No
     other = load(name)
     with Viewer(rover, open_browser=False, beside=other) as viewer:
         with Page(viewer) as page:
+            page.until(lambda: page.latest.get("scene", {}).get("left") == 0)
             page.until(lambda: len(page.objects) == page.latest["scene"]["objects"])
         hello = page.latest["hello"]["beside"]
         assert hello["arm"]["name"] == other.name
