@@ -148,7 +148,11 @@ def test_lists_and_other_floats_serve_as_well():
     state, _ = servo_step(arm, ServoState.at(arm, arm.ready), PUSH, DT)
     plain, _ = servo_step(arm, state, PUSH, DT)
     same = {"theta": state.theta.tolist(), "theta_dot": state.theta_dot.tolist(), "held_pose": state.held_pose.tolist()}
-    for other, dt in ((same, DT), ({"held_pose": np.asfortranarray(state.held_pose)}, np.float64(DT)), ({}, np.float32(DT))):
+    for other, dt in (
+        (same, DT),
+        ({"held_pose": np.asfortranarray(state.held_pose)}, np.float64(DT)),
+        ({}, np.float32(DT)),
+    ):
         listed, _ = servo_step(arm, replace(state, **other), PUSH, dt)
         np.testing.assert_allclose(plain.theta, listed.theta, atol=1e-8)
 
