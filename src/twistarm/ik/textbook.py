@@ -39,7 +39,7 @@ NEAR_POSITION, NEAR_ORIENTATION = 0.02, math.radians(3.0)
 OTHER_BRANCH = 0.2
 """... and an answer that moves a coordinate by more than this [rad, m] is on another branch."""
 
-MOST_POSTURE_STEPS, SHARES, SETTLED_STEP = 100, 0.5 ** np.arange(10), 1e-7
+MOST_POSTURE_STEPS, SHARES, SETTLED_STEP = 200, 0.5 ** np.arange(10), 1e-7
 """Most steps toward a posture, the shares of a step to try, and the least length of a step [rad, m]."""
 
 RANK_TOL = 1e-6
