@@ -32,7 +32,7 @@ from twistarm import Arm, load_arm
 from twistarm.support.errors import TwistarmError
 from twistarm.support.strict_json import encode
 from twistarm.viewer import Viewer
-from twistarm.viewer.protocol.change_publisher import ChangePublisher
+from twistarm.viewer.protocol.messages import ChangePublisher
 from twistarm.viewer.stage import Stage
 
 from .machine import machine

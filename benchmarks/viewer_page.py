@@ -10,7 +10,7 @@ from typing import Any
 from tornado.websocket import websocket_connect
 
 from twistarm.support.errors import TwistarmError
-from twistarm.viewer.files.browsers import find_browser
+from twistarm.viewer.files.screenshot import find_browser
 
 FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 

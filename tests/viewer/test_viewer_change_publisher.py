@@ -11,7 +11,7 @@ import pytest
 from twistarm import Arm
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
-from twistarm.viewer.protocol.change_publisher import ChangePublisher
+from twistarm.viewer.protocol.messages import ChangePublisher
 from twistarm.viewer.stage import Stage
 from viewer_page import Page, swing
 

@@ -15,8 +15,8 @@ from twistarm import Arm
 from twistarm.support.errors import InputError, TwistarmError
 from twistarm.viewer import Viewer
 from twistarm.viewer.server import driver, server
-from twistarm.viewer.server.downloads import DOWNLOADS
 from twistarm.viewer.server.driver import PageCommands
+from twistarm.viewer.server.handlers import DOWNLOADS
 from twistarm.viewer.stage import Stage
 from viewer_page import THETA, WAIT, get, swing
 

@@ -20,7 +20,7 @@ from twistarm.control.servo import ServoOutput, ServoSettings
 from twistarm.control.stream import Cycle, Inbox
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
-from twistarm.viewer.parts.part import NO_DRIVE
+from twistarm.viewer.parts.show import NO_DRIVE
 from twistarm.viewer.server.driver import Drive, Driver, PageCommands
 from twistarm.viewer.stage import Stage
 from viewer_page import WAIT, Page, until

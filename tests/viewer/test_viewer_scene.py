@@ -17,12 +17,12 @@ from twistarm.description.meshes import Part, read_mesh
 from twistarm.limits.joint_limits import usual_half
 from twistarm.support.errors import DescriptionError
 from twistarm.viewer import Viewer
-from twistarm.viewer.parts.summary import _describe
+from twistarm.viewer.parts.arm_data import _describe
 from twistarm.viewer.parts.theory import axes
 from twistarm.viewer.scene import links
 from twistarm.viewer.scene.arm_drawing import Drawing
 from twistarm.viewer.scene.axes import anchors
-from twistarm.viewer.scene.placement import carried
+from twistarm.viewer.scene.kinematics import carried
 from twistarm.viewer.stage import Stage
 from urdf_text import joint, write
 from viewer_page import ARM, ROUNDING, THETA, matrix, visit

@@ -18,7 +18,7 @@ from twistarm.planning.trajectory import Trajectory
 from twistarm.support.strict_json import encode
 from twistarm.viewer.files.scene_snapshot import sampled_theory
 from twistarm.viewer.parts.theory import axes, numbers
-from twistarm.viewer.scene.placement import Placement
+from twistarm.viewer.scene.kinematics import Placement
 from twistarm.viewer.stage import Stage
 
 Matrix = NDArray[np.float64]
