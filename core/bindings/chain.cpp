@@ -37,8 +37,7 @@ nb::list rows(const double* values, int count, int width, int stride) {
 }  // namespace
 
 Chain::Chain(nb::handle screws, nb::handle home, nb::handle coupling, nb::handle lower, nb::handle upper,
-             nb::handle start_lower, nb::handle start_upper, double reach, double position_rounding,
-             double orientation_rounding, const std::string& instruction_set)
+             nb::handle start_lower, nb::handle start_upper, double reach, const std::string& instruction_set)
     : kernels_(chosen(instruction_set)) {
     const Numbers S(screws), g(home), A(coupling), low(lower), high(upper), from(start_lower), to(start_upper);
     require(S.plain() && S.dimensions() == 2 && S.shape(0) == 6, "screws must be float64 (6, m)");
@@ -48,8 +47,7 @@ Chain::Chain(nb::handle screws, nb::handle home, nb::handle coupling, nb::handle
     require(low.is(n_) && high.is(n_) && from.is(n_) && to.is(n_), "each bound must be float64 (n,)");
     require(S.finite() && g.finite() && A.finite() && from.finite() && to.finite(), "a chain's numbers are finite");
     engine_.reset(kernels_->make({static_cast<int>(S.shape(1)), static_cast<int>(n_), S.data(), g.data(), A.data(),
-                                  low.data(), high.data(), from.data(), to.data(), reach,
-                                  position_rounding, orientation_rounding}));
+                                  low.data(), high.data(), from.data(), to.data(), reach}));
     require(engine_ != nullptr, "a chain has 1 to 32 coordinates and moving joints");
     pose_ = nb::make_tuple(4, 4);
     jacobian_ = nb::make_tuple(6, n_);

@@ -32,8 +32,7 @@ bool is_finite(const double* theta, std::size_t count);
 class Chain {
 public:
     Chain(nb::handle screws, nb::handle home, nb::handle coupling, nb::handle lower, nb::handle upper,
-          nb::handle start_lower, nb::handle start_upper, double reach, double position_rounding,
-          double orientation_rounding, const std::string& instruction_set);
+          nb::handle start_lower, nb::handle start_upper, double reach, const std::string& instruction_set);
 
     std::size_t n() const { return n_; }
     const char* instruction_set() const { return kernels_->name; }

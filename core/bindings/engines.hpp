@@ -97,6 +97,16 @@ void all(const chain<double, N, N>& arm, const double* theta, std::size_t count,
 
 // -- inverse kinematics ----------------------------------------------------------------------------------------------
 
+// An arm as a chain, and the numbers that it is from.
+struct Model {
+    general_chain arm;
+    ArmNumbers numbers;
+};
+
+template <int N> ranges<double, N> ranges_from(const chain<double, N, N>& arm, const ArmNumbers& numbers) {
+    return ranges_of(arm, numbers.lower, numbers.upper, numbers.start_lower, numbers.start_upper);
+}
+
 inline target<double> target_from(int kind, const double* numbers) {
     switch (static_cast<target_kind>(kind)) {
         case target_kind::position: return position_target(numbers);
@@ -107,6 +117,61 @@ inline target<double> target_from(int kind, const double* numbers) {
     }
     return pose_target(frame_from_rows<double>(numbers));
 }
+
+// Between metres and reaches, the unit of length of inverse kinematics: so the size of an arm changes no answer.
+class Reaches {
+public:
+    Reaches(const general_chain& arm, const ArmNumbers& metres) : n_(arm.coordinates()), metres_(unit_of(metres)) {
+        for (int k = 0; k < n_; ++k) {
+            unit_[k] = is_length(metres, k) ? metres_ : 1.0;
+            lower_[k] = metres.lower[k];
+            upper_[k] = metres.upper[k];
+        }
+    }
+
+    // The unit [m]: the arm's reach, or 1 m for an arm without one.
+    static double unit_of(const ArmNumbers& metres) {
+        return metres.reach > 0.0 && metres.reach < __builtin_inf() ? metres.reach : 1.0;
+    }
+    // Whether coordinate k moves slides alone.
+    static bool is_length(const ArmNumbers& metres, int k) {
+        bool moves = false;
+        for (int i = 0; i < metres.joints; ++i) {
+            if (metres.coupling[i * metres.coordinates + k] == 0.0) continue;
+            moves = true;
+            for (int a = 3; a < 6; ++a)
+                if (metres.screws[a * metres.joints + i] != 0.0) return false;
+        }
+        return moves;
+    }
+
+    int size() const { return n_; }
+    double metres() const { return metres_; }
+
+    target<double> asked(int kind, const double* numbers) const {
+        target<double> asked = target_from(kind, numbers);
+        for (int a = 0; a < 3; ++a) {
+            asked.goal.p[a] /= metres_;
+            asked.tolerance[a] /= metres_;
+        }
+        return asked;
+    }
+    const double* theta(const double* theta, double* in_reaches) const {
+        for (int k = 0; k < n_; ++k) in_reaches[k] = theta[k] / unit_[k];
+        return in_reaches;
+    }
+    // θ in metres; what was inside the limits still is.
+    void back(const double* in_reaches, bool inside, double* theta) const {
+        for (int k = 0; k < n_; ++k) {
+            theta[k] = in_reaches[k] * unit_[k];
+            if (inside) theta[k] = clamped(theta[k], lower_[k], upper_[k]);
+        }
+    }
+
+private:
+    int n_;
+    double metres_, unit_[most_joints], lower_[most_joints], upper_[most_joints];
+};
 
 // When the time is up, for good.
 struct Clock {
@@ -127,29 +192,18 @@ template <int N, int K> solution<double, K> resized(const solution<double, N>& f
     return same;
 }
 
-template <int N> void copy(const solution<double, N>& found, int n, Answer& answer) {
-    for (int k = 0; k < n; ++k) answer.theta[k] = found.theta[k];
-    answer.position_error = found.position_error;
-    answer.orientation_error = found.orientation_error;
-    answer.iterations = found.iterations;
-    answer.restarts = found.restarts;
-    answer.stop = 0;
-    answer.nearest = answer.has_unlimited = answer.other_branch = false;
-}
-
 // What comes after the searches. It is rare, so that one copy for chains of any size does for all.
 class Conclusion {
 public:
-    Conclusion(const general_chain& arm, const ranges<double, dynamic>& range, const ArmNumbers& numbers)
-        : arm_(arm), range_(range), reach_(numbers.reach), position_rounding_(numbers.position_rounding),
-          orientation_rounding_(numbers.orientation_rounding) {}
+    Conclusion(const general_chain& arm, const ranges<double, dynamic>& range, const Reaches& reaches)
+        : arm_(arm), range_(range), reaches_(reaches) {}
+
+    const Reaches& reaches() const { return reaches_; }
 
     search_settings<double> settings(const Query& query) const {
         search_settings<double> settings;
-        settings.position_tolerance = query.position_tolerance;
+        settings.position_tolerance = query.position_tolerance / reaches_.metres();
         settings.orientation_tolerance = query.orientation_tolerance;
-        settings.position_rounding = position_rounding_;
-        settings.orientation_rounding = orientation_rounding_;
         settings.searches = query.searches;
         return settings;
     }
@@ -159,26 +213,39 @@ public:
     void operator()(const Query& query, const Question& question, const ranges<double, N>& within,
                     const solution<double, N>& found, const double* ends, Clock& stopped, Answer& answer) const {
         const int n = arm_.coordinates();
-        double start[most_joints] = {};
-        for (int k = 0; k < n; ++k) start[k] = question.theta0[k];
+        double theta0[most_joints], start[most_joints] = {};
+        reaches_.theta(question.theta0, theta0);
+        for (int k = 0; k < n; ++k) start[k] = theta0[k];
         bring_inside(range_, n, start);
         answer.start_moved = false;
-        for (int k = 0; k < n; ++k) answer.start_moved = answer.start_moved || start[k] != question.theta0[k];
-        if (question.posture == nullptr && !is_open(found, within, settings(query), static_cast<target_kind>(query.kind), start, n)) return copy(found, n, answer);
-        make(query, question, resized<N, dynamic>(found, n), ends, stopped, answer);
+        for (int k = 0; k < n; ++k) answer.start_moved = answer.start_moved || start[k] != theta0[k];
+        const bool open = is_open(found, within, settings(query), static_cast<target_kind>(query.kind), start, n);
+        if (question.posture == nullptr && !open) return copy(found, answer);
+        make(query, question, theta0, resized<N, dynamic>(found, n), ends, stopped, answer);
     }
 
-    rotation_split<double> split(const target<double>& asked, const double* theta) const {
-        return split_rotation(arm_, asked, theta, reach_);
+    rotation_split<double> split(int kind, const double* numbers, const double* theta) const {
+        double there[most_joints];
+        return split_rotation(arm_, reaches_.asked(kind, numbers), reaches_.theta(theta, there), 1.0);
     }
 
 private:
-    void make(const Query& query, const Question& question, const solution<double, dynamic>& found, const double* ends,
-              Clock& stopped, Answer& answer) const;
+    void make(const Query& query, const Question& question, const double* theta0,
+              const solution<double, dynamic>& found, const double* ends, Clock& stopped, Answer& answer) const;
+
+    template <int N> void copy(const solution<double, N>& found, Answer& answer) const {
+        reaches_.back(found.theta, true, answer.theta);
+        answer.position_error = found.position_error * reaches_.metres();
+        answer.orientation_error = found.orientation_error;
+        answer.iterations = found.iterations;
+        answer.restarts = found.restarts;
+        answer.stop = 0;
+        answer.nearest = answer.has_unlimited = answer.other_branch = false;
+    }
 
     const general_chain& arm_;
     const ranges<double, dynamic>& range_;
-    double reach_, position_rounding_, orientation_rounding_;
+    const Reaches& reaches_;
 };
 
 // Memory for a while.
@@ -203,11 +270,9 @@ template <int N> struct Job {
 
     std::int64_t count() const { return static_cast<std::int64_t>(end - begin); }
     target<double> asked(std::int64_t t) const {
-        return target_from(query.kind, question(t).numbers);
+        return conclusion.reaches().asked(query.kind, question(t).numbers);
     }
-    void start(std::int64_t t, double* theta) const {
-        for (int k = 0; k < n; ++k) theta[k] = question(t).theta0[k];
-    }
+    void start(std::int64_t t, double* theta) const { conclusion.reaches().theta(question(t).theta0, theta); }
     std::uint64_t seed(std::int64_t) const { return query.seed; }
     double* ends(int lane) { return room.first + static_cast<std::size_t>(lane * n) * most_ends; }
     void store(std::int64_t t, const solution<double, N>& found, const double* ends) {
@@ -239,16 +304,18 @@ void solve_targets(const chain<double, N, N>& arm, const ranges<double, N>& rang
 struct ChunkJob {
     const Query& query;
     const Chunk& chunk;
-    int n;
+    const Reaches& reaches;
     Clock clock;
 
     std::int64_t count() const { return static_cast<std::int64_t>(chunk.count); }
     target<double> asked(std::int64_t t) const {
-        return target_from(query.kind, chunk.numbers + static_cast<std::size_t>(t) * numbers_of_kind[query.kind]);
+        return reaches.asked(query.kind, chunk.numbers + static_cast<std::size_t>(t) * numbers_of_kind[query.kind]);
     }
     void store(std::int64_t t, const double* theta) {
+        double* const row = chunk.theta + t * reaches.size();
         chunk.met[t] = theta != nullptr;
-        for (int k = 0; k < n; ++k) chunk.theta[t * n + k] = theta != nullptr ? theta[k] : __builtin_nan("");
+        if (theta != nullptr) return reaches.back(theta, true, row);
+        for (int k = 0; k < reaches.size(); ++k) row[k] = __builtin_nan("");
     }
     bool operator()() { return clock(); }
 };
@@ -256,18 +323,21 @@ struct ChunkJob {
 template <target_kind Kind, int N>
 void reach_targets(const chain<double, N, N>& arm, const ranges<double, N>& range, const Conclusion& conclusion,
                    const Query& query, const Chunk& chunk) {
-    ChunkJob job{query, chunk, arm.coordinates(), {query}};
-    find_reachable<Kind>(arm, range, conclusion.settings(query), chunk.theta0, query.seed, job);
+    ChunkJob job{query, chunk, conclusion.reaches(), {query}};
+    double theta0[most_joints];
+    conclusion.reaches().theta(chunk.theta0, theta0);
+    find_reachable<Kind>(arm, range, conclusion.settings(query), theta0, query.seed, job);
 }
 
 template <target_kind Kind, int N>
 void solve_target(const chain<double, N, N>& arm, const ranges<double, N>& range, const Conclusion& conclusion,
                   const Query& query, const Question& question, Answer& answer) {
     solution<double, N> found{};
-    double ends[most_ends * capacity(N)];
+    double ends[most_ends * capacity(N)], theta0[most_joints];
     Clock clock{query};
-    solve_kind<Kind>(arm, range, conclusion.settings(query), target_from(query.kind, question.numbers), question.theta0,
-                     query.seed, found, ends, most_ends, clock);
+    const Reaches& reaches = conclusion.reaches();
+    solve_kind<Kind>(arm, range, conclusion.settings(query), reaches.asked(query.kind, question.numbers),
+                     reaches.theta(question.theta0, theta0), query.seed, found, ends, most_ends, clock);
     conclusion(query, question, range, found, ends, clock, answer);
 }
 
@@ -364,7 +434,7 @@ private:
 // Any arm.
 class GeneralEngine : public Engine {
 public:
-    GeneralEngine(const general_chain& arm, const ArmNumbers& numbers);
+    GeneralEngine(const Model& metres, const Model& in_reaches);
     void constants(Constants& out) const override;
     void kinematics(const double* theta, std::size_t count, double* poses, double* spatial,
                     double* body) const override;
@@ -377,11 +447,14 @@ public:
 protected:
     const general_chain arm_;
     const ranges<double, dynamic> range_;
+    const general_chain scaled_;  // in reaches, for inverse kinematics
+    const ranges<double, dynamic> within_;
+    const Reaches reaches_;
     const Conclusion conclusion_;
 };
 
 // The engine for an arm without coupling whose number of joints has code of its own, or null.
-Engine* fixed_engine(const general_chain& arm, const ArmNumbers& numbers);
+Engine* fixed_engine(const Model& metres, const Model& in_reaches);
 
 }  // namespace engines
 }  // namespace TWISTARM_INSTRUCTION_SET

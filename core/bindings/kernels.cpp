@@ -8,23 +8,26 @@ namespace twistarm {
 inline namespace TWISTARM_INSTRUCTION_SET {
 namespace engines {
 
-void Conclusion::make(const Query& query, const Question& question, const solution<double, dynamic>& found,
-                      const double* ends, Clock& stopped, Answer& answer) const {
+void Conclusion::make(const Query& query, const Question& question, const double* theta0,
+                      const solution<double, dynamic>& found, const double* ends, Clock& stopped,
+                      Answer& answer) const {
     twistarm::answer<double, dynamic> whole;
-    conclude(arm_, range_, settings(query), target_from(query.kind, question.numbers), question.theta0, query.seed,
-             reach_, question.posture, stopped, found, ends, found.restarts, whole);
-    const int n = arm_.coordinates();
-    copy(whole.found, n, answer);
+    double there[most_joints];
+    const double* posture = question.posture != nullptr ? reaches_.theta(question.posture, there) : nullptr;
+    conclude(arm_, range_, settings(query), reaches_.asked(query.kind, question.numbers), theta0, query.seed, 1.0, posture,
+             stopped, found, ends, found.restarts, whole);
+    copy(whole.found, answer);
     answer.stop = static_cast<int>(whole.stop);
     answer.nearest = whole.nearest;
     answer.other_branch = whole.other_branch;
     answer.has_unlimited = whole.has_unlimited;
-    for (int k = 0; k < n && whole.has_unlimited; ++k) answer.unlimited[k] = whole.unlimited[k];
+    if (whole.has_unlimited) reaches_.back(whole.unlimited, false, answer.unlimited);
 }
 
-GeneralEngine::GeneralEngine(const general_chain& arm, const ArmNumbers& numbers)
-    : arm_(arm), range_(ranges_of(arm, numbers.lower, numbers.upper, numbers.start_lower, numbers.start_upper)),
-      conclusion_(arm_, range_, numbers) {}
+GeneralEngine::GeneralEngine(const Model& metres, const Model& in_reaches)
+    : arm_(metres.arm), range_(ranges_from(arm_, metres.numbers)), scaled_(in_reaches.arm),
+      within_(ranges_from(scaled_, in_reaches.numbers)), reaches_(arm_, metres.numbers),
+      conclusion_(scaled_, within_, reaches_) {}
 
 void GeneralEngine::constants(Constants& out) const {
     out.joints = arm_.joints();
@@ -47,24 +50,24 @@ void GeneralEngine::kinematics(const double* theta, std::size_t count, double* p
 
 void GeneralEngine::solve(const Query& query, const Question& question, Answer& answer) const {
     with_kind(static_cast<target_kind>(query.kind), [&](auto kind) {
-        solve_target<kind()>(arm_, range_, conclusion_, query, question, answer);
+        solve_target<kind()>(scaled_, within_, conclusion_, query, question, answer);
     });
 }
 
 void GeneralEngine::solve(const Query& query, const Batch& batch, std::size_t begin, std::size_t end) const {
     with_kind(static_cast<target_kind>(query.kind), [&](auto kind) {
-        solve_targets<kind()>(arm_, range_, conclusion_, query, batch, begin, end);
+        solve_targets<kind()>(scaled_, within_, conclusion_, query, batch, begin, end);
     });
 }
 
 void GeneralEngine::find_reachable(const Query& query, const Chunk& chunk) const {
     with_kind(static_cast<target_kind>(query.kind), [&](auto kind) {
-        reach_targets<kind()>(arm_, range_, conclusion_, query, chunk);
+        reach_targets<kind()>(scaled_, within_, conclusion_, query, chunk);
     });
 }
 
 void GeneralEngine::split_rotation(int kind, const double* numbers, const double* theta, double* split) const {
-    const rotation_split<double> found = conclusion_.split(target_from(kind, numbers), theta);
+    const rotation_split<double> found = conclusion_.split(kind, numbers, theta);
     const double values[] = {found.impossible, found.prevented, found.axis[0], found.axis[1], found.axis[2]};
     for (int k = 0; k < 5; ++k) split[k] = values[k];
 }
@@ -79,12 +82,45 @@ ClosedFormEngine* GeneralEngine::closed_form(const FamilyNumbers& family) const 
     return nullptr;
 }
 
+// The numbers of the same arm in reaches.
+struct Scaled {
+    double screws[6 * most_joints], home[16], coupling[most_joints * most_joints], bounds[4][most_joints];
+    ArmNumbers numbers;
+
+    explicit Scaled(const ArmNumbers& metres) : numbers(metres) {
+        const double unit = Reaches::unit_of(metres);
+        const int joints = metres.joints, n = metres.coordinates;
+        for (int i = 0; i < 6 * joints; ++i) screws[i] = i < 3 * joints ? metres.screws[i] / unit : metres.screws[i];
+        for (int i = 0; i < 16; ++i) home[i] = i < 12 && i % 4 == 3 ? metres.home[i] / unit : metres.home[i];
+        const double* const from[4] = {metres.lower, metres.upper, metres.start_lower, metres.start_upper};
+        for (int k = 0; k < n; ++k) {
+            const double own = Reaches::is_length(metres, k) ? unit : 1.0;
+            for (int i = 0; i < joints; ++i) coupling[i * n + k] = metres.coupling[i * n + k] * own;
+            for (int b = 0; b < 4; ++b) bounds[b][k] = from[b][k] / own;
+        }
+        numbers.screws = screws;
+        numbers.home = home;
+        numbers.coupling = coupling;
+        numbers.lower = bounds[0];
+        numbers.upper = bounds[1];
+        numbers.start_lower = bounds[2];
+        numbers.start_upper = bounds[3];
+        numbers.reach = 1.0;
+    }
+};
+
+static bool chain_of(const ArmNumbers& numbers, general_chain& arm) {
+    return chain_from_screws({numbers.joints, numbers.coordinates, numbers.screws, numbers.home, numbers.coupling}, arm);
+}
+
 static Engine* make(const ArmNumbers& numbers) {
-    general_chain arm;
-    const screw_model model{numbers.joints, numbers.coordinates, numbers.screws, numbers.home, numbers.coupling};
-    if (!chain_from_screws(model, arm)) return nullptr;
-    Engine* fixed = arm.identity ? fixed_engine(arm, numbers) : nullptr;
-    return fixed != nullptr ? fixed : new GeneralEngine(arm, numbers);
+    Model metres{{}, numbers};
+    if (numbers.joints > most_joints || numbers.coordinates > most_joints || !chain_of(numbers, metres.arm)) return nullptr;
+    const Scaled scaled(numbers);
+    Model in_reaches{{}, scaled.numbers};
+    if (!chain_of(scaled.numbers, in_reaches.arm)) return nullptr;
+    Engine* fixed = metres.arm.identity && in_reaches.arm.identity ? fixed_engine(metres, in_reaches) : nullptr;
+    return fixed != nullptr ? fixed : new GeneralEngine(metres, in_reaches);
 }
 
 }  // namespace engines

@@ -13,8 +13,7 @@ constexpr int most_joints = 32;
 struct ArmNumbers {
     int joints, coordinates;
     const double *screws, *home, *coupling, *lower, *upper, *start_lower, *start_upper;
-    double reach;
-    double position_rounding, orientation_rounding;  // what rounded axes may miss a target by [m], [rad]; else 0
+    double reach;  // [m]: the unit of length of inverse kinematics
 };
 
 // Kinds of targets, in the order of twistarm::target_kind, and how many numbers each is written with:

@@ -43,9 +43,9 @@ NB_MODULE(_core, module) {
     bindings::AllAnswers::define(module);
     nb::class_<Chain>(module, "Chain")
         .def(nb::init<nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, double,
-                      double, double, const std::string&>(),
+                      const std::string&>(),
              "screws"_a, "home"_a, "coupling"_a, "lower"_a, "upper"_a, "start_lower"_a, "start_upper"_a, "reach"_a,
-             "position_rounding"_a = 0.0, "orientation_rounding"_a = 0.0, "instruction_set"_a = "")
+             "instruction_set"_a = "")
         .def_prop_ro("n", &Chain::n)
         .def_prop_ro("instruction_set", &Chain::instruction_set)
         .def_prop_ro("widest_record", &Chain::widest_record)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from catalogue import load
-from ik_targets import KINDS, errors, judged, pinocchio_fk, require_core, target_from
+from ik_targets import KINDS, at_some_limits, errors, judged, pinocchio_fk, require_core, target_from
 from twistarm import Approach, Pose, load_arm, solve_ik, solve_ik_all, solve_ik_batch
 from urdf_text import joint, robot, write
 
@@ -39,9 +41,6 @@ def five_joints(digits):
     return robot(*parts, links=links)
 
 
-USUAL = {"position_tol": 1e-5, "orientation_tol": 5e-5}
-
-
 def test_a_rounded_arm_meets_what_the_exact_one_meets(tmp_path):
     """Within the tolerances, and never an answer outside them."""
     exact = load_arm(write(tmp_path, five_joints(16), "exact.urdf"))
@@ -50,13 +49,13 @@ def test_a_rounded_arm_meets_what_the_exact_one_meets(tmp_path):
     targets = [Approach(g[:3, 3], g[:3, :3] @ axis, axis) for g in map(exact.fk, exact.random_theta(rng, 60))]
     for digits in (4, 5, 6):
         arm = load_arm(write(tmp_path, five_joints(digits), f"rounded{digits}.urdf"))
-        batch = solve_ik_batch(arm, targets, **USUAL)
+        batch = solve_ik_batch(arm, targets)
         for target, one in zip(targets, batch, strict=True):
-            for solution in (solve_ik(arm, target, **USUAL), one):
+            for solution in (solve_ik(arm, target), one):
                 position, angle = errors(target, pinocchio_fk(arm, solution.theta))
                 assert solution.converged == (position <= 1e-5 and angle <= 5e-5)  # another arm's limits are near
         assert batch.converged.mean() > 0.95
-    assert all(solve_ik(exact, target, **USUAL).converged for target in targets)
+    assert all(solve_ik(exact, target).converged for target in targets)
 
 
 def test_every_branch_of_a_rounded_arm_is_listed_within_the_tolerances(tmp_path):
@@ -65,7 +64,7 @@ def test_every_branch_of_a_rounded_arm_is_listed_within_the_tolerances(tmp_path)
     axis, listed = exact.tool_axis, 0
     for g in map(exact.fk, exact.random_theta(np.random.default_rng(6), 4)):
         target = Approach(g[:3, 3], g[:3, :3] @ axis, axis)
-        found = solve_ik_all(arm, target, **USUAL)
+        found = solve_ik_all(arm, target)
         for theta in found:
             position, angle = errors(target, pinocchio_fk(arm, theta))
             assert position <= 1e-5
@@ -73,7 +72,7 @@ def test_every_branch_of_a_rounded_arm_is_listed_within_the_tolerances(tmp_path)
             assert arm.limits.contains(theta)
         assert len(found)
         assert not found.complete
-        listed += len(found) == len(solve_ik_all(exact, target, **USUAL))
+        listed += len(found) == len(solve_ik_all(exact, target))
     assert listed >= 3
 
 
@@ -116,6 +115,71 @@ def test_whatever_has_a_configuration_within_both_tolerances_is_met(name, positi
         assert angle <= orientation_tol + 1e-9
 
 
+@pytest.mark.parametrize("name", ["ur5", "rover_arm", "so101", "panda"])
+def test_a_search_aims_at_the_target_itself_however_wide_the_tolerances_are(name):
+    arm = load(name)
+    poses = arm.fk(arm.random_theta(np.random.default_rng(3), 200))
+    batch = solve_ik_batch(arm, poses, position_tol=1e-2, orientation_tol=0.1)
+    worst = np.maximum(batch.position_error, batch.orientation_error)
+    assert worst.max() < 1e-6
+    assert np.quantile(worst, 0.95) < 1e-9
+
+
+@pytest.mark.parametrize(("position_tol", "orientation_tol"), [(1e-6, 1e-6), (1e-5, 5e-5), (1e-3, 1e-6), (5e-3, 0.05)])
+@pytest.mark.parametrize("name", ["rr_planar", "so101", "ur5"])
+def test_what_the_start_meets_is_never_refused(name, position_tol, orientation_tol):
+    """Poses that theta0 misses by 0.92 to 0.98 of the tolerances, by one search."""
+    arm, rng = load(name), np.random.default_rng(7)
+    how = {"position_tol": position_tol, "orientation_tol": orientation_tol, "restarts": 1}
+    for theta in arm.random_theta(rng, 60):
+        step, axis, share = rng.normal(size=3), rng.normal(size=3), rng.uniform(0.92, 0.98)
+        there = pinocchio_fk(arm, theta)
+        there[:3, 3] += share * position_tol * step / np.linalg.norm(step)
+        turn = Rotation.from_rotvec(share * orientation_tol * axis / np.linalg.norm(axis))
+        there[:3, :3] = turn.as_matrix() @ there[:3, :3]
+        assert solve_ik(arm, Pose(there), theta, **how).converged
+
+
+@pytest.mark.parametrize("name", ["kinova", "rover_arm"])
+def test_the_size_of_an_arm_changes_no_verdict(name):
+    """The same arm drawn a hundred times smaller and larger, at configurations with joints at their limits."""
+    arm, verdicts = load(name), []
+    for size in (0.01, 1.0, 100.0):
+        other = resized(arm, size)
+        poses = other.fk(at_some_limits(other, np.random.default_rng(17), 60))
+        poses[::3, :3, 3] *= 1.2
+        batch = solve_ik_batch(other, poses, np.zeros(arm.n), position_tol=1e-5 * size, restarts=20)
+        verdicts.append([stop.name for stop in batch.stop])
+    assert verdicts[0] == verdicts[1] == verdicts[2]
+
+
+def resized(arm, size):
+    """The arm with lengths `size` times as great."""
+    screws, home, unit = arm.screws.copy(), arm.home.copy(), np.where(arm.prismatic, size, 1.0)
+    turns = screws[3:].any(axis=0)
+    screws[:3, turns] *= size
+    home[:3, 3] *= size
+    limits = replace(arm.limits, lower=arm.limits.lower * unit, upper=arm.limits.upper * unit)
+    return replace(
+        arm, screws=screws, home=home, reach=arm.reach * size, limits=limits, description=None, named_states={},
+        known_ready=arm.ready * unit,
+    )  # fmt: skip
+
+
+def test_a_list_is_never_empty_where_a_configuration_within_the_tolerances_was_found():
+    """Poses half a tolerance off what an arm of five joints meets: one configuration of each branch, and no proof."""
+    arm, rng = load("so101"), np.random.default_rng(13)
+    for theta in arm.random_theta(rng, 10):
+        target = Pose(inside_tolerance(rng, pinocchio_fk(arm, theta), 5e-6, 2.5e-5))
+        one, found = solve_ik(arm, target), solve_ik_all(arm, target)
+        assert bool(len(found)) == one.converged
+        assert not (len(found) and found.complete)
+        for each in found:
+            position, angle = errors(target, pinocchio_fk(arm, each))
+            assert position <= 1e-5 + 1e-9
+            assert angle <= 5e-5 + 1e-9
+
+
 # near the start ---------------------------------------------------------------------------------------------------
 
 
@@ -135,10 +199,10 @@ def test_an_answer_is_near_the_start_where_one_is(name, kind):
 
 @pytest.mark.parametrize("name", ["ur5", "stanford"])
 def test_a_small_step_is_answered_on_the_nearest_branch(name):
-    """Steps of up to 2 cm and 3°; the branches by many searches of one start each."""
+    """Steps of up to 2 % of the reach and 3°; the branches by many searches of one start each."""
     arm, rng = load(name), np.random.default_rng(35)
     for theta0 in arm.random_theta(rng, 50):
-        target = Pose(inside_tolerance(rng, pinocchio_fk(arm, theta0), 0.02, np.radians(3.0)))
+        target = Pose(inside_tolerance(rng, pinocchio_fk(arm, theta0), 0.02 * arm.reach, np.radians(3.0)))
         solution = solve_ik(arm, target, theta0)
         moved = np.abs(solution.theta - theta0).max()
         if not solution.converged or moved <= HALF:

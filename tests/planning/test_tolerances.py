@@ -61,7 +61,7 @@ def test_a_line_that_is_missed_by_the_rounding_of_an_axis_is_planned_within_tole
         with pytest.raises((PathError, NotConvergedError)):
             plan(arm, tour, limits=RATES)
     else:
-        motion = plan(arm, tour, limits=RATES, position_tol=1e-5, orientation_tol=5e-5)
+        motion = plan(arm, tour, limits=RATES)
         beside, turned = off(arm, motion, motion.times[1], goal, DOWN)
         assert beside <= 1.5e-4
         assert turned <= np.radians(0.05)

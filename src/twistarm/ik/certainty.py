@@ -14,12 +14,13 @@ import numpy as np
 from ..arm.arm import Arm
 from ..support.checks import Array
 from .answer import NOT_FINISHED, STOPS, Answer, StopReason, answer_from
-from .closed_form.methods import Method, family_for
+from .closed_form.methods import Method, family_for, method_for
+from .closed_form.roots import Asked
 from .ranges import joint_ranges
 from .targets import AnyTarget
 from .task_space import Tolerances
 
-TIMED_OUT = STOPS.index(StopReason.TIMED_OUT)
+TIMED_OUT, BLOCKED = STOPS.index(StopReason.TIMED_OUT), STOPS.index(StopReason.BLOCKED_BY_LIMITS)
 
 SAMPLES = 5
 """Values tried for a joint that the target does not determine, its bounds included."""
@@ -43,11 +44,10 @@ def settled(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
     """
     if answer.stop in (0, TIMED_OUT, NOT_FINISHED) or answer.restarts <= 1:
         return answer
-    method = family_for(arm, target)
-    if method is None or method.compiled is None:
-        return answer
+    method, start = family_for(arm, target), np.array(answer.theta0)
     exact = Tolerances(float(answer.position_tol), float(answer.orientation_tol)).at_most(EXACT)
-    start = np.array(answer.theta0)
+    if method is None or method.compiled is None:
+        return _by_elimination(arm, target, answer, start, exact) if answer.stop == BLOCKED else answer
     found = method.compiled.solve(
         target.numbers, start, _held_values(arm, method, start), exact.position, exact.orientation
     )
@@ -66,6 +66,20 @@ def settled(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
         if proves and not nearly and max(revised.position_error, revised.orientation_error) > FAR:
             revised = replace(revised, certain=True)
     return revised
+
+
+def _by_elimination(arm: Arm, target: AnyTarget, answer: Answer, start: Array, exact: Tolerances) -> Answer:
+    """The answer, or one inside the limits that elimination finds. Limits are then not the reason."""
+    method = method_for(arm, target)
+    if method.rooted is None or method.swept:
+        return answer
+    asked = Asked(arm, target, exact)
+    held = np.clip(start, arm.limits.lower, arm.limits.upper)[list(method.held)]
+    for root in asked.roots(method.candidates(arm, target, start, held, method.exact), method.held):
+        inside = asked.inside_limits(root.theta, start)
+        if inside is not None:
+            return _met_answer(arm, target, answer_from(partial(getattr, answer)), inside)
+    return answer
 
 
 def _held_values(arm: Arm, method: Method, start: Array) -> Array | None:
@@ -95,4 +109,4 @@ def _with_limits_blamed(arm: Arm, target: AnyTarget, answer: Answer, theta: Arra
     known = arm.fk(answer.unlimited)
     if answer.has_unlimited and tolerances.met(target.position_error(known), target.orientation_error(known)):
         return answer
-    return replace(answer, unlimited=theta, stop=STOPS.index(StopReason.BLOCKED_BY_LIMITS), has_unlimited=True)
+    return replace(answer, unlimited=theta, stop=BLOCKED, has_unlimited=True)

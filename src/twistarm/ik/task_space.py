@@ -12,7 +12,7 @@ from ..support.checks import Array
 Rows = tuple[Array, Array]
 """(error (k,), rows (k, n))."""
 
-POSITION_TOL, ORIENTATION_TOL = 1e-6, 1e-6
+POSITION_TOL, ORIENTATION_TOL = 1e-5, 5e-5
 """What every call tolerates unless it says otherwise [m, rad]: finer than a drive, coarser than what CAD rounds."""
 
 

@@ -21,7 +21,7 @@ from .targets import AnyTarget
 from .task_space import Tolerances, excess_rows
 
 ROTATION_WEIGHT = 0.2
-"""Weight of a squared radian relative to a squared metre in the error E, which is 0 at an answer."""
+"""Weight of a squared radian relative to the squared reach in the error E, which is 0 at an answer."""
 
 DAMPING, LEAST_DAMPING = 0.03, 1e-9
 """λ = DAMPING · E + LEAST_DAMPING: strong far from the target, vanishing with the error (Chan & Lawrence)."""
@@ -34,12 +34,12 @@ PROGRESS, STALLS = 0.8, 4
 """An iteration that leaves E above PROGRESS times the best is a stall. A search ends after STALLS of them."""
 
 NEAR_POSITION, NEAR_ORIENTATION = 0.02, math.radians(3.0)
-"""Up to here [m, rad] a target is near the pose of theta0, ..."""
+"""Up to here [reaches, rad] a target is near the pose of theta0, ..."""
 
 OTHER_BRANCH = 0.2
 """... and an answer that moves a coordinate by more than this [rad, m] is on another branch."""
 
-MOST_POSTURE_STEPS, SHARES, SETTLED_STEP = 200, 0.5 ** np.arange(10), 1e-7
+MOST_POSTURE_STEPS, SHARES, SETTLED_STEP = 300, 0.5 ** np.arange(10), 1e-7
 """Most steps toward a posture, the shares of a step to try, and the least length of a step [rad, m]."""
 
 RANK_TOL = 1e-6
@@ -118,7 +118,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
         slope = J.T @ error
         free = ~((theta <= lower) & (slope > 0) | (theta >= upper) & (slope < 0))
         d = np.zeros_like(theta)
-        damping = (DAMPING * E + LEAST_DAMPING) * np.eye(int(free.sum()))
+        damping = (DAMPING * E + LEAST_DAMPING * problem.arm.reach**2) * np.eye(int(free.sum()))
         d[free] = np.linalg.solve(J[:, free].T @ J[:, free] + damping, -slope[free])
         theta = np.clip(theta + d, lower, upper)
         iterations += 1
@@ -166,7 +166,7 @@ def _error_and_rows(problem: Problem, g: Array, J_b: Array) -> tuple[Array, Arra
     target = problem.target
     e_p, J_p = excess_rows(target._position_rows(g, J_b), target._position_tolerance)
     e_r, J_r = excess_rows(target._rotation_rows(g, J_b), target._rotation_tolerance)
-    scale = math.sqrt(ROTATION_WEIGHT)
+    scale = math.sqrt(ROTATION_WEIGHT) * problem.arm.reach
     return np.concatenate([e_p, scale * e_r]), np.concatenate([J_p, scale * J_r])
 
 
@@ -180,6 +180,6 @@ def _rank(problem: Problem, end: Search) -> tuple[bool, bool, float, float]:
 def _leaves_branch(problem: Problem, start: Array, theta: Array) -> bool:
     """Whether the target is near the pose of `start` (n,), but theta is not near `start`."""
     g = problem.arm.fk(start)
-    near = Tolerances(NEAR_POSITION, NEAR_ORIENTATION)
+    near = Tolerances(NEAR_POSITION * problem.arm.reach, NEAR_ORIENTATION)
     met = near.met(problem.target.position_error(g), problem.target.orientation_error(g))
     return met and bool(np.abs(theta - start).max() > OTHER_BRANCH)

@@ -90,8 +90,8 @@ void explain(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_
     out.has_unlimited = out.stop == stop_reason::blocked_by_limits;
 }
 
-/// Makes the errors of an answer that is met up to the rounding of the axes as small as the arm allows nearby: first
-/// the position's.
+/// Makes the errors of an answer that is only within loose tolerances as small as the arm allows nearby: first the
+/// position's.
 template <class T, int N, int M, class Stopped>
 void sharpen(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
              const target<T>& asked, Stopped& stopped, solution<T, N>& found) {
@@ -112,12 +112,12 @@ template <class T, int N> void begin(answer<T, N>& out) {
 }
 }  // namespace detail
 
-/// Whether an answer may need more than `solve` has done. It misses the target, or meets it up to the rounding of the
-/// axes, or is not near θ₀ though another configuration near θ₀ may meet the target.
+/// Whether an answer may need more than `solve` has done. It does not meet the target itself, or it is not near θ₀
+/// though another configuration near θ₀ may meet the target.
 template <class T, int N>
 bool is_open(const solution<T, N>& found, const ranges<T, N>& range, const search_settings<T>& settings,
              target_kind kind, const T* theta0, int n) {
-    if (!found.converged || !is_met(found, settings)) return true;
+    if (!is_exact(found, settings)) return true;
     const T half = detail::other_branch<T>;
     const T position = greatest(half * range.most_speed, detail::near_position<T>);
     const T turned = greatest(half * range.most_turning, detail::near_orientation<T>);
@@ -147,7 +147,7 @@ void conclude(const chain<T, N, M>& arm, const ranges<T, N>& range, const search
         return answer_to(arm, there, settings, asked, start, seed, reach, posture, stopped, out);
     const T* from = known > 0 ? ends : found.theta;
     const int begun = known > 0 ? known : 1;
-    if (!found.converged) resume(arm, range, settings, asked, start, from, begun, stopped, out.found);
+    if (!is_exact(found, settings)) resume(arm, range, settings, asked, start, from, begun, stopped, out.found);
     if (!out.found.converged) {
         detail::field_of_starts<T, N> field;
         field.count = begun;
@@ -164,8 +164,11 @@ void conclude(const chain<T, N, M>& arm, const ranges<T, N>& range, const search
             detail::begin(out);
         }
     }
-    out.other_branch = keep_branch(arm, range, settings, asked, start, stopped, out.found);
-    if (!is_met(out.found, settings)) detail::sharpen(arm, range, settings, asked, stopped, out.found);
+    search_settings<T> alike = settings;
+    alike.to_edge = !is_exact(out.found, settings);
+    if (!alike.to_edge) polish(arm, range, settings, asked, start, out.found);
+    out.other_branch = keep_branch(arm, range, alike, asked, start, stopped, out.found);
+    if (alike.to_edge) detail::sharpen(arm, range, settings, asked, stopped, out.found);
     if (posture != nullptr) approach_posture(arm, range, settings, asked, posture, stopped, out.found);
 }
 

@@ -12,7 +12,8 @@ namespace detail {
 /// job.goes_on(done). goes_on is called after each target and now and then; false ends the batch, and targets in
 /// progress are not stored. job.ends(lane) is null, or room for `most_ends` (n,) ends of the failed searches in a lane;
 /// `store` gets them back.
-template <class V, class T, int N, int M, class Job> struct batch_of_targets final : search_owner<V, T, N> {
+template <class V, target_kind Kind, class T, int N, int M, class Job>
+struct batch_of_targets final : search_owner<V, T, N> {
     static constexpr int lane_count = number<V>::lanes;
     static constexpr std::int64_t none = -1;
     static constexpr int looks_for_an_end = 8;  ///< iterations between two questions, where no target is done
@@ -30,8 +31,6 @@ template <class V, class T, int N, int M, class Job> struct batch_of_targets fin
     target<T> asked[lane_count]{};
     T theta0[lane_count][capacity(N)]{};
     solution<T, N> found[lane_count]{};
-    solution<T, N> rounded[lane_count]{};  ///< met but for the rounding of the axes, where that is `converged`
-    int most[lane_count]{};                ///< searches in all
 
     batch_of_targets(const chain<T, N, M>& chain, const ranges<T, N>& within, const search_settings<T>& how, Job& work)
         : search_owner<V, T, N>(aim_in_every_lane<V>(aim<T>{})), arm(chain), range(within), settings(how), job(work) {}
@@ -53,8 +52,6 @@ template <class V, class T, int N, int M, class Job> struct batch_of_targets fin
         set_lane(this->aims, i, aim_at(arm, asked[i]));
         search[i] = 0;
         found[i].iterations = 0;
-        rounded[i].converged = false;
-        most[i] = settings.searches;
         least_error[i] = static_cast<T>(__builtin_inf());
         put(starts, i);
     }
@@ -68,14 +65,9 @@ template <class V, class T, int N, int M, class Job> struct batch_of_targets fin
 
     bool converged(const lane_searches<V, N>& lanes, int i) {
         solution<T, N> candidate = found[i];
-        if (!accept(lanes, i, range, arm.coordinates(), asked[i].kind, theta0[i], candidate)) return false;
+        if (!accept(lanes, i, range, arm.coordinates(), Kind, theta0[i], candidate)) return false;
+        polish_as<Kind>(arm, range, settings, asked[i], theta0[i], candidate);
         if (search[i] == 0) candidate.start_error = lane_of<T>(lanes.first.position, lanes.first.rotation, i);
-        if (!is_met(candidate, settings)) {
-            if (rounded[i].converged) return false;
-            rounded[i] = candidate;
-            most[i] = most[i] < search[i] + searches_past_rounded ? most[i] : search[i] + searches_past_rounded;
-            return false;
-        }
         found[i] = candidate;
         return true;
     }
@@ -91,18 +83,12 @@ template <class V, class T, int N, int M, class Job> struct batch_of_targets fin
             least_error[i] = error;
             for (int k = 0; k < arm.coordinates(); ++k) found[i].theta[k] = lane(lanes.theta[k], i);
         }
-        if (++search[i] < most[i]) {
+        if (++search[i] < settings.searches) {
             put(starts, i);
             return;
         }
         --search[i];
-        if (rounded[i].converged) {
-            rounded[i].start_error = found[i].start_error;
-            found[i] = rounded[i];
-            return hand_over(starts, i);
-        }
-        judge(arm, range, settings, asked[i], theta0[i], found[i]);
-        found[i].converged = false;
+        judge_end(arm, range, settings, asked[i], theta0[i], found[i]);
         hand_over(starts, i);
     }
 
@@ -126,7 +112,7 @@ template <class V, class T, int N, int M, class Job> struct batch_of_targets fin
 /// Inverse kinematics of job.count() targets of one kind.
 ///
 /// Each target is searched from its θ₀, then from the random starts 1, 2, … of its seed. The first search in this order
-/// that converges gives the answer. So the verdicts are those of `solve`, and an answer depends on its target alone. It
+/// that meets the target itself gives the answer. So the verdicts are those of `solve`, and an answer depends on its target alone. It
 /// may be another root than that of `solve`, which races whole rounds to finish sooner. If no search converges, the end
 /// with the least error is stored; `conclude` finds the nearest configuration and the reason from there.
 template <target_kind Kind, class T, int N, int M, class Job>
@@ -134,7 +120,7 @@ void solve_batch(const chain<T, N, M>& arm, const ranges<T, N>& range, const sea
     constexpr int at_once = lanes_at_once<T>;
     using V = pack<T, at_once>;
     if (job.count() == 0) return;
-    detail::batch_of_targets<V, T, N, M, Job> batch(arm, range, settings, job);
+    detail::batch_of_targets<V, Kind, T, N, M, Job> batch(arm, range, settings, job);
     lane_searches<V, N> lanes = searches_at_rest<V, N>();
     lane_starts<T, N, at_once> starts;
     for (int i = 0; i < at_once; ++i) batch.take_next(starts, i);

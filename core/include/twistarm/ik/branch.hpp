@@ -17,7 +17,7 @@ template <class T> constexpr T box_growth = T(1.3);
 template <class T> constexpr T far_step = T(0.5);
 /// Added to the λ of that step. Near a singular configuration the target may be met without the long step that J
 /// demands.
-template <class T> constexpr T damping_of_first_step = T(1e-3);
+template <class T> constexpr T damping_of_first_step = T(5e-3);
 /// Iterations and stalls of a search in a box: many coordinates stand at its sides.
 constexpr int iterations_in_box = 40, stalls_in_box = 8;
 /// Searches in a box wider than the first, which holds as many as there are lanes.
@@ -73,7 +73,7 @@ bool may_be_met_near(const chain<T, N, M>& arm, const search_settings<T>& settin
     walk_with_columns(arm, aims.base, aims.tip, theta0, g, columns);
     residual_of<Kind, N>(g, columns, n, aims, sqrt(settings.rotation_weight), at);
     T error = at.position_squared + settings.rotation_weight * at.rotation_squared, d[capacity(N)];
-    if (is_loose(settings)) error = allow_tolerances<Kind>(settings, at, n);
+    if (settings.to_edge) error = allow_tolerances<Kind>(settings, at, n);
     free_step(at, settings.damping * error + damping_of_first_step<T>, n, d);
     T longest = T(0);
     for (int k = 0; k < n; ++k) longest = greatest(longest, absolute(d[k]));
@@ -81,8 +81,7 @@ bool may_be_met_near(const chain<T, N, M>& arm, const search_settings<T>& settin
 }
 
 /// The configuration nearest to θ₀ (n,) that searches find in the box of this half width, from θ₀ and from points of
-/// the box. One that meets the target only up to the rounding of the axes is taken if there is no other. Returns false
-/// for none.
+/// the box. Returns false for none.
 template <class T, int N, int M, class Stopped>
 bool meet_in_box(const chain<T, N, M>& arm, const ranges<T, N>& range, search_settings<T> settings,
                  const target<T>& asked, const T* theta0, T half, Stopped& stopped, solution<T, N>& found) {
@@ -90,6 +89,10 @@ bool meet_in_box(const chain<T, N, M>& arm, const ranges<T, N>& range, search_se
     const ranges<T, N> box = box_about(range, n, theta0, half);
     settings.iterations = iterations_in_box;
     settings.stalls = stalls_in_box;
+    if (!settings.to_edge) {  // only what meets the target itself, as the answer does
+        settings.position_tolerance = least(settings.position_tolerance, exact_error<T>);
+        settings.orientation_tolerance = least(settings.orientation_tolerance, exact_error<T>);
+    }
     searched<T, N> set;
     set.count = half > other_branch<T> ? starts_in_wide_box : searches_in_group;
     for (int k = 0; k < n; ++k) set.theta[k] = theta0[k];
@@ -97,17 +100,15 @@ bool meet_in_box(const chain<T, N, M>& arm, const ranges<T, N>& range, search_se
     const int count = search_from_each(arm, box, settings, asked, searches_in_group, stopped, set);
     solution<T, N> best = found, next = found;
     T least_difference = static_cast<T>(__builtin_inf());
-    bool met = is_met(found, settings);
     for (int r = 0; r < count; ++r) {
         for (int k = 0; k < n; ++k) next.theta[k] = set.theta[r * n + k];
         if (!judge(arm, box, settings, asked, theta0, next)) continue;
         const T difference = largest_difference(next.theta, theta0, n);
-        const bool better = is_met(next, settings);
-        if (met > better || (met == better && difference >= least_difference)) continue;
-        met = better;
+        if (difference >= least_difference) continue;
         least_difference = difference;
         best = next;
     }
+    if (!settings.to_edge && best.converged) polish(arm, box, settings, asked, theta0, best);
     if (least_difference < largest_difference(found.theta, theta0, n)) found = best;
     return count > 0;
 }

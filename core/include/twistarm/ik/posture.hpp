@@ -12,9 +12,9 @@ template <class T> constexpr T settled_step = T(sizeof(T) == 8 ? 1e-7 : 1e-4);  
 template <class T> constexpr T singular_shift = T(sizeof(T) == 8 ? 1e-10 : 1e-6);    ///< keeps J Jᵀ invertible
 template <class T> constexpr T corrected = T(sizeof(T) == 8 ? 1e-18 : 1e-11);        ///< E on the target, [m²]
 
-template <class T> constexpr T corrected_but_for_rounding = T(sizeof(T) == 8 ? 1e-14 : 1e-10);  ///< [m²]
+template <class T> constexpr T corrected_inexactly = T(sizeof(T) == 8 ? 1e-14 : 1e-10);  ///< [m²]
 
-/// The target as its answer meets it, if the answer misses it by the rounding of the axes.
+/// The target as its answer meets it, if the answer is only within loose tolerances.
 template <class T, int N, int M>
 target<T> target_met(const chain<T, N, M>& arm, const target<T>& asked, const T* theta) {
     const frame<T> g = forward(arm, theta);
@@ -149,11 +149,11 @@ template <target_kind Kind, class T, int N, int M> struct posture_walk {
 
 template <target_kind Kind, class T, int N, int M, class Stopped>
 void walk_to_posture(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
-                     const target<T>& asked, const T* posture, bool rounded, Stopped& stopped, T* theta) {
+                     const target<T>& asked, const T* posture, bool exact, Stopped& stopped, T* theta) {
     const T tolerance = T(0.5) * least(settings.position_tolerance, settings.orientation_tolerance);
     posture_walk<Kind, T, N, M> walk{
         arm, range, posture, least(corrected<T>, tolerance * tolerance), aim_at(arm, asked), {}, {}, {}, {}, false};
-    if (rounded) walk.enough = corrected_but_for_rounding<T>;
+    if (!exact) walk.enough = corrected_inexactly<T>;
     for (int k = 0; k < most_posture_steps && !stopped() && walk.step(theta); ++k) continue;
 }
 }  // namespace detail
@@ -167,10 +167,10 @@ void approach_posture(const chain<T, N, M>& arm, const ranges<T, N>& range, cons
                       const target<T>& asked, const T* posture, Stopped& stopped, solution<T, N>& found) {
     solution<T, N> moved = found;
     wrap_near(range, arm.coordinates(), posture, moved.theta);
-    const bool rounded = !is_met(found, settings) && asked.kind != target_kind::task;
-    const target<T> met = rounded ? detail::target_met(arm, asked, found.theta) : asked;
+    const bool exact = is_exact(found, settings) || asked.kind == target_kind::task;
+    const target<T> met = exact ? asked : detail::target_met(arm, asked, found.theta);
     with_kind(asked.kind, [&](auto kind) {
-        detail::walk_to_posture<kind()>(arm, range, settings, met, posture, rounded, stopped, moved.theta);
+        detail::walk_to_posture<kind()>(arm, range, settings, met, posture, exact, stopped, moved.theta);
     });
     if (judge(arm, range, settings, asked, posture, moved)) found = moved;
 }

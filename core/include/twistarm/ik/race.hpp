@@ -37,15 +37,13 @@ template <class V, class T, int N, int M, class Starts, class Stopped> struct ra
     T least_error = static_cast<T>(__builtin_inf());
     squared_errors<T> start_error = {least_error, least_error};
     bool over = false;
-    int most, rounded = none;  ///< searches in all; the first that met the target but for the rounding
-    solution<T, N> rounded_answer{};
 
     race_of_one(const chain<T, N, M>& chain, const ranges<T, N>& within, const search_settings<T>& how,
                 const target<T>& what, const Starts& from, const T* start, solution<T, N>& into, T* failed_ends,
                 int failed_room, Stopped& time_is_up)
         : search_owner<V, T, N>(aim_in_every_lane<V>(aim_at(chain, what))), arm(chain), range(within), settings(how),
           asked(what), begins(from), theta0(start), found(into), ends(failed_ends), room(failed_room),
-          stopped(time_is_up), most(how.searches) {}
+          stopped(time_is_up) {}
 
     static constexpr int round_of(int k) { return k / searches_in_round; }
     bool in_head_start(int k, int steps) const { return k == 0 && steps <= settings.head_start; }
@@ -60,7 +58,7 @@ template <class V, class T, int N, int M, class Starts, class Stopped> struct ra
 
     void begin(lane_starts<T, N, lane_count>& starts, int i) {
         search[i] = none;
-        if (begun >= most || !beats(begun, 0)) return;
+        if (begun >= settings.searches || !beats(begun, 0)) return;
         search[i] = begun++;
         begins(search[i], &starts.theta[0][i], lane_count);
         starts.waiting |= 1U << i;
@@ -81,21 +79,9 @@ template <class V, class T, int N, int M, class Starts, class Stopped> struct ra
     bool converged(const lane_searches<V, N>& lanes, int i) {
         solution<T, N> candidate{};
         if (!accept(lanes, i, range, arm.coordinates(), asked.kind, theta0, candidate)) return false;
-        if (!is_met(candidate, settings)) {
-            keep_rounded(candidate, search[i]);
-            return false;
-        }
         found = candidate;
         winner = search[i];
         return true;
-    }
-
-    /// The first search that meets the target up to rounding gives the answer, unless one of the next few does better.
-    void keep_rounded(const solution<T, N>& candidate, int which) {
-        if (rounded != none && rounded <= which) return;
-        most = most < which + searches_past_rounded ? most : which + searches_past_rounded;
-        rounded = which;
-        rounded_answer = candidate;
     }
 
     void settle(const lane_searches<V, N>& lanes, lane_starts<T, N, lane_count>& starts, unsigned ended,
@@ -130,7 +116,7 @@ template <class V, class T, int N, int M, class Starts, class Stopped> struct ra
         if (looks == 0) start_error = lane_of<T>(lanes.position_squared, lanes.rotation_squared, 0);
         if (++looks % looks_for_a_clock == 0 && stopped()) cut_short(lanes);
         if (winner == none || over) return over;
-        if (begun < most && beats(begun, 0)) return false;
+        if (begun < settings.searches && beats(begun, 0)) return false;
         for (int i = 0; i < lane_count; ++i)
             if (search[i] != none && beats(search[i], least_steps(lanes, i, unseen))) return false;
         return true;
@@ -148,14 +134,12 @@ bool race_to(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_
     lane_starts<T, N, number<V>::lanes> starts;
     for (int i = 0; i < number<V>::lanes; ++i) race.begin(starts, i);
     run_searches<V, Kind, T, N, M>(arm, range, settings, lanes, starts, race);
-    if (race.winner == race.none && race.rounded != race.none) {
-        found = race.rounded_answer;
-        race.winner = race.rounded;
-    }
+    const bool won = race.winner != race.none;
+    if (won && !settings.to_edge) polish_as<Kind>(arm, range, settings, asked, theta0, found);
     found.restarts = race.winner == 0 ? 1 : race.begun;
     found.start_error = race.start_error;
-    if (race.winner == race.none) found.iterations = race.iterations;
-    return race.winner != race.none;
+    if (!won) found.iterations = race.iterations;
+    return won;
 }
 }  // namespace detail
 
@@ -163,8 +147,8 @@ bool race_to(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_
 /// `theta0` (n,) inside the limits, the others from random starts of `seed`. Equal calls give equal bits. `Lanes`
 /// searches run side by side, by default as many as a register holds; the number changes no answer.
 ///
-/// The errors are those of forward kinematics at the answer. Without one, `found` is the end with the least error, not
-/// converged. `ends` (room, n), if not null, takes the ends of the first failed searches; all of them without a winner.
+/// Each search aims at the target itself, and the answer is polished. If none meets it, `found` is the end with the
+/// least error, which may be within the tolerances. `ends` (room, n), if not null, takes the ends of the first failed searches; all of them without a winner.
 /// stopped() is called now and then; true ends the searches.
 template <target_kind Kind, int Lanes = 0, class T, int N, int M, class Stopped>
 void solve_kind(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
@@ -182,8 +166,7 @@ void solve_kind(const chain<T, N, M>& arm, const ranges<T, N>& range, const sear
     };
     if (detail::race_to<pack<T, lanes>, Kind>(arm, range, settings, asked, begins, start, ends, room, stopped, found))
         return;
-    judge(arm, range, settings, asked, start, found);
-    found.converged = false;
+    judge_end(arm, range, settings, asked, start, found);
 }
 
 /// The same for the kind of the target's type. A plain target<T> may have any kind and compiles all four solvers.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "far_slides.hpp"
-#include "race.hpp"
+#include "resume.hpp"
 
 TWISTARM_BEGIN
 
@@ -15,18 +15,18 @@ TWISTARM_BEGIN
 template <target_kind Kind, class T, int N, int M, class Job>
 void find_reachable(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                     const T* theta0, std::uint64_t seed, Job& job) {
+    const auto of_kind = [](const target<T>& asked) { return target_of<T, Kind>{asked}; };
     T before[capacity(N)];
     for (int k = 0; k < arm.coordinates(); ++k) before[k] = theta0[k];
     for (std::int64_t t = 0; t < job.count() && !job(); ++t) {
         const target<T> asked = job.asked(t);
         solution<T, N> found;
-        T* nowhere = nullptr;
-        solve_kind<Kind>(arm, range, settings, asked, before, seed, found, nowhere, 0, job);
+        search_all(arm, range, settings, of_kind(asked), before, seed, job, found);
         ranges<T, N> there = range;
         T start[capacity(N)];
         for (int k = 0; k < arm.coordinates(); ++k) start[k] = before[k];
         if (!found.converged && bring_slides_near(arm, asked, there, start))
-            solve_kind<Kind>(arm, there, settings, asked, start, seed, found, nowhere, 0, job);
+            search_all(arm, there, settings, of_kind(asked), start, seed, job, found);
         for (int k = 0; k < arm.coordinates() && found.converged; ++k) before[k] = found.theta[k];
         job.store(t, found.converged ? found.theta : nullptr);
     }

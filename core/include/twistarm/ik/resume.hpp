@@ -29,9 +29,9 @@ template <class T, int N> void shake_into(const ranges<T, N>& range, int n, int 
     }
 }
 
-/// E of errors: the squared position error plus the weighted rotation error, without what a loose tolerance allows.
+/// E of errors: the squared position error plus the weighted rotation error; to the edge of tolerances, beyond them.
 template <class T> T error_of(const search_settings<T>& settings, T position, T orientation) {
-    if (is_loose(settings)) {
+    if (settings.to_edge) {
         position = greatest(position - settings.position_tolerance, T(0));
         orientation = greatest(orientation - settings.orientation_tolerance, T(0));
     }
@@ -63,49 +63,65 @@ void take_nearest(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
     for (int i = kept; i < resumed; ++i) shake_into(range, arm.coordinates(), i, starts);
 }
 
+/// A race of searches from `starts` (settings.searches, n). Replaces `found` if one of them meets the target.
 template <target_kind Kind, int Lanes, class T, int N, int M, class Stopped>
-void resume_as(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
-               const target<T>& asked, const T* theta0, const T* ends, int count, Stopped& stopped,
+void race_from(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+               const target<T>& asked, const T* theta0, const T* starts, int stride, Stopped& stopped,
                solution<T, N>& found) {
-    search_settings<T> patient = settings;
-    patient.searches = resumed;
-    patient.iterations = patient.stalls = patience;
-    patient.head_start = 0;
-    resumed_ends<T, N> starts;
-    take_nearest(arm, range, settings, asked, ends, count, starts);
-    const auto begins = [&](int search, T* theta, int stride) {
-        for (int k = 0; k < arm.coordinates(); ++k) theta[k * stride] = starts.theta[search][k];
+    const auto begins = [&](int search, T* theta, int step) {
+        for (int k = 0; k < arm.coordinates(); ++k) theta[k * step] = starts[search * stride + k];
     };
     solution<T, N> met{};
     T* nowhere = nullptr;
     using V = pack<T, Lanes != 0 ? Lanes : lanes_at_once<T, searches_in_round>>;
-    if (!race_to<V, Kind>(arm, range, patient, asked, begins, theta0, nowhere, 0, stopped, met)) return;
+    if (!race_to<V, Kind>(arm, range, settings, asked, begins, theta0, nowhere, 0, stopped, met)) return;
     met.restarts = found.restarts;
     met.start_error = found.start_error;
     found = met;
 }
+
+/// The settings of searches that are resumed.
+template <class T> search_settings<T> patient(search_settings<T> settings) {
+    settings.searches = resumed;
+    settings.iterations = settings.stalls = patience;
+    settings.head_start = 0;
+    return settings;
+}
 }  // namespace detail
 
-/// Continues from the ends (count, n) of failed searches if `found`, the best of them, was on its way. Replaces `found`
-/// if that meets the target.
+/// What follows searches of which none has met the target itself, from their ends (count, n), and `found`, the best.
+///
+/// If that was on its way, the nearest go on with more patience. If the target itself is still not met, and nothing is
+/// within the tolerances, searches from all ends look for their edge. Replaces `found` if one succeeds.
 template <int Lanes = 0, class T, int N, int M, class Target, class Stopped>
-void resume(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
-            const Target& asked, const T* theta0, const T* ends, int count, Stopped& stopped, solution<T, N>& found) {
-    if (!(detail::error_of(settings, found.position_error, found.orientation_error) < detail::on_its_way<T>)) return;
+void resume(const chain<T, N, M>& arm, const ranges<T, N>& range, search_settings<T> settings, const Target& asked,
+            const T* theta0, const T* ends, int count, Stopped& stopped, solution<T, N>& found) {
+    const auto on_its_way = [&] {
+        return detail::error_of(settings, found.position_error, found.orientation_error) < detail::on_its_way<T>;
+    };
     with_kind(asked, [&](auto kind) {
-        detail::resume_as<kind(), Lanes>(arm, range, settings, asked, theta0, ends, count, stopped, found);
+        if (on_its_way()) {
+            detail::resumed_ends<T, N> starts;
+            detail::take_nearest(arm, range, settings, asked, ends, count, starts);
+            detail::race_from<kind(), Lanes>(arm, range, detail::patient(settings), asked, theta0, starts.theta[0],
+                                             capacity(N), stopped, found);
+        }
+        settings.to_edge = true;
+        settings.searches = count;
+        if (!found.converged && detail::is_loose(settings) && on_its_way())
+            detail::race_from<kind(), Lanes>(arm, range, settings, asked, theta0, ends, arm.coordinates(), stopped,
+                                             found);
     });
 }
 
-/// `solve`, and where all of its searches fail, `resume`: every search that there is for a target.
-template <int Lanes = 0, class T, int N, int M, class Target>
+/// `solve`, and where none of its searches meets the target itself, `resume`: every search that there is for a target.
+template <int Lanes = 0, class T, int N, int M, class Target, class Stopped>
 void search_all(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
-                const Target& asked, const T* theta0, std::uint64_t seed, solution<T, N>& found) {
+                const Target& asked, const T* theta0, std::uint64_t seed, Stopped& stopped, solution<T, N>& found) {
     const int n = arm.coordinates();
     T ends[most_ends * capacity(N)], start[capacity(N)];
-    never stopped;
     solve<Lanes>(arm, range, settings, asked, theta0, seed, found, ends, most_ends, stopped);
-    if (found.converged) return;
+    if (is_exact(found, settings)) return;
     for (int k = 0; k < n; ++k) start[k] = theta0[k];
     bring_inside(range, n, start);
     const int count = found.restarts < most_ends ? found.restarts : most_ends;

@@ -21,7 +21,7 @@ template <class T, int N> struct solution {
     T position_error, orientation_error;  ///< [m], [rad], counting only what the target constrains
     int iterations;  ///< of the search that won; of all of them where none did
     int restarts;    ///< searches begun; 1 where the first one won
-    bool converged;
+    bool converged;      ///< whether the errors are within the tolerances
     squared_errors<T> start_error;  ///< at θ₀, inside the limits
 };
 
@@ -33,8 +33,9 @@ template <class T, int N> void find_nothing(const T* theta0, int n, solution<T, 
     found.start_error = {found.position_error, found.position_error};
 }
 
-/// The number of further searches after one has met its target only up to the rounding of the axes.
-constexpr int searches_past_rounded = 24;
+/// Errors [m, rad] below which a search has met its target, whatever is tolerated, and below which it needs no polish.
+template <class T> constexpr T exact_error = T(sizeof(T) == 8 ? 1e-6 : 1e-5);
+template <class T> constexpr T polished_error = T(sizeof(T) == 8 ? 1e-9 : 1e-6);
 
 /// How many ends of failed searches are kept, at most, for what comes after them.
 constexpr int most_ends = 96;
@@ -62,19 +63,14 @@ template <class T, int N, int Lanes> struct lane_starts {
 };
 
 namespace detail {
-/// A search goes this far below the tolerances, so that the rounding of wrapped angles cannot change its verdict.
-constexpr double margin = 0.9;
-/// Of a loose tolerance that rounding is next to nothing. A search takes errors below the share `allowed` for none, so
-/// that it gets below the margin.
-constexpr double loose_margin = 0.9999, allowed = 0.999;
+/// Of a tolerance: what a search to its edge takes for no error, and what it then has to come within, so that the
+/// rounding of wrapped angles cannot change its verdict.
+constexpr double allowed = 0.999, edge = 0.9999;
 
 /// Squared errors below which a search has met its target; the rotation's as a chord, 2 sin(φ/2), or an angle.
 template <class T> struct thresholds {
     T position, rotation;
 };
-
-/// A tolerance [m, rad] up to here is met by a search for zero error, which is quicker.
-constexpr double loose = 1e-5;
 
 /// An angle as a target of this kind measures its error: the chord 2 sin(φ/2), or the angle itself.
 inline double measured(double angle, target_kind kind) {
@@ -82,31 +78,33 @@ inline double measured(double angle, target_kind kind) {
     return kind == target_kind::task ? angle : 2.0 * __builtin_sin(0.5 * angle);
 }
 
+/// Whether the tolerances allow more than a search for the target itself leaves.
 template <class T> bool is_loose(const search_settings<T>& settings) {
-    return greatest(settings.position_tolerance, settings.orientation_tolerance) > static_cast<T>(loose);
+    return greatest(settings.position_tolerance, settings.orientation_tolerance) > exact_error<T>;
 }
-
-/// How much of a tolerance a search has to come within.
-template <class T> double share_of(T tolerance) { return tolerance > static_cast<T>(loose) ? loose_margin : margin; }
 
 /// Takes out of an error what its loose tolerances allow; E of what is left.
 template <target_kind Kind, class V, class T, int N, int K>
 TWISTARM_INLINE V allow_tolerances(const search_settings<T>& settings, residual<V, N, K>& at, int n) {
     V left = at.position_squared;
-    if (settings.position_tolerance > static_cast<T>(loose))
+    if (settings.position_tolerance > exact_error<T>)
         left = allow(at, 0, 3, static_cast<T>(allowed) * settings.position_tolerance, n);
     if constexpr (Kind == target_kind::position) return left;
-    if (!(settings.orientation_tolerance > static_cast<T>(loose)))
+    if (!(settings.orientation_tolerance > exact_error<T>))
         return left + settings.rotation_weight * at.rotation_squared;
     const double angle = measured(allowed * static_cast<double>(settings.orientation_tolerance), Kind);
     return left + allow(at, 3, K, sqrt(settings.rotation_weight) * static_cast<T>(angle), n);
 }
 
-template <class T> thresholds<T> thresholds_of(T position_tolerance, T orientation_tolerance, target_kind kind) {
-    const double position = share_of(position_tolerance) * static_cast<double>(position_tolerance);
-    const double angle = share_of(orientation_tolerance) * static_cast<double>(orientation_tolerance);
-    const double rotation = measured(angle, kind);
-    return {static_cast<T>(position * position), static_cast<T>(rotation * rotation)};
+/// The thresholds of errors that meet the target itself or, for searches `to_edge`, come within loose tolerances.
+template <class T> thresholds<T> thresholds_of(const search_settings<T>& settings, target_kind kind) {
+    const auto most = [&](T tolerance) {
+        if (!settings.to_edge || tolerance <= exact_error<T>) return least(tolerance, exact_error<T>);
+        return static_cast<T>(edge) * tolerance;
+    };
+    const T position = most(settings.position_tolerance);
+    const T rotation = static_cast<T>(measured(static_cast<double>(most(settings.orientation_tolerance)), kind));
+    return {position * position, rotation * rotation};
 }
 
 template <class V, class T, int N>
@@ -137,20 +135,14 @@ protected:
     ~search_owner() = default;
 };
 
-/// Runs searches until `owner` has what it wants. E = ‖position error‖² + rotation_weight ‖rotation error‖², of loose
-/// tolerances only what is beyond them. A search that ends within the rounding has met its target too.
+/// Runs searches until `owner` has what it wants. E = ‖position error‖² + rotation_weight ‖rotation error‖²; to the edge
+/// of loose tolerances only what is beyond them.
 template <class V, target_kind Kind, class T, int N, int M>
 void run_searches(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                   lane_searches<V, N>& lanes, lane_starts<T, N, number<V>::lanes>& starts,
                   search_owner<V, T, N>& owner) {
     const int n = arm.coordinates();
-    const bool loose = detail::is_loose(settings), rounds = settings.position_rounding > T(0);
-    const detail::thresholds<T> enough =
-        detail::thresholds_of(settings.position_tolerance, settings.orientation_tolerance, Kind);
-    detail::thresholds<T> rounded = enough;
-    if (rounds)
-        rounded = detail::thresholds_of(greatest(settings.position_rounding, settings.position_tolerance),
-                                        greatest(settings.orientation_rounding, settings.orientation_tolerance), Kind);
+    const detail::thresholds<T> enough = detail::thresholds_of(settings, Kind);
     const T rotation_scale = sqrt(settings.rotation_weight);
     residual<V, N, rows_of(Kind)> at;
     column<V> columns[capacity(N)];
@@ -162,7 +154,7 @@ void run_searches(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
         lanes.position_squared = at.position_squared;
         lanes.rotation_squared = at.rotation_squared;
         lanes.error = at.position_squared + settings.rotation_weight * at.rotation_squared;
-        if (loose) lanes.error = detail::allow_tolerances<Kind>(settings, at, n);
+        if (settings.to_edge) lanes.error = detail::allow_tolerances<Kind>(settings, at, n);
         const auto met = (at.position_squared <= V(enough.position)) & (at.rotation_squared <= V(enough.rotation));
         lanes.stalls = lanes.stalls + select(lanes.best * settings.progress < lanes.error, V(T(1)), V(T(0)));
         lanes.best = least(lanes.best, lanes.error);
@@ -172,12 +164,7 @@ void run_searches(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
         const auto over = met | (lanes.stalls >= V(static_cast<T>(settings.stalls))) |
                           (lanes.iterations >= V(static_cast<T>(settings.iterations)));
         const unsigned ended = bits(over);
-        if (ended != 0U) {
-            unsigned there = bits(met);
-            if (rounds)
-                there |= bits((at.position_squared <= V(rounded.position)) & (at.rotation_squared <= V(rounded.rotation)));
-            owner.settle(lanes, starts, ended, there);
-        }
+        if (ended != 0U) owner.settle(lanes, starts, ended, bits(met));
         if (owner.finished(lanes)) return;
         const V lambda = settings.damping * lanes.error + settings.least_damping;
         bounded_step(range, lambda, n, at, lanes.theta);
@@ -191,6 +178,18 @@ template <class T, class V> TWISTARM_INLINE squared_errors<T> lane_of(const V& p
     return {lane(position, i), lane(rotation, i)};
 }
 
+namespace detail {
+/// The errors of squared ones, as a target of this kind measures them.
+template <class T, int N> void set_errors(const squared_errors<T>& squared, target_kind kind, solution<T, N>& found) {
+    const T turned = sqrt(squared.rotation);
+    found.position_error = sqrt(squared.position);
+    found.orientation_error = kind == target_kind::task ? turned : T(2) * arcsine(T(0.5) * turned);
+}
+
+/// The most steps that polish an answer, and how many of them may gain nothing.
+constexpr int most_polish = 20, polish_in_vain = 2;
+}  // namespace detail
+
 /// The answer in a lane that has met its target: θ wrapped near `near`, and the errors computed before wrapping, which
 /// changes them only by rounding.
 template <class V, class T, int N>
@@ -198,18 +197,55 @@ inline bool accept(const lane_searches<V, N>& lanes, int i, const ranges<T, N>& 
                    const T* near, solution<T, N>& found) {
     for (int k = 0; k < n; ++k) found.theta[k] = lane(lanes.theta[k], i);
     wrap_near(range, n, near, found.theta);
-    const T turned = sqrt(lane(lanes.rotation_squared, i));
-    found.position_error = sqrt(lane(lanes.position_squared, i));
-    found.orientation_error = kind == target_kind::task ? turned : T(2) * arcsine(T(0.5) * turned);
+    detail::set_errors(lane_of<T>(lanes.position_squared, lanes.rotation_squared, i), kind, found);
     found.iterations = static_cast<int>(lane(lanes.iterations, i));
     found.converged = is_inside(range, n, found.theta);
     return found.converged;
 }
 
-/// Whether errors are within the tolerances, without the rounding.
-template <class T, int N> bool is_met(const solution<T, N>& found, const search_settings<T>& settings) {
-    return found.position_error <= settings.position_tolerance &&
-           found.orientation_error <= settings.orientation_tolerance;
+/// Whether an answer meets the target itself, not only within loose tolerances.
+template <class T, int N> bool is_exact(const solution<T, N>& found, const search_settings<T>& settings) {
+    return found.converged && found.position_error <= least(settings.position_tolerance, exact_error<T>) &&
+           found.orientation_error <= least(settings.orientation_tolerance, exact_error<T>);
+}
+
+/// Goes on from an answer that meets the target itself, by steps of a search, until its errors are those of rounding or
+/// two steps have gained nothing. The best θ is wrapped near `near` (n,).
+template <target_kind Kind, class T, int N, int M>
+void polish_as(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+               const target<T>& asked, const T* near, solution<T, N>& found) {
+    if (greatest(found.position_error, found.orientation_error) <= polished_error<T>) return;
+    const int n = arm.coordinates();
+    const aim<T> aims = aim_at(arm, asked);
+    const T rotation_scale = sqrt(settings.rotation_weight);
+    residual<T, N, rows_of(Kind)> at;
+    column<T> columns[capacity(N)];
+    solution<T, N> moved = found;
+    T theta[capacity(N)], best = static_cast<T>(__builtin_inf());
+    for (int k = 0; k < n; ++k) theta[k] = found.theta[k];
+    for (int step = 0, in_vain = 0; step <= detail::most_polish && in_vain < detail::polish_in_vain; ++step) {
+        frame<T> g;
+        walk_with_columns(arm, aims.base, aims.tip, theta, g, columns);
+        residual_of<Kind, N>(g, columns, n, aims, rotation_scale, at);
+        const T error = at.position_squared + settings.rotation_weight * at.rotation_squared;
+        in_vain += !(error < settings.progress * best);
+        if (error < best) {
+            best = error;
+            for (int k = 0; k < n; ++k) moved.theta[k] = theta[k];
+            detail::set_errors({at.position_squared, at.rotation_squared}, Kind, moved);
+        }
+        if (greatest(moved.position_error, moved.orientation_error) <= polished_error<T>) break;
+        bounded_step(range, settings.damping * error + settings.least_damping, n, at, theta);
+    }
+    wrap_near(range, n, near, moved.theta);
+    if (is_inside(range, n, moved.theta)) found = moved;
+}
+
+/// The same for the kind of the target.
+template <class T, int N, int M>
+void polish(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+            const target<T>& asked, const T* near, solution<T, N>& found) {
+    with_kind(asked, [&](auto kind) { polish_as<kind()>(arm, range, settings, asked, near, found); });
 }
 
 /// θ wrapped near `near` and judged anew by forward kinematics in scalars: whether it is an answer.
@@ -221,10 +257,20 @@ inline bool judge(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
     const target_errors<T> errors = errors_at(asked, forward(arm, found.theta));
     found.position_error = errors.position;
     found.orientation_error = errors.orientation;
-    found.converged = errors.position <= greatest(settings.position_tolerance, settings.position_rounding) &&
-                      errors.orientation <= greatest(settings.orientation_tolerance, settings.orientation_rounding) &&
-                      is_inside(range, n, found.theta);
+    found.converged = errors.position <= settings.position_tolerance &&
+                      errors.orientation <= settings.orientation_tolerance && is_inside(range, n, found.theta);
     return found.converged;
+}
+
+/// What is left of searches of which none has met the target itself: their best end, `found`, or θ₀ (n,) if only that
+/// is within the tolerances.
+template <class T, int N, int M>
+void judge_end(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+               const target<T>& asked, const T* theta0, solution<T, N>& found) {
+    if (judge(arm, range, settings, asked, theta0, found)) return;
+    solution<T, N> start = found;
+    for (int k = 0; k < arm.coordinates(); ++k) start.theta[k] = theta0[k];
+    if (judge(arm, range, settings, asked, theta0, start)) found = start;
 }
 
 TWISTARM_END

@@ -122,9 +122,13 @@ int search_from_each_as(const chain<T, N, M>& arm, const ranges<T, N>& range, co
     for (int i = 0; i < searches_in_group; ++i) owner.begin(starts, i);
     run_searches<V, Kind, T, N, M>(arm, range, settings, lanes, starts, owner);
     if (owner.met == 0 && owner.least_error < on_its_way<T> && !stopped()) {
+        resumed_ends<T, N> starts;
+        take_nearest(arm, range, settings, asked, set.theta, owner.begun, starts);
+        search_settings<T> how = patient(settings);
         solution<T, N> end{};
-        resume_as<Kind, searches_in_group>(arm, range, settings, asked, set.theta + owner.nearest * n, set.theta,
-                                        owner.begun, stopped, end);
+        for (int more = is_loose(settings) && !settings.to_edge; more >= 0 && !end.converged; --more, how.to_edge = true)
+            race_from<Kind, searches_in_group>(arm, range, how, asked, set.theta + owner.nearest * n, starts.theta[0],
+                                               capacity(N), stopped, end);
         for (int k = 0; k < n && end.converged; ++k) set.theta[k] = end.theta[k];
         return end.converged ? 1 : 0;
     }
