@@ -316,35 +316,6 @@ def test_a_list_is_saved_and_loaded_and_the_motion_exported(
     assert load_trajectory(arm, tmp_path / "motion.csv").duration == motion.duration
 
 
-def test_where_a_line_ends_before_its_pose_is_marked(page: Any, arm: Arm, viewer: Viewer) -> None:
-    open_poses(page, viewer)
-    behind = arm.ready.copy()
-    behind[1:3] = arm.limits.lower[1], 0.5
-    for theta in (arm.ready, behind):
-        record(page, viewer, theta)
-    page.get_by_label("Move to pose 2").select_option("line")
-    until(page, "twistarm.parts.program.poses[1].by === 'line'")
-    page.get_by_label("Tool at most").fill("0.2")
-    page.get_by_role("button", name="Plan", exact=True).click()
-    until(page, "document.getElementById('error').textContent.startsWith('on the way to ')")
-    stops = page.locator("#stops span")
-    until(page, "document.querySelector('#stops span').style.transform !== ''")
-    share = page.locator("#error").inner_text().split("(")[1].split(" %")[0]
-    assert stops.inner_text().startswith(f"stops at {share} %: ")
-    box, pane = stops.bounding_box(), page.locator("#pane").bounding_box()
-    assert pane["x"] < box["x"] < box["x"] + box["width"] < pane["x"] + pane["width"]
-    pieces = page.evaluate("twistarm.parts.path.arms.map(({ parts }) => parts.length)")
-    assert len(pieces) == 3  # at both poses, and where it stops
-    assert len(set(pieces)) == 1
-    assert pieces[0] > 5
-    page.get_by_label("Move to pose 2").select_option("joint")
-    until(page, "twistarm.parts.program.poses[1].by === 'joint'")
-    page.get_by_label("Tool at most").fill("")
-    plan(page, "time_optimal")
-    assert stops.count() == 0
-    assert page.evaluate("twistarm.parts.path.arms.length") == 2
-
-
 @pytest.mark.parametrize(
     ("text", "reason"),
     [

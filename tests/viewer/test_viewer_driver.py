@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from twistarm import Arm, Scene, load_arm, plan_joint
+from twistarm import Arm, Scene, load_arm
 from twistarm.arm.usual_limits import DEFAULTS
 from twistarm.control.servo import ServoOutput, ServoSettings
 from twistarm.control.stream import Cycle
@@ -289,17 +289,6 @@ def test_what_the_program_shows_goes_first_and_is_told(viewer: Viewer, arm: Arm)
         assert "Drive was switched off" in page.latest["error"]["message"]
         page.until(lambda: not page.latest["servo"]["driven"])
     assert viewer.theta.tolist() == theta.tolist()
-
-
-def test_a_trajectory_that_plays_is_stopped_first(viewer: Viewer, arm: Arm) -> None:
-    goal = arm.ready.copy()
-    goal[0] += 0.5
-    viewer.play(plan_joint(arm, [arm.ready, goal], limits={"velocity": 0.2, "acceleration": 1.0}))
-    with driven(viewer) as page:
-        assert not page.latest["frame"]["running"]
-        at = viewer.theta
-        time.sleep(0.2)
-        assert_allclose(viewer.theta, at, atol=1e-12)
 
 
 def test_outside_the_limits_it_does_not_begin(arm: Arm) -> None:
