@@ -25,6 +25,7 @@ from twistarm.viewer.stage import Stage
 from urdf_text import joint, write
 from viewer_page import ARM, ROUNDING, THETA, matrix, visit
 
+
 def drawn_by(scene: Drawing) -> dict[str, Any]:
     """What is on show once every message has been followed: objects by their nodes."""
     shown: dict[str, Any] = {}
