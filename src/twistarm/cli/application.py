@@ -21,7 +21,6 @@ from .commands import (
     calibrating,
     checking,
     designing,
-    dh,
     driving,
     guide,
     init,
@@ -39,7 +38,7 @@ BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
 
 COMMANDS: dict[str, tuple[Callable[..., Any], ...]] = {
     "An arm": (viewing.demo, arms.arms, arms.info, init.init, checking.doctor, checking.check, checking.freeze,
-               checking.collisions, baking.bake, dh.dh),
+               checking.collisions, baking.bake, baking.dh),
     "Kinematics": (kinematics.fk, kinematics.jacobian, inverse.ik, designing.reach),
     "Motion": (motion.plan, viewing.view, driving.servo, driving.follow),
     "Design": (designing.payload, designing.designs, designing.panel),

@@ -17,8 +17,7 @@ from ..support.checks import Array
 from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows, is_number, lines_in
 from ..support.errors import InputError, listed, shown
 from ..support.fields import inside
-from ..support.unit_hints import angle_hint
-from ..support.units import column, factor
+from ..support.units import angle_hint, column, factor
 from .output import note, warn
 from .targets import Orientation, Target
 

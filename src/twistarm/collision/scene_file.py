@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 
 from ..arm.bodies import Triangles, along
-from ..description.companions.toml_entries import parse_toml, toml_key, toml_text
+from ..description.companions.data_files import parse_toml, parse_yaml, toml_key, toml_text
 from ..description.document import read_text
-from ..description.yaml_reading import parse_yaml
 from ..support.checks import Array, Given, as_floats, as_vector
 from ..support.errors import InputError, TwistarmError, listed
 from ..support.fields import Check, anything, fields, flag, inside, list_of, number, table_of, text, vector, word

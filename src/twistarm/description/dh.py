@@ -16,8 +16,7 @@ from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows
 from ..support.errors import InputError, listed, shown
 from ..support.fields import fields, inside, number, number_in, one_of
 from ..support.files import as_path
-from ..support.unit_hints import TURN, angle_hint
-from ..support.units import column, factor
+from ..support.units import TURN, angle_hint, column, factor
 from ..theory.rotations import exp
 from .bounds import LIMIT_NAMES
 from .document import LARGEST, note_file

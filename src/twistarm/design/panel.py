@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..description.companions.toml_entries import parse_toml
+from ..description.companions.data_files import parse_toml
 from ..ik.targets import Approach
 from ..planning.segments import CONSTRAINED, ArcMove, Constrained, LineMove, Segment, as_label
 from ..support.checks import Array, as_direction

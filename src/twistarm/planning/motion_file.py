@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..arm.arm import Arm
-from ..description.companions.toml_entries import parse_toml, toml_key
+from ..description.companions.data_files import parse_toml, toml_key
 from ..ik.targets import Approach, Pose, Position, TolerancedPose
 from ..support.checks import Array, as_theta
 from ..support.code_text import filled

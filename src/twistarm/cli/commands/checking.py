@@ -21,9 +21,8 @@ from ...collision import Scene
 from ...collision.survey import srdf_text, survey
 from ...description.findings import CODES, Finding, codes_page
 from ...description.findings import refused as refusal_of
-from ...support.errors import InputError, printable
+from ...support.errors import InputError, printable, without_places
 from ...support.messages import plural
-from ...support.path_redaction import without_places
 from ..numbers import quantity, whole
 from ..options import ArmArgument, Json, SceneFile, answers
 from ..output import STDOUT, Outputs, entries, note, plain, progress_bar, say

@@ -15,14 +15,13 @@ from ...support.csv_lines import csv_text
 from ...support.errors import InputError
 from ...sweeps import ReachMap, reach_map
 from ...theory.rotations import to_rpy
-from ..asked_motion import motion_of_file
 from ..numbers import PLACE, numbers, parse_numbers, quantity, whole
 from ..options import Answer, ArmArgument, Avoid, CsvAnswer, Source, Theta, answers, avoided
 from ..output import STDOUT, Outputs, note, plain, progress_bar
 from ..tables import Column, Table, joint_heads, number, quantity_text, theta_typed, unit_text
 from ..targets import Directions, Positions, Rpys, typed_targets
 from .arms import joints_table
-from .motion import MOTION_KINDS, MaxTime, Step, Unwrap, motion_texts
+from .motion import MOTION_KINDS, MaxTime, Step, Unwrap, motion_of_file, motion_texts
 
 Motion = Annotated[Path | None, typer.Option(metavar="FILE", help="Along a motion: *.csv, *.json, *.yaml or *.toml.")]
 PanelOption = Annotated[Path | None, typer.Option(metavar="FILE", help="Which share of a panel.toml each arm does.")]

@@ -27,12 +27,12 @@ from ...control.stream.links.inbox import COMMAND_TIMEOUT
 from ...control.stream.streaming import TOLERANCE
 from ...support.checks import Array, require_choice
 from ...support.errors import InputError, LimitError
-from ..asked_motion import Acceleration, Velocity, capped, motion_of_file
 from ..numbers import JointValues, of_joints, quantity
 from ..options import Answer, ArmArgument, Avoid, Theta, avoided
 from ..output import entries, progress_bar, say
 from ..robot import Hertz, RobotOptions, Tolerance, address
 from ..tables import outside
+from .motion import Acceleration, Velocity, capped, motion_of_file
 from .viewing import PageOptions
 
 Commands = Annotated[

@@ -25,7 +25,6 @@ from ...viewer import Viewer, page_html, save_html
 from ...viewer.files.scene_snapshot import of_arm
 from ...viewer.files.screenshot import png_of
 from ...viewer.server.watching import loaded
-from ..asked_motion import motion_of_file
 from ..command import Shared
 from ..numbers import whole
 from ..options import ArmArgument, SceneFile, Source, Theta, answers
@@ -34,7 +33,7 @@ from ..tables import jacobian_table, pose_parts
 from .arms import show_arm
 from .checking import comparisons, verdict
 from .inverse import show_solution
-from .motion import plan_tables
+from .motion import motion_of_file, plan_tables
 
 FILE_INSTEAD = ", or use -o FILE.html for a page that needs no server"
 

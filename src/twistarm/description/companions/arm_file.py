@@ -17,12 +17,12 @@ from ...support.checks import Array, frozen
 from ...support.errors import InputError, shown
 from ...support.fields import Check, anything, fields, list_of, number, numbers, positive, table_of, text, word
 from ...support.files import as_path, is_file
-from ...support.unit_hints import angle_hint
+from ...support.units import angle_hint
 from ...theory.rotations import from_rpy
 from ..document import LARGEST
 from ..findings import Finding, Place, finding, refusal
 from ..packages import is_too_wide, package_names
-from .toml_entries import parse_toml, unusable
+from .data_files import parse_toml, unusable
 
 if TYPE_CHECKING:
     from ..dh import DhTable

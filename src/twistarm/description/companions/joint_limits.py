@@ -15,8 +15,7 @@ from ...support.errors import InputError, closest, listed
 from ...support.fields import anything, fields, flag, number, table_of
 from ..document import existing_file, read_text
 from ..findings import Finding, Place, finding
-from ..yaml_reading import parse_yaml
-from .toml_entries import unusable
+from .data_files import parse_yaml, unusable
 
 MAX_BYTES = 250_000
 """A file for a whole humanoid has some 10 kB."""

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...arm.arm import Arm
-from ...description.yaml_reading import parse_yaml
+from ...description.companions.data_files import parse_yaml
 from ...limits.actuators import Actuators
 from ...support.checks import Array
 from ...support.errors import DescriptionError, InputError, closest, listed, shown

@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from ...support.errors import InputError, shown
+from ...support.errors import InputError, shown, without_places
 from ...support.fields import Check, fields, flag, list_of, number, numbers, one_of, whole
-from ...support.path_redaction import without_places
 from ...support.strict_json import decoded
 from ..page_files import page_text
 
