@@ -29,6 +29,7 @@ from .commands import (
     motion,
     viewing,
 )
+from .numbers import switch
 from .options import ArmCommand
 from .output import say
 from .wording import words_of
@@ -67,10 +68,8 @@ def _print_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-Version = Annotated[
-    bool, typer.Option("--version", is_eager=True, callback=_print_version, help="Print twistarm's version.")
-]
-Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+Version = Annotated[bool, switch("Print twistarm's version.", "--version", is_eager=True, callback=_print_version)]
+Debug = Annotated[bool, switch("Show the traceback of an error.", "--debug")]
 
 
 @app.callback(invoke_without_command=True)

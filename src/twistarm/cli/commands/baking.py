@@ -5,15 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from ...arm.baking import SUFFIX, digest_of, text_of
 from ...arm.loading.from_dh import PARALLEL, dh_csv, dh_rows, to_dh
 from ...description.dh import PARAMETERS
 from ...export import limits_yaml, matlab, urdf
 from ...export.cpp_header import SUFFIXES, core_headers, cpp_header, namespace_of
 from ...support.messages import plural
-from ..numbers import quantity
+from ..numbers import option, quantity
 from ..options import ArmArgument, CsvAnswer, answers
 from ..output import STDOUT, Outputs, entries
 from ..tables import Column, Table
@@ -70,9 +68,7 @@ def bake(source: ArmArgument, outputs: Written) -> None:
 
 ROWS = {"standard": "R_z(θ) T_z(d) T_x(a) R_x(α)", "modified": "R_x(α) T_x(a) R_z(θ) T_z(d)"}
 
-Convention = Annotated[
-    str, typer.Option(metavar="standard|modified", help="That of Paul, Spong and Siciliano, or of Craig.")
-]
+Convention = Annotated[str, option("standard|modified", "That of Paul, Spong and Siciliano, or of Craig.")]
 Parallel = Annotated[
     float | None,
     quantity("rad", "Axes within this count as parallel; others meet far away [°, or rad with --rad]; 1e-7 rad."),

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import typer
 
 from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line, with_defaults
@@ -35,7 +34,7 @@ from ...planning.motion import MotionKind, as_segments
 from ...planning.motion import plan as plan_segments
 from ...planning.spans import Progress
 from ...support.errors import InputError
-from ..numbers import POSE, JointValues, OfJoints, joint_values, of_joints, quantity
+from ..numbers import POSE, JointValues, OfJoints, argument, joint_values, of_joints, option, quantity, switch
 from ..options import ArmArgument, Avoid, answers, avoided
 from ..output import STDOUT, Contents, Outputs, note, progress_bar
 from ..tables import Column, Table, number, theta_values
@@ -105,15 +104,13 @@ Written = Annotated[
         "as well, but in *.mcap. - is standard output; repeat it.",
     ),
 ]
-TIMING = typer.Option(
-    help="How it is timed: s_curve unless given, or time_optimal; with --line, --xyz or a motion.toml also quintic."
+TIMING = option(
+    None, "How it is timed: s_curve unless given, or time_optimal; with --line, --xyz or a motion.toml also quintic."
 )
 Start = Annotated[
     JointValues | None, joint_values(POSE, "Where it starts, as --to; unless given, the ready pose.", "--from")
 ]
-Motion = Annotated[
-    str | None, typer.Argument(metavar="[MOTION]", help="A motion.toml; twistarm init --motion writes one.")
-]
+Motion = Annotated[str | None, argument("[MOTION]", "A motion.toml; twistarm init --motion writes one.")]
 Through = Annotated[
     list[Any] | None,
     joint_values(
@@ -122,7 +119,7 @@ Through = Annotated[
         "--to",
     ),
 ]
-Line = Annotated[bool, typer.Option("--line", help="The tool goes along straight lines from pose to pose.")]
+Line = Annotated[bool, switch("The tool goes along straight lines from pose to pose.", "--line")]
 Blend = Annotated[
     float | None,
     quantity("m", "Round the corners of --line or --xyz inside this radius; without it: stop there.", zero=True),
@@ -130,9 +127,7 @@ Blend = Annotated[
 ToolSpeed = Annotated[float | None, quantity("m/s", "The tool goes no faster, with --line, --xyz or a motion.toml.")]
 Unwrap = Annotated[
     bool,
-    typer.Option(
-        "--unwrap", help="Continuous joints go to poses by the shorter way, by whole turns; to --xyz they always do."
-    ),
+    switch("Continuous joints go to poses by the shorter way, by whole turns; to --xyz they always do.", "--unwrap"),
 ]
 Smooth = Annotated[
     float | None,
@@ -144,7 +139,7 @@ Smooth = Annotated[
 ]
 MaxTime = Annotated[float, quantity("s", "With --avoid: give up the way to a goal after so many seconds.")]
 Counts = Annotated[
-    bool, typer.Option("--counts", help="Write what the motors' drives count alone, for firmware that knows no joints.")
+    bool, switch("Write what the motors' drives count alone, for firmware that knows no joints.", "--counts")
 ]
 Step = Annotated[float, quantity("s", "Time step of the files.")]
 
@@ -164,7 +159,7 @@ def plan(
     velocity: Velocity = None,
     acceleration: Acceleration = None,
     linear_speed: ToolSpeed = None,
-    stop: Annotated[bool, typer.Option("--stop", help="Come to rest at every pose.")] = False,
+    stop: Annotated[bool, switch("Come to rest at every pose.", "--stop")] = False,
     blend: Blend = None,
     smooth: Smooth = None,
     unwrap: Unwrap = False,
