@@ -13,8 +13,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from xml.parsers import expat
 
+from ..support.checks import number_in
 from ..support.errors import DescriptionError, InputError
-from ..support.fields import number_in
 from ..support.files import as_path, read_bounded, why_no_file
 from ..support.messages import Text, package_folder
 from .findings import Finding, Place, finding, refusal, refused

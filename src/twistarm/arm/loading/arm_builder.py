@@ -20,9 +20,9 @@ from ...description.packages import PackageIndex
 from ...description.urdf import build_description
 from ...description.writing import add_joint, add_mimic
 from ...limits.joint_limits import JointLimits
-from ...support.checks import Array, as_floats, as_pose, frozen, require_names, require_one
+from ...support.checks import Array, as_floats, as_number, as_pose, as_positive, frozen, require_names, require_one
 from ...support.errors import InputError, shown
-from ...support.fields import fields, inside, number, positive
+from ...support.fields import fields, inside
 from ...theory import joints
 from ...theory.lower_pairs import lower_pairs
 from ...theory.screws import inverse, to_screw
@@ -36,7 +36,7 @@ BASE = "base"
 UNIT = 1e-12
 """Largest rounding of a unit twist, and of the pitch of a revolute one for each metre of reach."""
 
-_BOUND, _RATE = partial(number, least=-np.inf, most=np.inf), partial(positive, most=np.inf)
+_BOUND, _RATE = partial(as_number, least=-np.inf, most=np.inf), partial(as_positive, most=np.inf)
 LIMITS = {"lower": _BOUND, "upper": _BOUND, "velocity": _RATE, "effort": _RATE}
 """The limits of a joint and their checks."""
 
@@ -63,7 +63,7 @@ class _Row:
         with inside(f"joint {self.name!r}"):
             object.__setattr__(self, "axis", joints.revolute(self.axis, self.point)[3:, 0])
             self.frame[:3, :3], self.frame[:3, 3] = self.turned, self.point
-            number(float(np.abs(self.frame[:3, 3]).max()), "point", most=LARGEST, unit="m")
+            as_number(float(np.abs(self.frame[:3, 3]).max()), "point", most=LARGEST, unit="m")
             given = {name: limit for name, limit in self.limits.items() if limit is not None}
             limits = dict.fromkeys(LIMITS, np.inf) | {"lower": -np.inf} | fields(given, "", {}, LIMITS)
             lower, upper = limits["lower"], limits["upper"]
@@ -133,7 +133,7 @@ class ArmBuilder:
             **limits: Some of `lower`, `upper`, `velocity` and `effort`, in SI units.
         """
         with inside(f"joint {_checked(name)!r}"):
-            advance = number(pitch, "pitch", -LARGEST, LARGEST)
+            advance = as_number(pitch, "pitch", -LARGEST, LARGEST)
         slide = _Row(f"{name}_z", "prismatic", axis, point, master=name, multiplier=advance)
         return self._with(_Row(name, "revolute", axis, point, limits), slide)
 
@@ -195,7 +195,7 @@ class ArmBuilder:
         if self._home is not None:
             raise InputError(f"the tool {self._tool!r} is given already; give it once")
         g = require_one(as_pose(home, "home"), "home", 2)
-        number(float(np.abs(g[:3, 3]).max()), "home", most=LARGEST, unit="m")
+        as_number(float(np.abs(g[:3, 3]).max()), "home", most=LARGEST, unit="m")
         return replace(self, _home=frozen(g), _tool=name)
 
     def urdf(self) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...arm.abilities import NO_MOTION
-from ...support.checks import as_not_negative, as_positive, require_choice
+from ...support.checks import as_number, as_positive, require_choice
 from ...support.errors import InputError
 
 SLIDE, STOP = "slide", "stop"
@@ -48,4 +48,4 @@ class ServoSettings:
         if self.singularity_threshold <= NO_MOTION:
             raise InputError(f"singularity_threshold must be more than {NO_MOTION:g}, which counts as no motion at all")
         require_choice(self.on_unreachable, ON_UNREACHABLE, "on_unreachable")
-        object.__setattr__(self, "position_margin", as_not_negative(self.position_margin, "position_margin"))
+        object.__setattr__(self, "position_margin", as_number(self.position_margin, "position_margin", 0.0))

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
+from ...support.checks import number_in
 from ...support.errors import DescriptionError, InputError, listed
-from ...support.fields import number_in
 from ...support.files import is_file
 from ...support.messages import Argument, Text
 from ..document import Reading, existing_file, parse_xml, read_text
