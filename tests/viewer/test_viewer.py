@@ -54,7 +54,7 @@ def test_a_trajectory_of_another_arm_is_refused(arm: Arm, viewer: Viewer, tmp_pa
         viewer.play(motion)
     with pytest.raises(InputError, match="plan it for this arm"):
         viewer.save_html(tmp_path / "view.html", motion)
-    with pytest.raises(InputError, match="speed must be a positive number; got 0"):
+    with pytest.raises(InputError, match="speed .*got 0"):
         viewer.play(swing(arm), speed=0)
     assert list(tmp_path.iterdir()) == []
 
@@ -136,7 +136,7 @@ def test_no_name_breaks_out_of_the_frame(static: bool) -> None:
 
 @pytest.mark.parametrize("height", [0, -5, float("nan"), "tall"])
 def test_a_bad_height_is_refused(viewer: Viewer, height: Any) -> None:
-    with pytest.raises(InputError, match="height must be a positive number; got"):
+    with pytest.raises(InputError, match="height .*got"):
         viewer.inline(height=height)
 
 

@@ -48,7 +48,7 @@ BAD_MESSAGES: list[tuple[Any, str]] = [
     ('{"type": "pose", "name": "redy", "ease": true}', "no pose 'redy' in small; closest: 'ready'"),
     ('{"type": "pose", "name": "\\ud800", "ease": true}', "no pose"),
     ('{"type": "play"}', "nothing to play: no trajectory is loaded"),
-    ('{"type": "needs", "theory": true, "collision": 1, "reach": false}', "collision must be true or false; got 1"),
+    ('{"type": "needs", "theory": true, "collision": 1, "reach": false}', "collision must be True or False; got 1"),
 ]
 
 

@@ -357,7 +357,7 @@ def test_where_a_line_cannot_be_followed_is_drawn_and_named() -> None:
 def test_how_the_arm_moves_is_saved_undone_and_checked() -> None:
     stage = recorded((ARM.ready, "joint"), (meeting(0.0, 0.0, -0.1), "line"))
     poses = said(stage, "program")["poses"]
-    with pytest.raises(InputError, match="by must be one of 'joint', 'line', 'screw', 'via', 'free'; got 'spline'"):
+    with pytest.raises(InputError, match="by must be .*'free'; got 'spline'"):
         ask(stage, "move", id=poses[1]["id"], by="spline")
     planned(stage)
     assert said(stage, "program")["planned"]

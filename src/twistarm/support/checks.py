@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import SHOWN, InputError, RoundedPoseWarning, closest, listed, one_line, shown, warn
+from .errors import SHOWN, InputError, RoundedPoseWarning, closest, one_line, shown, warn
 
 Array = NDArray[np.float64]
 
@@ -117,8 +117,8 @@ def _within(real: float, given: Any, name: str, least: float, most: float, unit:
 
 def as_positive(value: Any, name: str, most: float = LARGEST, unit: str = "") -> float:
     """`value` as one number above 0."""
-    real = as_number(value, name, 0.0, most, unit)
-    if real == 0.0:
+    real = as_number(value, name, -LARGEST, most, unit)
+    if real <= 0.0:
         raise InputError(f"{name} must be above 0; got {shown(value)}")
     return real
 
@@ -168,7 +168,8 @@ def require(value: Any, kind: type[T], name: str, how: str) -> T:
 def require_choice(value: Any, choices: Collection[str], name: str) -> str:
     """`value`, or InputError if it is not one of the texts `choices`."""
     if not isinstance(value, str) or value not in choices:
-        raise InputError(f"{name} must be one of {listed(choices)}; got {shown(value)}{closest(value, choices)}")
+        allowed = " or ".join(", ".join(map(repr, choices)).rsplit(", ", 1))
+        raise InputError(f"{name} must be {allowed}; got {shown(value)}{closest(value, choices)}")
     return value
 
 
