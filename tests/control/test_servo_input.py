@@ -100,7 +100,7 @@ def test_a_bad_time_step_is_refused_and_the_arm_is_still(dt):
 
 BAD_STATES = [
     *({"theta": bad} for bad in ([math.nan] * 5, [0.0] * 4, [1e300] * 5, "here", None)),
-    *({"held": bad} for bad in (np.full((4, 4), math.nan), np.eye(3), "there")),
+    *({"held_pose": bad} for bad in (np.full((4, 4), math.nan), np.eye(3), "there")),
 ]
 
 
@@ -147,8 +147,12 @@ def test_lists_and_other_floats_serve_as_well():
     arm = load("rover_arm")
     state, _ = servo_step(arm, ServoState.at(arm, arm.ready), PUSH, DT)
     plain, _ = servo_step(arm, state, PUSH, DT)
-    same = {"theta": state.theta.tolist(), "theta_dot": state.theta_dot.tolist(), "held": state.held.tolist()}
-    for other, dt in ((same, DT), ({"held": np.asfortranarray(state.held)}, np.float64(DT)), ({}, np.float32(DT))):
+    same = {"theta": state.theta.tolist(), "theta_dot": state.theta_dot.tolist(), "held_pose": state.held_pose.tolist()}
+    for other, dt in (
+        (same, DT),
+        ({"held_pose": np.asfortranarray(state.held_pose)}, np.float64(DT)),
+        ({}, np.float32(DT)),
+    ):
         listed, _ = servo_step(arm, replace(state, **other), PUSH, dt)
         np.testing.assert_allclose(plain.theta, listed.theta, atol=1e-8)
 

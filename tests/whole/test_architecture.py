@@ -53,7 +53,7 @@ ALLOWED = {
     "pygments": ("guide/teaching/markup.py",),
     "lz4": ("planning/files/mcap_file.py",),
     "rosbags": ("planning/files/mcap_file.py",),
-    "serial": ("control/stream/links/serial_link.py",),
+    "serial": ("control/stream/serial_link.py",),
     "xacro": ("description/expansion",),
     "yaml": ("description", "export/limits_yaml.py"),
     "typer": ("cli",),

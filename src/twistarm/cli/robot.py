@@ -20,8 +20,8 @@ from ..control.stream import (
     UdpSink,
     read_key,
 )
-from ..control.stream.links.inbox import FEEDBACK_TIMEOUT
-from ..control.stream.links.serial_link import BAUDRATE
+from ..control.stream.protocols import FEEDBACK_TIMEOUT
+from ..control.stream.serial_link import BAUDRATE
 from ..support.checks import Array
 from ..support.errors import InputError
 from .command import Shared

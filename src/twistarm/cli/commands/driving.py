@@ -20,9 +20,9 @@ from ...control.servo.settings import ON_UNREACHABLE, SLIDE
 from ...control.stream import Cycle, FollowControl, FollowCycle, Interlock, StreamReport, UdpSource, run
 from ...control.stream import follow as follow_on
 from ...control.stream.cycles import checked_rate
-from ...control.stream.following.beginning import motion_of
-from ...control.stream.following.cycle import START_TOLERANCE, TRACKING_TOLERANCE
-from ...control.stream.links.inbox import COMMAND_TIMEOUT
+from ...control.stream.following import START_TOLERANCE, TRACKING_TOLERANCE
+from ...control.stream.motion_clock import motion_of
+from ...control.stream.protocols import COMMAND_TIMEOUT
 from ...control.stream.streaming import TOLERANCE
 from ...support.checks import Array, require_choice
 from ...support.errors import InputError, LimitError

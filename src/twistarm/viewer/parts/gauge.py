@@ -12,7 +12,7 @@ from ...arm.abilities import ANGULAR, LINEAR, NO_MOTION, largest_rank, span
 from ...arm.arm import Arm
 from ...arm.usual_limits import usually_limited
 from ...control.servo import ServoSettings
-from ...control.servo.bounds import ServoBounds, bounds_of
+from ...control.servo.settings import ServoBounds, bounds_of
 from ...support.checks import Array
 from ...support.directions import leading, nearest_axes
 from ..memo import Memo

@@ -14,17 +14,16 @@ from typing import Any
 
 import numpy as np
 
-from ....arm.arm import Arm
-from ....support.checks import as_theta, as_whole
-from ....support.errors import InputError, missing_extra, shown
-from ....support.interrupts import Closeable
-from ...servo import STATUSES
-from ..interlock import EMERGENCY_STOP, ENABLED, STOPPED
-from ..motors import MotorSide
-from ..protocols import Setpoint
-from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
-from .intake import CommandInput, StateInput
+from ...arm.arm import Arm
+from ...support.checks import as_theta, as_whole
+from ...support.errors import InputError, missing_extra, shown
+from ...support.interrupts import Closeable
+from ..servo import STATUSES
+from .inbox import CommandInput, StateInput
+from .interlock import EMERGENCY_STOP, ENABLED, STOPPED
 from .messages import StateMessage
+from .motors import MotorSide
+from .protocols import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Setpoint
 
 LETTERS = {ENABLED: "E", STOPPED: "S", EMERGENCY_STOP: "X"}
 

@@ -8,16 +8,15 @@ import socket
 from collections.abc import Collection, Hashable, Iterator
 from typing import Any
 
-from ....arm.arm import Arm, require_arm
-from ....support.checks import require, require_names
-from ....support.errors import InputError, listed, shown
-from ....support.interrupts import Closeable
-from ....support.strict_json import LARGEST_MESSAGE, encode
-from ..motors import motor_side
-from ..protocols import Setpoint, UndeliveredError
-from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
-from .intake import CommandInput, StateInput
+from ...arm.arm import Arm, require_arm
+from ...support.checks import require, require_names
+from ...support.errors import InputError, listed, shown
+from ...support.interrupts import Closeable
+from ...support.strict_json import LARGEST_MESSAGE, encode
+from .inbox import CommandInput, StateInput
 from .messages import parse_state, setpoint_message
+from .motors import motor_side
+from .protocols import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Setpoint, UndeliveredError
 from .signing import Signer, Verifier
 
 LOOPBACK = "127.0.0.1"

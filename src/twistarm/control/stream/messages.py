@@ -9,17 +9,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ....arm.arm import Arm, require_arm
-from ....support.checks import Array, as_number, as_whole, require, require_mapping
-from ....support.errors import InputError, TwistarmError, listed, shown
-from ....support.fields import Check, anything, fields, list_of, numbers, one_of
-from ....support.fields import text as any_text
-from ....support.strict_json import decoded
-from ....theory.rotations import from_quaternion_wxyz
-from ...servo import AnyCommand, JogCommand, PoseCommand, TwistCommand
-from ..interlock import STATES, WORDS, Interlocked
-from ..motors import MotorSide
-from ..protocols import Setpoint
+from ...arm.arm import Arm, require_arm
+from ...support.checks import Array, as_number, as_whole, require, require_mapping
+from ...support.errors import InputError, TwistarmError, listed, shown
+from ...support.fields import Check, anything, fields, list_of, numbers, one_of
+from ...support.fields import text as any_text
+from ...support.strict_json import decoded
+from ...theory.rotations import from_quaternion_wxyz
+from ..servo import AnyCommand, JogCommand, PoseCommand, TwistCommand
+from .interlock import STATES, WORDS, Interlock
+from .motors import MotorSide
+from .protocols import Setpoint
 
 QUATERNION_TOL = 1e-3
 """Allowed error of a quaternion's length: four printed decimals."""
@@ -102,8 +102,8 @@ def command_of(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
         raise InputError(str(error)) from error
 
 
-def heard_word(device: Interlocked, text: bytes, fresh: bool) -> bool:
-    """Handle an interlock message, {"interlock": one of `WORDS`} with an optional "reason". Returns whether it was one.
+def obey_interlock_message(interlock: Interlock, text: bytes, fresh: bool) -> bool:
+    """Obey an interlock message, {"interlock": one of `WORDS`} with an optional "reason". Returns whether it was one.
     A stale one may stop the arm but not enable it.
     """
     if INTERLOCK not in text:
@@ -112,7 +112,7 @@ def heard_word(device: Interlocked, text: bytes, fresh: bool) -> bool:
         said = fields(decoded(text), "", {"interlock": one_of(WORDS)}, {"reason": any_text, "number": anything})
     except InputError:
         return False
-    device.interlock.hear(said["interlock"], said.get("reason", ""), fresh)
+    interlock.hear(said["interlock"], said.get("reason", ""), fresh)
     return True
 
 

@@ -8,9 +8,9 @@ import secrets
 import time
 from collections.abc import Callable
 
-from ....support.checks import require, require_clock
-from ....support.errors import InputError, shown
-from ....support.files import as_path, read_bounded
+from ...support.checks import require, require_clock
+from ...support.errors import InputError, shown
+from ...support.files import as_path, read_bounded
 
 WINDOW = 2 * 10**9
 """Nanoseconds for the difference of two computers' clocks plus the travel of a datagram."""

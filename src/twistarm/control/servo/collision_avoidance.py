@@ -1,19 +1,20 @@
-"""Keeps the bodies of a scene apart: near pairs become rows of the servo's law, and each step leaves room to stop."""
+"""Collision avoidance: near pairs of a scene become rows of the servo's law, and each step leaves room to stop."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...collision import Contact, Scene
 from ...support.checks import Array
-from .bounds import ServoBounds
-from .core_step import CoreStep, ServoReason
+from .output import REASON_OF_CAUSE, CoreStep, ServoReason
+from .settings import ServoBounds
 
 Ask = Callable[[Array | None], CoreStep]
+
+COLLISION = REASON_OF_CAUSE.index(ServoReason.COLLISION)
 
 SPARE = 3e-4
 """The servo aims at so much more than the margin [m], for what a linear step cannot see."""
@@ -28,7 +29,7 @@ MOST, ROUNDS, TOGETHER = 8, 4, 0.1
 """The first rows, how often others are added, and the share of the push of the first that others take."""
 
 
-def apart(
+def avoid_collisions(
     ask: Ask, rest: Callable[[], CoreStep], start: ArrayLike, dt: float, bounds: ServoBounds, scene: Scene
 ) -> tuple[CoreStep, Contact | None]:
     """The answer of a step from `start` (n,) that brings no pair nearer than its margin, and the pair that holds it.
@@ -69,7 +70,7 @@ def apart(
             if below.min() < 0.0:
                 still = rest()
                 halted, owner = not still.theta_dot.any(), risky[[below.argmin()]]
-                answer = replace(still, reason=ServoReason.COLLISION, row=0, scale=0.0, halted=halted, held=answer.held)
+                answer = still._replace(cause=COLLISION, row=0, scale=0.0, halted=halted, held_pose=answer.held_pose)
             break
         for too_near, at in zip(unseen, times, strict=True):
             new = risky[too_near]
@@ -78,7 +79,7 @@ def apart(
             rows, owner = np.concatenate([_rows(seen.approach, left, at), rows]), np.concatenate([new, owner])
         if rounds:  # what pushes against each other is no longer pushed
             rows[:, -2], aim = np.maximum(rows[:, -2], 0.0), np.minimum(aim, near.distances)
-    if answer.reason is not ServoReason.COLLISION:
+    if answer.cause != COLLISION:
         return answer, None
     k = owner[answer.row]
     first, second = (pairs.bodies[body].name for body in pairs.pairs[near.pairs[k]])
