@@ -15,7 +15,7 @@ from PIL import Image
 from catalogue import load
 from twistarm import InputError, TwistarmError, Viewer, plan_joint, save_png
 from twistarm.cli.application import run
-from twistarm.viewer.files import headless
+from twistarm.viewer.files import screenshot as headless
 from viewer_page import stored, until
 
 ARM = load("rr_planar")

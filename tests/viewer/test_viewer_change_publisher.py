@@ -8,7 +8,7 @@ from typing import Any
 
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
-from twistarm.viewer.protocol.change_publisher import ChangePublisher
+from twistarm.viewer.protocol.messages import ChangePublisher
 from viewer_page import Page
 
 

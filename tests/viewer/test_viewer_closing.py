@@ -14,7 +14,7 @@ from twistarm import Arm
 from twistarm.support.errors import InputError, TwistarmError
 from twistarm.viewer import Viewer
 from twistarm.viewer.server import server
-from twistarm.viewer.server.downloads import DOWNLOADS
+from twistarm.viewer.server.handlers import DOWNLOADS
 from viewer_page import THETA, WAIT, get, swing
 
 

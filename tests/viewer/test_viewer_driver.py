@@ -19,7 +19,7 @@ from twistarm.control.servo import ServoOutput, ServoSettings
 from twistarm.control.stream import Cycle
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
-from twistarm.viewer.parts.part import NO_DRIVE
+from twistarm.viewer.parts.show import NO_DRIVE
 from viewer_page import WAIT, Page, until, visit
 
 SPEED = 0.05

@@ -14,9 +14,8 @@ from twistarm.control.servo import JogCommand, ServoSettings, ServoState, TwistC
 from twistarm.limits.actuators import Actuators
 from twistarm.limits.joint_limits import JointLimits
 from twistarm.support.checks import Array
-from twistarm.viewer.parts.gauge import SILENT, Gauge
-from twistarm.viewer.parts.servo_words import SILENT as WORDLESS
-from twistarm.viewer.parts.servo_words import servo_words
+from twistarm.viewer.parts.servo import NO_GAUGE, Gauge, servo_words
+from twistarm.viewer.parts.show import NO_REPORT
 from twistarm.viewer.stage import Stage
 
 BELOW = ServoSettings().singularity_threshold
@@ -24,7 +23,7 @@ BELOW = ServoSettings().singularity_threshold
 
 def gauge(arm: Arm, theta: Any) -> dict[str, Any]:
     stage = Stage(arm, theta)
-    stage.set_servo_status(WORDLESS)
+    stage.set_servo_status(NO_REPORT)
     (message,) = Gauge(arm).messages(stage)
     return message
 
@@ -114,7 +113,7 @@ def test_a_joint_that_the_servo_calls_limited_is_the_one_of_the_gauge() -> None:
     theta = state.theta
     assert 3.0 - theta[0] > 1.5 * (1.0 - theta[1])
     stage, part = Stage(arm, theta), Gauge(arm)
-    for report, joint in ((WORDLESS, "b"), (servo_words(output), "a"), (WORDLESS, "b")):
+    for report, joint in ((NO_REPORT, "b"), (servo_words(output), "a"), (NO_REPORT, "b")):
         stage.set_servo_status(report)
         (message,) = part.messages(stage)
         assert (message["joint"], message["end"]) == (joint, "upper")
@@ -165,12 +164,12 @@ def test_a_motor_s_limit_counts_too() -> None:
 def test_silent_while_no_servo_drives_and_measured_once_per_posture() -> None:
     arm = planar(0.3)
     stage, part = Stage(arm, [0.1, 0.2]), Gauge(arm)
-    assert list(part.messages(stage)) == [{"type": "gauge", **SILENT}]
-    stage.set_servo_status(WORDLESS)
+    assert list(part.messages(stage)) == [{"type": "gauge", **NO_GAUGE}]
+    stage.set_servo_status(NO_REPORT)
     first, again = [next(iter(part.messages(stage))) for _ in range(2)]
     assert first == again
     assert first["sigma"] > 0
     stage.show(np.array([0.1, 0.5]))
     assert next(iter(part.messages(stage)))["sigma"] > first["sigma"]
     stage.set_servo_status(None)
-    assert list(part.messages(stage)) == [{"type": "gauge", **SILENT}]
+    assert list(part.messages(stage)) == [{"type": "gauge", **NO_GAUGE}]

@@ -18,7 +18,8 @@ from twistarm import ArmBuilder, plan_joint
 from twistarm.control.servo import AnyCommand, JogCommand, ServoOutput, ServoReason, TwistCommand
 from twistarm.control.stream import Cycle, Inbox, Reading, Setpoint, SimulatedJoints, StreamReport, run
 from twistarm.viewer import Viewer
-from twistarm.viewer.parts.servo_words import SILENT, servo_words
+from twistarm.viewer.parts.servo import servo_words
+from twistarm.viewer.parts.show import NO_REPORT
 from viewer_page import Page, until
 
 ARM = (
@@ -61,7 +62,7 @@ def reading(viewer: Viewer) -> Any:
 
 def test_nothing_is_taken_before_somebody_asks_for_commands(viewer: Viewer) -> None:
     with Page(viewer) as page:
-        assert page.latest["servo"] == {"type": "servo", "jog": False, "driven": False, **SILENT}
+        assert page.latest["servo"] == {"type": "servo", "jog": False, "driven": False, **NO_REPORT}
         jog(page)
         assert page.latest["error"]["message"].startswith("no servo takes commands here: start one by `twistarm servo")
     assert reading(viewer).command is None
@@ -230,7 +231,7 @@ def test_silence_is_trouble_only_in_the_middle_of_a_motion(said: list[AnyCommand
             inbox.put("page 1", each, 1.0)
     reading = inbox.read(4.0)
     spoken = {"status": "STALE", "joint": None, "reason": "why", "share": None}
-    assert servo_words(cycle(reading, stale, reading.reason)) == (SILENT if idle else spoken)
+    assert servo_words(cycle(reading, stale, reading.reason)) == (NO_REPORT if idle else spoken)
     assert servo_words(cycle(reading, stale, "the last joint state is 1 s old")) == spoken
 
 

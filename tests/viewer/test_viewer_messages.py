@@ -18,8 +18,8 @@ from twistarm.support.errors import InputError
 from twistarm.support.strict_json import encode
 from twistarm.viewer import Viewer
 from twistarm.viewer.draw import Draw
-from twistarm.viewer.parts.servo_words import servo_words
-from twistarm.viewer.parts.tool_path import tool_path
+from twistarm.viewer.parts.arm_data import tool_path
+from twistarm.viewer.parts.servo import servo_words
 from twistarm.viewer.protocol.messages import SCHEMA, failure, parse
 from twistarm.viewer.scene.arm_drawing import Drawing
 from twistarm.viewer.stage import Stage

@@ -15,9 +15,9 @@ from twistarm import Arm, ArmBuilder, Viewer, load_trajectory, plan_joint, save_
 from twistarm.arm.usual_limits import with_defaults
 from twistarm.planning.trajectory import Trajectory
 from twistarm.support.errors import InputError
-from twistarm.viewer.parts.playback import Playback
+from twistarm.viewer.parts.arm_data import tool_path
 from twistarm.viewer.parts.player import MOST_POINTS, plots
-from twistarm.viewer.parts.tool_path import tool_path
+from twistarm.viewer.parts.show import Playback
 from twistarm.viewer.stage import Stage
 from viewer_page import Page
 

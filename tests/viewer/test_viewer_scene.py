@@ -20,7 +20,7 @@ from twistarm.viewer.parts.theory import axes
 from twistarm.viewer.scene import links
 from twistarm.viewer.scene.arm_drawing import Drawing
 from twistarm.viewer.scene.axes import anchors
-from twistarm.viewer.scene.placement import carried
+from twistarm.viewer.scene.kinematics import carried
 from twistarm.viewer.stage import Stage
 from urdf_text import joint, write
 from viewer_page import ARM, ROUNDING, THETA, matrix, visit

@@ -15,8 +15,8 @@ from ...support.errors import InputError
 from ...support.files import as_path, is_file
 from ..protocol.jobs import Job, Progress
 from ..protocol.messages import Message
-from .limit_checks import checked_theta
-from .part import Part, Route, Show
+from .arm_data import checked_theta
+from .show import Part, Route, Show
 
 
 class Keeping(Part):

@@ -1,10 +1,10 @@
-"""Messages between page and process, checked on both sides by page/schema.json."""
+"""Messages between page and process, checked on both sides by page/schema.json, and the changes to send."""
 
 from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from ...support.checks import as_flag, as_number, as_whole
-from ...support.errors import InputError, shown, without_places
+from ...support.errors import InputError, shown
 from ...support.fields import Check, fields, list_of, numbers, one_of
-from ...support.strict_json import decoded
+from ...support.path_redaction import without_places
+from ...support.strict_json import decoded, encode
 from ..page_files import page_text
 
 Message = dict[str, Any]
@@ -105,3 +106,43 @@ def _check(word: str) -> Check:
 SCHEMA: Mapping[str, Mapping[str, Mapping[str, str]]] = json.loads(page_text("schema.json"))
 
 REQUESTS = {kind: {name: _check(word) for name, word in fields.items()} for kind, fields in SCHEMA["requests"].items()}
+
+
+Source = Callable[[], Iterable[Message]]
+"""Returns what a part of the view shows now. A returned message never changes."""
+
+
+class ChangePublisher:
+    """Keeps what the pages know. A failing source keeps its last messages; its error is reported once."""
+
+    def __init__(self) -> None:
+        self._shown: dict[str, Message] = {}
+        self._texts: dict[str, str] = {}
+        self._failing: dict[int, str] = {}
+
+    def gather(self, sources: Sequence[Source]) -> dict[str, str]:
+        """The texts of changes since the last call, by type, and the error of a failing source."""
+        changed: dict[str, str] = {}
+        for place, source in enumerate(sources):
+            self._ask(place, source, changed)
+        return changed
+
+    def everything(self) -> dict[str, str]:
+        """The texts for a new page, by type."""
+        texts = dict(self._texts)
+        for error in self._failing.values():
+            texts["error"] = error
+        return texts
+
+    def _ask(self, place: int, source: Source, changed: dict[str, str]) -> None:
+        try:
+            for message in source():
+                kind = message["type"] + message.get("node", "")  # of one type there is one for each node
+                if self._shown.get(kind) != message:
+                    self._texts[kind] = changed[kind] = encode(message)
+                    self._shown[kind] = message
+        except Exception as error:
+            if place not in self._failing:
+                self._failing[place] = changed["error"] = encode(failure(error))
+        else:
+            self._failing.pop(place, None)

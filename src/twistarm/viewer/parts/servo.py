@@ -1,4 +1,4 @@
-"""Gauge of a driven arm: its distance from a singularity and from a position limit."""
+"""What a servo does, for the pages: its status in words, and a gauge of singularities and limits."""
 
 from __future__ import annotations
 
@@ -11,13 +11,46 @@ import numpy as np
 from ...arm.abilities import ANGULAR, LINEAR, NO_MOTION, largest_rank, span
 from ...arm.arm import Arm
 from ...arm.usual_limits import usually_limited
-from ...control.servo import ServoSettings
+from ...control.servo import AnyCommand, PoseCommand, ServoOutput, ServoSettings
 from ...control.servo.settings import ServoBounds, bounds_of
-from ...support.checks import Array
+from ...control.stream import Cycle
+from ...support.checks import Array, require
 from ...support.directions import leading, nearest_axes
 from ..memo import Memo
 from ..protocol.messages import Message
-from .part import Part, Show
+from .show import NO_REPORT, Part, Show
+
+
+def servo_words(answer: Cycle | ServoOutput) -> dict[str, Any]:
+    """The answer of a servo or its loop in words.
+
+    {"status": status of a ServoOutput or null, "joint": name or null, "reason": text, "share": executed share of the
+    command from 0 to 1, or null}.
+    """
+    if isinstance(answer, ServoOutput):
+        return _words(answer, True)
+    require(answer, Cycle, "answer", "as stream.run hands to on_cycle, or a ServoOutput, or None")
+    if answer.setpoint is None or not answer.delivered:
+        return {**NO_REPORT, "reason": answer.reason}
+    reading = answer.reading
+    idle = reading is not None and reading.idle and reading.reason == answer.reason
+    return NO_REPORT if idle else _words(answer.setpoint.output, reading is not None and _moves(reading.command))
+
+
+def _words(output: ServoOutput, asked: bool) -> dict[str, Any]:
+    valid = asked and output.status != "STALE"
+    return {
+        "status": output.status,
+        "joint": output.joint,
+        "reason": output.explain(),
+        "share": round(output.share, 2) if valid else None,  # whole percents: pages get only changes
+    }
+
+
+def _moves(command: AnyCommand | None) -> bool:
+    """Whether a command asks for a motion: a stop is no share of anything."""
+    return command is not None and (isinstance(command, PoseCommand) or bool(command.numbers.any()))
+
 
 NEAR = 0.05
 """Share of the range between two limits that counts as near a limit, as in the joints' rows."""
@@ -30,7 +63,7 @@ DIRECTIONS = ("along x", "along y", "along z", "about x", "about y", "about z")
 JOINTS_TO_POINT = 5
 """Joints that position and point a tool. With fewer, the position alone can be singular and is examined first."""
 
-SILENT: dict[str, Any] = {
+NO_GAUGE: dict[str, Any] = {
     "sigma": None, "below": ServoSettings().singularity_threshold, "lacks": None,
     "joint": None, "unit": None, "room": None, "near": None, "end": None,
 }  # fmt: skip
@@ -53,7 +86,7 @@ class Gauge(Part):
         `room` [unit] to its `end`, and the warning distance `near`. All are null without a servo or without a limit.
         """
         limited = show.report["joint"] if str(show.report["status"]).endswith("_LIMIT") else None
-        yield {"type": "gauge", **(self._words(show.theta, limited) if show.driven else SILENT)}
+        yield {"type": "gauge", **(self._words(show.theta, limited) if show.driven else NO_GAUGE)}
 
     @cached_property
     def bounds(self) -> ServoBounds:

@@ -1,8 +1,9 @@
-"""The arm on show, and the interface of its parts, such as target and player."""
+"""The arm on show: where it stands and moves, and the interface of its parts, such as target and player."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,16 +13,79 @@ from ...arm.arm import Arm, require_arm
 from ...collision import Scene
 from ...control.servo.settings import SLIDE
 from ...planning.trajectory import Trajectory
-from ...support.checks import Array
+from ...support.checks import Array, as_theta
 from ...support.errors import InputError
 from ..protocol.jobs import Job
 from ..protocol.messages import Message
-from .limit_checks import checked_theta
-from .playback import Glide, Playback
+from .arm_data import NO_PATH, checked_theta, extra_joints, rest
 from .pose_list import PoseList
-from .servo_words import SILENT
-from .summary import extra_joints, rest
-from .tool_path import NO_PATH
+
+GLIDE_TIME = 0.5
+"""Duration of a glide [s], as in page/glide.js."""
+
+
+@dataclass
+class Playback:
+    """The clock of one trajectory."""
+
+    trajectory: Trajectory
+    speed: float = 1.0
+    loop: bool = False
+    time: float = 0.0
+    running: bool = False
+    _last: float = 0.0
+
+    @property
+    def duration(self) -> float:
+        """[s]"""
+        return float(self.trajectory.duration)
+
+    def play(self, now: float) -> None:
+        """Run from the moment shown; at the end, run from the start."""
+        if self.time >= self.duration:
+            self.time = 0.0
+        self.running, self._last = True, now
+
+    def seek(self, time: float) -> None:
+        """Stop at `time`, or at the nearer end."""
+        self.running = False
+        self.time = min(max(time, 0.0), self.duration)
+
+    def advance(self, now: float) -> None:
+        """Advance the clock to `now`. At the end, start again with `loop`; otherwise stop there."""
+        if not self.running:
+            return
+        self.time += self.speed * (now - self._last)
+        self._last = now
+        if self.time >= self.duration:
+            again = self.loop and self.duration > 0.0
+            self.time = self.time % self.duration if again else self.duration
+            self.running = again
+
+    def theta(self) -> Array:
+        """The configuration (n,) at the moment shown."""
+        return as_theta(self.trajectory(self.time), len(self.trajectory.joint_names), "the trajectory's theta")
+
+
+@dataclass(frozen=True, eq=False)
+class Glide:
+    """From `start` (n,) to `goal` (n,), begun at `begun` [s] on the caller's clock."""
+
+    start: Array
+    goal: Array
+    begun: float
+
+    def at(self, now: float) -> Array:
+        """start + (3s² − 2s³)(goal − start) with s = (now − begun)/GLIDE_TIME: at rest at both ends."""
+        s = max(0.0, (now - self.begun) / GLIDE_TIME)
+        if s >= 1.0:
+            return self.goal
+        way: Array = self.start + s * s * (3.0 - 2.0 * s) * (self.goal - self.start)
+        return way
+
+
+NO_REPORT: dict[str, Any] = {"status": None, "joint": None, "reason": "", "share": None}
+"""The report without a servo."""
 
 NO_DRIVE: Message = {"type": "drive", "on": False, "note": "", "on_unreachable": SLIDE, "free": False}
 """on_unreachable: what a servo does if the arm cannot follow. free: pages may choose it for a servo of the program."""
@@ -43,7 +107,7 @@ class Show:
         self.playback: Playback | None = None
         self.scene: Scene | None = None  # what motions and the servo collide with
         self.driven = False
-        self.report: Mapping[str, Any] = SILENT  # of the servo
+        self.report: Mapping[str, Any] = NO_REPORT  # of the servo
         self.drive: Message = NO_DRIVE
         self._glide: Glide | None = None
 
