@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 
 from ...support.checks import as_flag, as_number, as_whole
-from ...support.errors import InputError, shown
+from ...support.errors import InputError, shown, without_places
 from ...support.fields import Check, fields, list_of, numbers, one_of
-from ...support.path_redaction import without_places
 from ...support.strict_json import decoded, encode
 from ..page_files import page_text
 
