@@ -23,7 +23,6 @@ from ..support.messages import plural
 from ..support.units import theta_hint
 from ..theory.lower_pairs import lower_pairs
 from ..theory.screws import adjoint, inverse
-from .almost_exact import almost_exact, rounding_of
 from .configurations import Configurations, theta_by_joint, usual_ready
 from .pinocchio_model import PinocchioModel, why_no_pinocchio
 from .ready_pose.merit import Mechanism
@@ -180,15 +179,6 @@ class ArmData:
     def middle(self) -> Array:
         """The middle of the limits, (n,). A joint without two limits is as near to 0 as its limits allow."""
         return frozen(self.limits.middle())
-
-    @cached_property
-    def rounding(self) -> tuple[float, float]:
-        """The errors [m], [rad] with which a pose still meets a target: (0, 0) for exact axes.
-
-        CAD exports round axes that are parallel, square or meeting. For such axes the errors are ten times the
-        rounding, at most (5e-5, 1e-4).
-        """
-        return rounding_of(almost_exact(self.screws, self.home, self.moving_names, self.reach), self.reach)
 
     @cached_property
     def pinocchio(self) -> PinocchioModel:

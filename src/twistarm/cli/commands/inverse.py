@@ -8,7 +8,6 @@ from typing import Annotated, Any
 
 from ...arm.arm import Arm
 from ...ik import POSTURES, AllSolutions, IKBatch, IKResult, StopReason, solve_ik, solve_ik_all, solve_ik_batch
-from ...ik.solution import missed_by_rounding
 from ...support.csv_lines import csv_text
 from ...support.errors import InputError
 from ...support.messages import plural
@@ -42,8 +41,6 @@ FixedJoints = Annotated[
 Turns = Annotated[
     bool, switch("With --all: what differs by whole turns of joints counts as different.", "--include-turns")
 ]
-
-ERRORS = ("position_error", "orientation_error")
 
 
 def ik(
@@ -134,7 +131,7 @@ def show_solution(out: Outputs, arm: Arm, solution: IKResult) -> None:
 def _show_batch(out: Outputs, file: str, lines: list[int], batch: IKBatch) -> None:
     """The answers to a file's targets: those that people see can be typed."""
     arm, answers = batch.arm, list(batch)
-    names = "stop converged rounded theta position_error orientation_error"
+    names = "stop converged theta position_error orientation_error"
     records = [{"line": line, **entries(answer, names)} for line, answer in zip(lines, answers, strict=True)]
     columns = [
         Column("line", lines),
@@ -148,9 +145,6 @@ def _show_batch(out: Outputs, file: str, lines: list[int], batch: IKBatch) -> No
     met = len(by_reason.pop(StopReason.CONVERGED, ()))
     more = " (-o FILE.csv has them all)" if len(answers) > ROWS_SHOWN else ""
     counted = [f"{met} of {len(answers)} targets of {file} met{more}"]
-    if rounded := [line for line, answer in zip(lines, answers, strict=True) if answer.rounded]:
-        worst = [max(getattr(answer, error) for answer in answers if answer.rounded) for error in ERRORS]
-        counted.append(f"note: line {few(rounded)}: {missed_by_rounding(*worst)}")
     out.show(
         {"arm": arm, "joint_names": arm.joint_names, "met": met, "answers": records},
         *([] if out.files else [table]),
