@@ -1,4 +1,4 @@
-"""The doctor's findings: all of them, the gravest first, for real arms too, and no false alarms."""
+"""The doctor's findings, gravest first, for real arms too, without false alarms; what it says that an arm can do."""
 
 from __future__ import annotations
 

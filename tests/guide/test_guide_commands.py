@@ -1,4 +1,4 @@
-"""`twistarm guide check` and `exercises`: exit codes, files, words."""
+"""`twistarm guide`: exit codes, files, words, and the arm that a lesson runs on."""
 
 from __future__ import annotations
 

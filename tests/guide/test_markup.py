@@ -1,4 +1,4 @@
-"""Markdown as HTML: formulae, programs, and names from a reader's file that must not become HTML."""
+"""Markdown as HTML, names that must not become HTML, and a lesson's text, programs and outputs in their order."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all, descriptions that no output replaces, and lines of CSV in any encoding."""
+"""Files written whole or not at all, descriptions that no output replaces, and lines of CSV in any encoding."""
 
 from __future__ import annotations
 

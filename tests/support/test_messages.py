@@ -1,4 +1,4 @@
-"""Messages as data: the Python form, the command line's, and what happens to the values on the way."""
+"""Messages as data and as one line: the Python form, the command line's, and what happens to the values on the way."""
 
 from __future__ import annotations
 
