@@ -9,7 +9,7 @@ import pytest
 
 from recorded_poses import ask
 from twistarm import load_arm
-from twistarm.description.companions.toml_entries import write_pose
+from twistarm.description.companions.data_files import write_pose
 from twistarm.support.errors import DescriptionError, InputError
 from twistarm.support.files import TEMPORARY
 from twistarm.viewer import Viewer

@@ -25,9 +25,6 @@ from twistarm.viewer.stage import Stage
 from urdf_text import joint, write
 from viewer_page import ARM, ROUNDING, THETA, matrix, visit
 
-SINGLE = 1e-5
-"""Meshes are sent in single precision, and normals are unit vectors."""
-
 
 def drawn_by(scene: Drawing) -> dict[str, Any]:
     """What is on show once every message has been followed: objects by their nodes."""

@@ -15,7 +15,7 @@ from ..support.directions import value_in_words
 from ..support.display import told
 from ..support.errors import NotConvergedError, printable
 from ..support.messages import Argument, Quantity, Text, joined
-from ..support.unit_hints import length_hint, theta_hint
+from ..support.units import length_hint, theta_hint
 from .answer import CLOSED_FORM, DAMPED, FIELDS, NEAREST, STOPS, Answer, StopReason
 from .ranges import joint_ranges
 from .targets import AnyTarget, Approach, Pose, TolerancedPose, target_of

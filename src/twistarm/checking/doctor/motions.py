@@ -14,7 +14,7 @@ from ...arm.pinocchio_model import why_no_pinocchio
 from ...collision import Scene
 from ...collision.allowed_pairs import ALWAYS
 from ...collision.survey import collision_shares
-from ...description.companions.toml_entries import toml_key
+from ...description.companions.data_files import toml_key
 from ...description.findings import Finding, Place, finding
 from ...description.source_text import SourceText
 from ...description.tips.link_names import tool_rank
@@ -26,10 +26,7 @@ from ...support.directions import axis_in_words, direction_in_words
 from ...support.errors import listed, one_line
 from ...support.messages import Argument, Text, plural
 from ...theory.manipulability import scaled_jacobian
-from .numbers import OTHER, SHOWN, grouped
-
-LONGEST_REACH = 20.0
-"""[m]; in millimetres every arm is longer."""
+from .numbers import LONGEST_REACH, OTHER, SHOWN, grouped
 
 SINGULAR = 1e3
 """A condition number beyond which a configuration is singular in practice: one direction a thousand times slower."""

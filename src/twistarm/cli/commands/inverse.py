@@ -6,23 +6,19 @@ import os
 from collections.abc import Sequence
 from typing import Annotated, Any
 
-import typer
-
 from ...arm.arm import Arm
 from ...ik import POSTURES, AllSolutions, IKBatch, IKResult, StopReason, solve_ik, solve_ik_all, solve_ik_batch
 from ...support.csv_lines import csv_text
 from ...support.errors import InputError
 from ...support.messages import plural
-from ..numbers import VALUES, JointValues, joint_values, quantity
+from ..numbers import VALUES, JointValues, joint_values, option, quantity, switch
 from ..options import ArmArgument, Avoid, CsvAnswer, Theta, avoided
 from ..output import Outputs, entries, progress_bar
 from ..rows import ROWS_SHOWN, TARGET_COLUMNS, Columns, few, targets_in
 from ..tables import Column, Table, joint_heads, pose_entries, theta_typed
 from ..targets import Axis, Direction, Orientation, OrientationTol, PositionTol, Quaternion, QuaternionXyzw, Rpy, Xyz
 
-Targets = Annotated[
-    str | None, typer.Option(metavar="CSV", help=f"A target in each row: {TARGET_COLUMNS}; - is standard input.")
-]
+Targets = Annotated[str | None, option("CSV", f"A target in each row: {TARGET_COLUMNS}; - is standard input.")]
 Posture = Annotated[
     JointValues | None,
     joint_values(
@@ -32,9 +28,7 @@ Posture = Annotated[
     ),
 ]
 MaxTime = Annotated[float | None, quantity("s", "Give up after so many seconds; with --all what is found by then.")]
-All = Annotated[
-    bool, typer.Option("--all", help="Every configuration that meets the target, the one nearest to --start first.")
-]
+All = Annotated[bool, switch("Every configuration that meets the target, the one nearest to --start first.", "--all")]
 FixedJoints = Annotated[
     JointValues | None,
     joint_values(
@@ -45,7 +39,7 @@ FixedJoints = Annotated[
     ),
 ]
 Turns = Annotated[
-    bool, typer.Option("--include-turns", help="With --all: what differs by whole turns of joints counts as different.")
+    bool, switch("With --all: what differs by whole turns of joints counts as different.", "--include-turns")
 ]
 
 
@@ -76,12 +70,12 @@ def ik(
         raise InputError("give one position by --xyz, or a file of targets by --targets")
     if columns is not None and targets is None:
         raise InputError("--columns names the columns of a file: it goes with --targets")
-    for option, value in {"--fixed-joint": fixed_joints, "--include-turns": include_turns}.items():
+    for name, value in {"--fixed-joint": fixed_joints, "--include-turns": include_turns}.items():
         if value and not all_:
-            raise InputError(f"{option} is about all configurations: it goes with --all")
-    for option, given in {"--posture": posture, "--targets": targets}.items():
+            raise InputError(f"{name} is about all configurations: it goes with --all")
+    for name, given in {"--posture": posture, "--targets": targets}.items():
         if given is not None and all_:
-            raise InputError(f"--all takes no {option}: it gives every configuration for the one target of --xyz")
+            raise InputError(f"--all takes no {name}: it gives every configuration for the one target of --xyz")
     orientation = Orientation(rpy, quaternion, quaternion_xyzw, direction, axis)
     how: dict[str, Any] = {
         "theta0": arm.ready if start is None else start.of(arm),

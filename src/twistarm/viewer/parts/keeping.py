@@ -9,7 +9,7 @@ from pathlib import Path
 from ...arm.arm import Arm
 from ...arm.loading.load import load_arm
 from ...description.companions.arm_file import read_arm_file
-from ...description.companions.toml_entries import write_pose
+from ...description.companions.data_files import write_pose
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...support.files import as_path, is_file

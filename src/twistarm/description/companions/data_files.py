@@ -1,16 +1,19 @@
-"""TOML read within bounds, and keys, texts and poses of it written. See `support.fields` for the entries."""
+"""TOML and YAML as plain data, and poses written into TOML. See `support.fields` for the entries."""
 
 from __future__ import annotations
 
 import json
 import re
 import sys
+from collections import Counter
 from collections.abc import Mapping
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from ...support.errors import DescriptionError, InputError
 from ...support.files import read_bounded, write_whole
+from ...support.units import factor
 from ..document import read_text
 from ..findings import Place, refusal
 
@@ -90,3 +93,49 @@ def _with_table(text: str, name: str, values: Mapping[str, float]) -> str:
     count = next((i for i, line in enumerate(after) if line.lstrip().startswith("[")), len(after))
     notes = [line for line in after[:count] if not line.strip() or line.lstrip().startswith("#")]
     return "".join([text[: header.end()], lines, *notes, *after[count:]])
+
+
+TAGS = {"degrees": factor("deg", "rad"), "radians": 1.0}
+"""Tags that the joint_limits.yaml of ROS put before a number."""
+
+# YAML 1.1 takes 1e-3 for a text because it has no point; ROS's own parser and YAML 1.2 take it for a number.
+_EXPONENT = re.compile(r"[-+]?[0-9][0-9_]*[eE][-+]?[0-9]+")
+
+
+def parse_yaml(text: str, file: Path) -> Any:
+    """Mappings, lists, texts and numbers of one YAML document, in which no mapping has a key twice.
+
+    DescriptionError `companion-unusable`, with the line, for anything else.
+    """
+    import yaml
+
+    # On libyaml's parser, where PyYAML has it, which takes a quarter of the time.
+    base: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+    class Loader(base):  # type: ignore[misc] # a class of our own: tags on PyYAML's would hold for the whole process
+        def construct_mapping(self, node: Any, deep: bool = False) -> Any:
+            keys = Counter(key.value for key, _ in node.value if isinstance(key.value, str))
+            if twice := [key for key, count in keys.items() if count > 1]:
+                raise yaml.constructor.ConstructorError(None, None, f"{twice[0]!r} stands twice", node.start_mark)
+            return super().construct_mapping(node, deep)
+
+    def with_unit(loader: Any, tag: str, node: Any) -> float:
+        if tag not in TAGS:
+            problem = f"the tag !{tag} is unknown; allowed: !{', !'.join(TAGS)}"
+            raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark)
+        return float(loader.construct_scalar(node)) * TAGS[tag]
+
+    Loader.add_multi_constructor("!", with_unit)
+    Loader.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, list("-+0123456789"))
+    try:
+        return yaml.load(text, Loader=Loader)
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        what = " ".join(str(getattr(error, "problem", None) or error).split())
+        line = next(islice(text.split("\n"), mark.line, None), "") if mark else ""
+        if "\t" in line[: len(line) - len(line.lstrip())]:
+            what = "a TAB indents the line; indent with spaces"
+        place = Place(str(file), mark.line + 1 if mark else None)
+        raise refusal("companion-unusable", place, f"not usable YAML: {what}") from error
+    except (RecursionError, ValueError, OverflowError) as error:
+        raise refusal("companion-unusable", Place(str(file)), f"not usable YAML: {error}") from error
