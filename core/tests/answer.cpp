@@ -44,6 +44,7 @@ struct setting {
 
     whole answered(int t, int searches, const double* posture = nullptr, long looks = forever) const {
         search_settings<double> settings;
+        settings.position_tolerance = settings.orientation_tolerance = tolerance;
         settings.searches = searches;
         ticking stopped{looks};
         whole out;
@@ -54,6 +55,7 @@ struct setting {
     /// From what the searches have left, without where each of them ended.
     whole concluded(int t, int searches) const {
         search_settings<double> settings;
+        settings.position_tolerance = settings.orientation_tolerance = tolerance;
         settings.searches = searches;
         const double* theta0 = given.theta0 + t * given.n;
         double *no_ends = nullptr, *no_posture = nullptr;

@@ -74,7 +74,8 @@ template <target_kind Kind, int N, int M> void test_problems(const drawn_arm& so
     tests::problems<double, targets> given(random, source, Kind);
     for (double& p : given.asked[targets - 1].goal.p) p = 400;  // one that no arm reaches, unless its position is free
     const auto range = given.ranges(arm);
-    const search_settings<double> settings;
+    search_settings<double> settings;
+    settings.position_tolerance = settings.orientation_tolerance = 1e-6;
     int order[targets], reversed[targets];
     for (int t = 0; t < targets; ++t) order[t] = t, reversed[t] = targets - 1 - t;
     static solution<double, N> forwards[targets], backwards[targets];

@@ -180,13 +180,13 @@ def solve_ik_batch(
     # Poses that are plainly right go straight to the core, which looks at each of them much faster.
     records = chain.solve_batch(Pose.kind, targets, start, *how, preferred, threads, counted)
     if records is not None:
-        return IKBatch(arm, _finished(arm, records, None))
+        return IKBatch(arm, _finished(arm, records, None, max_time is None))
     asked = targets_for(arm, targets)
     request = checked(arm, theta0, posture, *how, count=len(asked))
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
     require_callback(progress, "progress", "(fraction)")
     records = _by_core(chain, arm, asked, request, workers, progress)
-    return IKBatch(arm, _finished(arm, records, asked), asked)
+    return IKBatch(arm, _finished(arm, records, asked, max_time is None), asked)
 
 
 def _free(batch: IKBatch, scene: Scene, deadline: Deadline, threads: int) -> IKBatch:
@@ -203,7 +203,7 @@ def _free(batch: IKBatch, scene: Scene, deadline: Deadline, threads: int) -> IKB
     return replace(batch, records=records, contacts=contacts)
 
 
-def _finished(arm: Arm, records: Records, targets: tuple[AnyTarget, ...] | None) -> Records:
+def _finished(arm: Arm, records: Records, targets: tuple[AnyTarget, ...] | None, patient: bool) -> Records:
     """The answers. Late ones get their start and infinite errors, and the closed form settles missed ones."""
     late = records["stop"] == NOT_FINISHED
     if late.any():
@@ -212,7 +212,7 @@ def _finished(arm: Arm, records: Records, targets: tuple[AnyTarget, ...] | None)
         records["stop"][late] = STOPS.index(StopReason.TIMED_OUT)
     for i in np.flatnonzero((records["stop"] != 0) & (records["restarts"] > 1)).tolist():
         found = answer_in(records, i)
-        known = settled(arm, target_of(Pose.kind, found.numbers) if targets is None else targets[i], found)
+        known = settled(arm, target_of(Pose.kind, found.numbers) if targets is None else targets[i], found, patient)
         if known is not found:
             write_answer(records, i, known)
     return records

@@ -14,13 +14,15 @@ import numpy as np
 from ..arm.arm import Arm
 from ..support.checks import Array
 from .answer import NOT_FINISHED, STOPS, Answer, StopReason, answer_from
-from .closed_form.methods import Method, family_for, method_for
-from .closed_form.roots import Asked
+from .closed_form.methods import Method, family_for
 from .ranges import joint_ranges
 from .targets import AnyTarget
 from .task_space import Tolerances
 
 TIMED_OUT, BLOCKED = STOPS.index(StopReason.TIMED_OUT), STOPS.index(StopReason.BLOCKED_BY_LIMITS)
+
+OTHER_SEED = 0x5EED
+"""Of the searches after which limits are the reason."""
 
 SAMPLES = 5
 """Values tried for a joint that the target does not determine, its bounds included."""
@@ -35,19 +37,20 @@ BARELY_OUTSIDE = 1e-4
 """A configuration outside the limits by less than this [rad, m] proves nothing."""
 
 
-def settled(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
+def settled(arm: Arm, target: AnyTarget, answer: Answer, patient: bool) -> Answer:
     """The answer, corrected by the closed form.
 
     It may give a configuration after all. If that lies outside the limits, these are the reason. The answer is
     `certain` if the closed form proves that nothing inside the limits meets the target exactly. An answer that is met,
-    or was not finished in time, comes back unchanged. So does that of one search: its caller wants its result.
+    or was not finished in time, comes back unchanged. So does that of one search: its caller wants its result. Without
+    a closed form, limits are the reason only if other searches find nothing either; `patient`: there is time for them.
     """
     if answer.stop in (0, TIMED_OUT, NOT_FINISHED) or answer.restarts <= 1:
         return answer
     method, start = family_for(arm, target), np.array(answer.theta0)
     exact = Tolerances(float(answer.position_tol), float(answer.orientation_tol)).at_most(EXACT)
     if method is None or method.compiled is None:
-        return _by_elimination(arm, target, answer, start, exact) if answer.stop == BLOCKED else answer
+        return _searched_again(arm, target, answer) if patient and answer.stop == BLOCKED else answer
     found = method.compiled.solve(
         target.numbers, start, _held_values(arm, method, start), exact.position, exact.orientation
     )
@@ -68,18 +71,12 @@ def settled(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
     return revised
 
 
-def _by_elimination(arm: Arm, target: AnyTarget, answer: Answer, start: Array, exact: Tolerances) -> Answer:
-    """The answer, or one inside the limits that elimination finds. Limits are then not the reason."""
-    method = method_for(arm, target)
-    if method.rooted is None or method.swept:
-        return answer
-    asked = Asked(arm, target, exact)
-    held = np.clip(start, arm.limits.lower, arm.limits.upper)[list(method.held)]
-    for root in asked.roots(method.candidates(arm, target, start, held, method.exact), method.held):
-        inside = asked.inside_limits(root.theta, start)
-        if inside is not None:
-            return _met_answer(arm, target, answer_from(partial(getattr, answer)), inside)
-    return answer
+def _searched_again(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
+    """The answer, or one that meets the target after all. A root at a corner of the limits has a small basin."""
+    assert arm.compiled is not None, "the core has answered"
+    how = float(answer.position_tol), float(answer.orientation_tol), int(answer.restarts), OTHER_SEED, None, None
+    again = arm.compiled.solve(target.kind, target.numbers, np.array(answer.theta0), *how)
+    return answer if again is None or again.stop != 0 else again
 
 
 def _held_values(arm: Arm, method: Method, start: Array) -> Array | None:

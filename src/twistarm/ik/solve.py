@@ -93,14 +93,14 @@ def solve_ik(
             if answer.stop == 0:
                 return IKResult(arm, answer, given)
             given = given or Pose(np.asarray(target))
-            return IKResult(arm, settled(arm, given, answer), given)
+            return IKResult(arm, settled(arm, given, answer, max_time is None), given)
     asked = checked_target(arm, target)
     request = checked(arm, theta0, posture, position_tol, orientation_tol, restarts, rng, max_time)
     if chain is None:
         return IKResult(arm, textbook.solve(arm, asked, request), asked)
     answer = chain.solve(asked.kind, asked.numbers, *request.for_core)
     assert answer is not None, "what was refused is plain now"
-    return IKResult(arm, settled(arm, asked, answer), asked)
+    return IKResult(arm, settled(arm, asked, answer, max_time is None), asked)
 
 
 def as_target(arm: Arm, target: Any) -> AnyTarget | None:
