@@ -50,12 +50,9 @@ Axis = Annotated[
         "last joint rolls the tool.",
     ),
 ]
-PositionTol = Annotated[
-    float | None, quantity("m", "How far off a position is still met; 1e-6 m, with ik --all 1e-9 m.")
-]
+PositionTol = Annotated[float | None, quantity("m", "How far off a position is still met; 1e-5 m by default.")]
 OrientationTol = Annotated[
-    float | None,
-    quantity("rad", "How far the tool may be turned off [°, or rad with --rad]; 1e-6 rad, with ik --all 1e-9 rad."),
+    float | None, quantity("rad", "How far the tool may be turned off [°, or rad with --rad]; 5e-5 rad by default.")
 ]
 
 
