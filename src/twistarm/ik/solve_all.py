@@ -152,7 +152,7 @@ def _answered(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
         if known.families:
             known = None  # the core keeps one of all families that move the same joints
         elif not include_turns and (known.inside or is_exact(task.tolerances)):
-            return AllSolutions(task.arm, known, (), method, task.complete, task.target, task.tolerances)
+            return AllSolutions(task.arm, known, method, task.complete, task.target, task.tolerances)
     if known is None:
         found, starts, hits = task.solved(values)
     else:
@@ -161,7 +161,7 @@ def _answered(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
         starts, hits = known.tries, known.hits
     if not found and not is_exact(task.tolerances):
         found = task.within()
-    if method.there and method.swept and all(task.inside(root) is None for root in found) and not task.deadline.passed:
+    if method.there and method.swept and not task.inside([root.theta for root in found]) and not task.deadline.passed:
         members, tried, met = replace(task, progress=None).solved(task.values_met())
         found, starts, hits = found + members, starts + tried, hits + met
     families = task.families(found)
@@ -173,8 +173,7 @@ def _answered(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
         missed = len(families) > before
         if missed or not method.exact or task.rounded:
             starts, hits = starts + run, hits + met
-    all_seen = task.brought_inside(families)
-    return task.told(families, include_turns, (starts, hits), all_seen and not missed)
+    return task.told(families, include_turns, (starts, hits), not missed)
 
 
 def _at_once(
@@ -191,7 +190,7 @@ def _at_once(
     if found is None or found.families:
         return None
     tolerances = Tolerances(position_tol, orientation_tol)
-    return AllSolutions(arm, found, (), method, is_exact(tolerances), asked, tolerances)
+    return AllSolutions(arm, found, method, is_exact(tolerances), asked, tolerances)
 
 
 def checked_fixed_joints(arm: Arm, fixed_joints: Mapping[str, float] | None) -> dict[int, float]:

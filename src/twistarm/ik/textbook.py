@@ -17,20 +17,14 @@ from .answer import STOPS, Answer, StopReason
 from .deadline import Deadline
 from .ranges import JointRanges, joint_ranges
 from .request import Request
-from .targets import AnyTarget, TolerancedPose
-from .task_space import Rows, Tolerances, excess_rows
+from .targets import AnyTarget
+from .task_space import Tolerances, excess_rows
 
 ROTATION_WEIGHT = 0.2
 """Weight of a squared radian relative to a squared metre in the error E, which is 0 at an answer."""
 
 DAMPING, LEAST_DAMPING = 0.03, 1e-9
 """λ = DAMPING · E + LEAST_DAMPING: strong far from the target, vanishing with the error (Chan & Lawrence)."""
-
-LOOSE, ALLOWED = 1e-5, 0.999
-"""A tolerance wider than LOOSE [m, rad] is loose. An error below ALLOWED times a loose tolerance counts as 0."""
-
-PAST_ROUNDED = 24
-"""Searches after one has met its target up to the rounding of the axes. They may still meet it."""
 
 ITERATIONS = 30
 PROGRESS, STALLS = 0.8, 4
@@ -41,12 +35,6 @@ NEAR_POSITION, NEAR_ORIENTATION = 0.02, math.radians(3.0)
 
 OTHER_BRANCH = 0.2
 """... and an answer that moves a coordinate by more than this [rad, m] is on another branch."""
-
-MOST_POSTURE_STEPS, SHARES, SETTLED_STEP = 100, 0.5 ** np.arange(10), 1e-7
-"""Most steps toward a posture, the shares of a step to try, and the least length of a step [rad, m]."""
-
-RANK_TOL = 1e-6
-"""Singular values of J below this, relative to the largest, are directions in which nothing moves."""
 
 
 class Search(NamedTuple):
@@ -70,32 +58,26 @@ class Problem(NamedTuple):
 def solve(arm: Arm, target: AnyTarget, request: Request) -> Answer:
     """At most `request.restarts` searches, the first from theta0, the others from random configurations.
 
-    The first search within the tolerances answers, or one within the rounding of the axes. Otherwise the best of them
-    answers: the position counts first, then the rotation.
+    The first search within the tolerances answers. Otherwise the best of them answers: the position counts first, then
+    the rotation.
     """
     problem = Problem(arm, joint_ranges(arm), target, request.tolerances)
     deadline, rng = Deadline.after(request.max_time), np.random.default_rng(request.seed)
     start = problem.ranges.inside(request.theta0)
     found = best = search(problem, start, start)
-    searches, steps, most = 1, found.iterations, request.restarts
-    while not problem.tolerances.met(*found.errors) and searches < most and not deadline.passed:
-        if found is best and found.converged:
-            most = min(most, searches + PAST_ROUNDED)
+    searches, steps = 1, found.iterations
+    while not best.converged and searches < request.restarts and not deadline.passed:
         found = search(problem, arm.random_theta(rng), start)
         best = min(best, found, key=lambda end: _rank(problem, end))
         searches, steps = searches + 1, steps + found.iterations
-    if best.converged:
-        steps = best.iterations
-        if request.posture is not None:
-            best = toward_posture(problem, best, request.posture, deadline)
     timed_out = deadline.passed and searches < request.restarts
     stop = StopReason.CONVERGED if best.converged else StopReason.TIMED_OUT if timed_out else StopReason.EXHAUSTED
-    leaves = best.converged and request.posture is None and _leaves_branch(problem, start, best.theta)
-    moved = bool((request.theta0 != start).any())
     met = request.tolerances
     return Answer(
         best.theta, np.zeros(arm.n), request.theta0, target.numbers.ravel(), target.kind, met.position, met.orientation,
-        STOPS.index(stop), *best.errors, steps, searches, other_branch=leaves, start_moved=moved,
+        STOPS.index(stop), *best.errors, best.iterations if best.converged else steps, searches,
+        other_branch=best.converged and _leaves_branch(problem, start, best.theta),
+        start_moved=bool((request.theta0 != start).any()),
     )  # fmt: skip
 
 
@@ -106,13 +88,16 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
     theta + d is clipped to the bounds. In e and J rotations are weighed by √ROTATION_WEIGHT.
     Source: S. K. Chan & P. D. Lawrence, General inverse kinematics with the error damped pseudoinverse, ICRA 1988.
     """
-    ranges = problem.ranges
+    ranges, target = problem.ranges, problem.target
     lower, upper = np.where(ranges.turns, [[-np.inf], [np.inf]], [ranges.lower, ranges.upper])
+    weight = math.sqrt(ROTATION_WEIGHT)
     theta, best, stalls, iterations = np.clip(theta, lower, upper), math.inf, 0, 0
     while True:
         g, J_b = problem.arm.fk_and_body_jacobian(theta)
-        errors = problem.target.position_error(g), problem.target.orientation_error(g)
-        error, J = _error_and_rows(problem, g, J_b)
+        errors = target.position_error(g), target.orientation_error(g)
+        e_p, J_p = excess_rows(target._position_rows(g, J_b), target._position_tolerance)
+        e_r, J_r = excess_rows(target._rotation_rows(g, J_b), target._rotation_tolerance)
+        error, J = np.append(e_p, weight * e_r), np.vstack([J_p, weight * J_r])
         E = float(error @ error)
         stalls += PROGRESS * best < E
         best = min(best, E)
@@ -127,72 +112,14 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
         iterations += 1
     theta = ranges.wrapped(theta, near)
     g = problem.arm.fk(theta)
-    errors = problem.target.position_error(g), problem.target.orientation_error(g)
+    errors = target.position_error(g), target.orientation_error(g)
     return Search(theta, errors, iterations, problem.tolerances.or_rounding(problem.arm.rounding).met(*errors))
 
 
-def toward_posture(problem: Problem, found: Search, posture: Array, deadline: Deadline) -> Search:
-    """The answer, moved toward the posture in the null space of the target's rows, inside the limits.
-
-    Each step is (I − J⁺J)(posture − θ), brought back onto the target by a search. A step that leads no nearer is
-    halved. Source: B. Siciliano et al., Robotics: Modelling, Planning and Control, 2009, §3.5.1.
-    """
-    found = search(problem, found.theta, posture)
-    for _ in range(MOST_POSTURE_STEPS):
-        step, away = _null_space_step(problem, found.theta, posture), np.linalg.norm(found.theta - posture)
-        if np.abs(step).max() <= SETTLED_STEP or deadline.passed:
-            break
-        trials = (search(problem, found.theta + share * step, posture) for share in SHARES)
-        nearer = next((end for end in trials if end.converged and np.linalg.norm(end.theta - posture) < away), None)
-        if nearer is None:
-            break
-        found = nearer
-    return found
-
-
-def _null_space_step(problem: Problem, theta: Array, posture: Array) -> Array:
-    """(I − J⁺J)(posture − θ) on joints inside their bounds, up to the first bound."""
-    J = _error_and_rows(problem, *problem.arm.fk_and_body_jacobian(theta))[1]
-    free = np.ones(len(theta), dtype=np.bool_)
-    while True:
-        step = np.where(free, posture - theta, 0.0)
-        step[free] -= np.linalg.pinv(J[:, free], rcond=RANK_TOL) @ (J @ step)
-        room = np.where(step > 0, problem.ranges.upper - theta, theta - problem.ranges.lower)
-        outward = (room <= SETTLED_STEP) & (step != 0)
-        if not outward.any():
-            return step * min(1.0, float((room / np.maximum(np.abs(step), SETTLED_STEP)).min()))
-        free &= ~outward
-
-
-def _error_and_rows(problem: Problem, g: Array, J_b: Array) -> tuple[Array, Array]:
-    """e (k,) and J (k, n) of the target's constraints beyond loose tolerances, rotations weighed."""
-    target, met = problem.target, problem.tolerances
-    e_p, J_p = _beyond(excess_rows(target._position_rows(g, J_b), target._position_tolerance), met.position)
-    turned = (
-        met.orientation if isinstance(target, TolerancedPose) else 2.0 * math.sin(0.5 * min(met.orientation, math.pi))
-    )
-    e_r, J_r = _beyond(excess_rows(target._rotation_rows(g, J_b), target._rotation_tolerance), turned)
-    scale = math.sqrt(ROTATION_WEIGHT)
-    return np.concatenate([e_p, scale * e_r]), np.concatenate([J_p, scale * J_r])
-
-
-def _beyond(rows: Rows, tolerance: float) -> Rows:
-    """The part of an error e beyond a loose tolerance ρ: (1 − ρ/‖e‖) e, and its derivative."""
-    error, J = rows
-    size, radius = float(np.linalg.norm(error)), ALLOWED * tolerance
-    if tolerance <= LOOSE:
-        return rows
-    if size <= radius:
-        return np.zeros_like(error), np.zeros_like(J)
-    kept, u = 1.0 - radius / size, error / size
-    return kept * error, kept * J + (1.0 - kept) * np.outer(u, u @ J)
-
-
-def _rank(problem: Problem, end: Search) -> tuple[bool, bool, float, float]:
-    """A key that sorts ends: tolerances met, met to rounding, the position missed, the rotation."""
+def _rank(problem: Problem, end: Search) -> tuple[bool, float, float]:
+    """A key that sorts ends: an answer, the position missed, the rotation."""
     position, orientation = end.errors
-    missed = 0.0 if position <= problem.tolerances.position else position
-    return not problem.tolerances.met(*end.errors), not end.converged, missed, orientation
+    return not end.converged, 0.0 if position <= problem.tolerances.position else position, orientation
 
 
 def _leaves_branch(problem: Problem, start: Array, theta: Array) -> bool:
