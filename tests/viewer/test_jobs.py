@@ -1,17 +1,18 @@
-"""Work in threads: the latest wins, what goes wrong is told, and nothing is left running."""
+"""Work in threads, of which the latest wins, and what pages are told: nothing that changed is lost or told twice."""
 
 from __future__ import annotations
 
+import json
 import threading
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 
-from twistarm import Arm
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.protocol.jobs import Job, Progress, ReplacedError, Workers
+from twistarm.viewer.protocol.messages import ChangePublisher
 from viewer_page import WAIT, Page, until
 
 
@@ -76,16 +77,6 @@ def test_the_latest_job_wins_and_those_between_are_never_begun(loop: Loop) -> No
     assert loop.errors == []
 
 
-def test_keys_do_not_wait_for_each_other(loop: Loop) -> None:
-    slow = Held("slow")
-    loop.submit("workspace", slow)
-    assert slow.begun.wait(WAIT)
-    loop.submit("target", lambda progress: "quick")
-    until(lambda: loop.results == ["quick"])
-    slow.leave.set()
-    until(lambda: loop.results == ["quick", "slow"])
-
-
 def test_what_goes_wrong_is_told_and_the_next_job_is_done(loop: Loop) -> None:
     def fail(progress: Progress) -> None:
         raise InputError("no such place")
@@ -96,18 +87,6 @@ def test_what_goes_wrong_is_told_and_the_next_job_is_done(loop: Loop) -> None:
     until(lambda: loop.errors[1:] == ["doing target: division by zero"])
     loop.submit("target", lambda progress: "done")
     until(lambda: loop.results == ["done"])
-
-
-def test_progress_is_told_and_ends_with_none(loop: Loop) -> None:
-    work = Held("done", steps=4)
-    work.leave.set()
-    loop.submit("plan", work)
-    until(lambda: loop.shares[-1:] == [("plan", None)])
-    assert loop.shares == [*(("plan", k / 4) for k in range(4)), ("plan", None)]
-    loop.submit("target", lambda progress: "without a word")
-    until(lambda: loop.results == ["done", "without a word"])
-    loop.workers.stop(WAIT)
-    assert loop.shares[-1] == ("plan", None)
 
 
 def test_the_bar_goes_too_when_the_work_fails_or_is_replaced(loop: Loop) -> None:
@@ -143,42 +122,67 @@ def test_stopping_interrupts_at_the_next_progress(loop: Loop) -> None:
     assert loop.results == loop.errors == []
 
 
-def test_stopping_waits_no_longer_than_it_was_told(loop: Loop) -> None:
-    deaf = Held("deaf", steps=0)
-    loop.submit("plan", deaf)
-    assert deaf.begun.wait(WAIT)
-    loop.workers.stop(0.01)
-    deaf.leave.set()
+def read(texts: dict[str, str]) -> dict[str, Any]:
+    return {kind: json.loads(text) for kind, text in texts.items()}
 
 
-def test_a_closed_view_leaves_no_worker(arm: Arm) -> None:
-    threads = set(threading.enumerate())
-    work = Held("never", steps=10**9)
-    work.leave.set()
-    with Viewer(arm, open_browser=False) as viewer:
-        viewer._server._workers.submit(Job("plan", "planning", work, lambda result: None))
-        assert work.begun.wait(WAIT)
-    assert work.replaced.is_set()
-    assert set(threading.enumerate()) <= threads
+class Source:
+    """Says its count, or fails."""
+
+    def __init__(self, kind: str) -> None:
+        self.kind, self.count, self.failure = kind, 0, ""
+
+    def __call__(self) -> Iterator[dict[str, Any]]:
+        if self.failure:
+            raise InputError(self.failure)
+        yield {"type": self.kind, "count": self.count}
 
 
-def test_pages_see_work_errors_and_results(viewer: Viewer) -> None:
-    server, seen = viewer._server, threading.Event()
+def test_a_source_that_fails_is_reported_once_and_stops_no_other() -> None:
+    news, bad, good = ChangePublisher(), Source("bad"), Source("good")
+    assert set(news.gather([bad, good])) == {"bad", "good"}
+    bad.failure, good.count = "out of numbers", 1
+    told = read(news.gather([bad, good]))
+    assert told == {"error": {"type": "error", "message": "out of numbers"}, "good": {"type": "good", "count": 1}}
+    good.count = 2
+    assert set(news.gather([bad, good])) == {"good"}
+    late = read(news.everything())
+    assert (late["bad"]["count"], late["good"]["count"], late["error"]["message"]) == (0, 2, "out of numbers")
+    bad.failure, bad.count = "", 3
+    assert set(news.gather([bad, good])) == {"bad"}
+    assert "error" not in news.everything()
+    bad.failure = "out of numbers again"
+    assert read(news.gather([bad, good]))["error"]["message"] == "out of numbers again"
 
-    def work(progress: Progress) -> None:
-        while not seen.wait(0.002):
-            progress(0.5)
 
-    def fail(progress: Progress) -> None:
-        raise InputError("there is no way")
+def test_what_says_the_same_is_not_told_again_and_a_late_page_gets_the_latest() -> None:
+    news, one, two = ChangePublisher(), Source("one"), Source("two")
+    assert set(news.gather([one, two])) == {"one", "two"}
+    assert news.gather([one, two]) == {}
+    one.count = 1
+    assert read(news.gather([one, two])) == {"one": {"type": "one", "count": 1}}
+    news.everything().clear()  # the caller's own
+    assert {kind: message["count"] for kind, message in read(news.everything()).items()} == {"one": 1, "two": 0}
+
+
+def test_what_a_page_needs_is_made_while_one_page_needs_it(viewer: Viewer) -> None:
+    def needs(page: Page, theory: bool) -> None:
+        page.ask(type="needs", theory=theory, collision=False, reach=False)
+
+    def told(page: Page, *values: float) -> bool:
+        page.latest.pop("theory", None)
+        for value in values:
+            page.ask(type="joint", name="pitch", value=value)
+        page.until(lambda: page.latest["frame"]["theta"][1] == values[-1])
+        return "theory" in page.latest
 
     with Page(viewer) as page:
-        job = Job("plan", "planning", work, lambda result: server.stage.show(server.stage.theta + 0.01))
-        server._workers.submit(job)
-        page.until(lambda: page.latest["work"]["jobs"] == [{"key": "plan", "share": 0.5}])
-        before = page.latest["frame"]["theta"]
-        seen.set()
-        page.until(lambda: page.latest["frame"]["theta"] != before)
-        page.until(lambda: page.latest["work"]["jobs"] == [])
-        server._workers.submit(Job("plan", "planning", fail, lambda result: None))
-        page.until(lambda: page.latest.get("error", {}).get("message") == "planning: there is no way")
+        other = page.other()
+        for each in (page, other):
+            needs(each, True)
+        other.until(lambda: "theory" in other.latest)
+        other.close()
+        other.until_closed()
+        assert told(page, 0.1, 0.2)
+        needs(page, False)
+        assert not told(page, 0.3, 0.4)

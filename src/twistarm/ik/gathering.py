@@ -14,15 +14,16 @@ from numpy.typing import NDArray
 from ..support.checks import Array
 from .all_solutions import AllAnswers, AllSolutions
 from .batch import Progress
-from .certainty import is_exact
+from .certainty import EXACT
 from .closed_form.methods import Method
-from .closed_form.roots import DEPENDENT, ROUNDED_DIRECTION, ROUNDED_LIMIT, Asked, Root, copies_inside
+from .closed_form.roots import ROUNDED_LIMIT, Asked, Root, apart, copies_inside
 from .deadline import Deadline
 from .ranges import holding, joint_ranges
 from .searches import searched
 from .self_motions import SelfMotions
 from .solution import IKResult
 from .solve import solve_ik
+from .task_space import Tolerances
 
 if TYPE_CHECKING:
     from .._core import AllAnswers as CoreAllAnswers
@@ -32,6 +33,9 @@ STARTS = 1000
 
 EXTRA_SEARCHES = 64
 """Searches besides elimination, or a family that the axes miss. They find what rounding loses."""
+
+BETWEEN = np.linspace(0.0, 1.0, 9)[1:-1]
+"""Shares of the way from one configuration to another at which the target must be met if both are of one branch."""
 
 SAME_VALUE = 1e-9
 """A joint within this [rad, m] of theta0's value has that value."""
@@ -44,15 +48,13 @@ MOST_COMBINATIONS = 4096
 class Gathering(Asked):
     """One task: a target, tolerances, the configuration to be near, the method and the deadline.
 
-    `progress` gets the fraction of values and searches done. `rounded`: the tolerances are those of
-    rounded axes. Such axes may miss the target in directions in which exact ones need not move.
+    `progress` gets the fraction of values and searches done.
     """
 
     near: Array
     method: Method
     deadline: Deadline
     progress: Progress | None
-    rounded: bool = False
 
     def compiled(self, values: Array) -> CoreAllAnswers:
         """What the core finds with the held joints at each of the values (k, h)."""
@@ -65,40 +67,28 @@ class Gathering(Asked):
     @property
     def complete(self) -> bool:
         """Whether the method finds everything."""
-        return self.method.exact and not self.method.swept and not self.rounded and is_exact(self.tolerances)
+        return self.method.exact and not self.method.swept
 
     @property
     def searches(self) -> int:
         """The number of searches beside the method, or instead of one."""
         if not self.method.there:
             return STARTS
-        lossy = self.method.rooted is not None or not self.method.exact or self.rounded
+        lossy = self.method.rooted is not None or not self.method.exact
         return EXTRA_SEARCHES if lossy and not self.method.swept else 0
 
     def new_roots(self, candidates: Iterable[Array], held: tuple[int, ...], known: list[Root]) -> list[Root]:
         """New different answers among the candidates, until the time is up."""
-        until = self.deadline.until(candidates)
-        if not self.rounded:
-            return self.roots(until, held, known)
-        return self.roots(map(self.as_near, until), held, known, ROUNDED_DIRECTION)
-
-    @property
-    def dependent(self) -> float:
-        """Singular values below this part of the largest belong to directions without first-order motion."""
-        return ROUNDED_DIRECTION if self.rounded else DEPENDENT
-
-    def as_near(self, theta: Array) -> Array:
-        """theta (n,) with theta0's value for joints that move the tool by rounding only."""
-        size = np.linalg.norm(self.rows(theta)[1], axis=0)
-        return np.where(size < ROUNDED_DIRECTION * size.max(initial=0.0), self.stand, theta)
+        return self.roots(self.deadline.until(candidates), held, known)
 
     def solved(self, values: Array) -> tuple[list[Root], int, int]:
         """Roots with the held joints at each of the values (k, h), and how many values have any."""
         method, found = self.method, list[Root]()
         tries = hits = 0
         for each in self.deadline.until(values if method.there else ()):
-            exact = method.exact and not self.rounded
-            new = self.new_roots(method.candidates(self.arm, self.target, self.near, each, exact), method.held, [])
+            new = self.new_roots(
+                method.candidates(self.arm, self.target, self.near, each, method.exact), method.held, []
+            )
             held = {*method.idle, *method.swept}
             found += [replace(root, free=tuple(sorted({*root.free, *held}))) for root in new]
             hits += bool(new)
@@ -111,10 +101,24 @@ class Gathering(Asked):
         found = self.one_search()
         return found.theta[None, list(self.method.held)][: int(found.converged)]
 
-    def within(self) -> list[Root]:
-        """A search's answer within loose tolerances: the closed form solves for exact answers alone."""
-        found = self.one_search()
-        return [Root(found.theta, self.method.idle)] if found.converged else []
+    def within(self, tolerances: Tolerances) -> tuple[list[Root], int, int]:
+        """One configuration of each branch that meets the target within these, where none does exactly.
+
+        Also the number of searches and how many met the target. Branches are apart if the target is not met all along
+        the straight way between them.
+        """
+        task = replace(self, tolerances=tolerances, progress=None)
+        first = task.one_search()
+        if not first.converged:
+            return [], 0, 0
+        arm, starts = holding(self.arm, self.method.given, self.near), self.arm.random_theta(0, EXTRA_SEARCHES)
+        done = searched(arm, [self.target] * len(starts), starts, tolerances, max_time=self.deadline.left)
+        kept: list[Array] = []
+        for theta in sorted([first.theta, *done.met], key=self.distance):
+            left = [apart(self.arm, other, theta) for other in kept]
+            if not any(all(task.met(theta + share * way) for share in BETWEEN) for way in left):
+                kept.append(theta)
+        return [Root(theta, self.method.idle) for theta in kept], done.run, int(done.converged.sum())
 
     def one_search(self) -> IKResult:
         """The solution of `solve_ik` from theta0, with the given joints held."""
@@ -168,11 +172,11 @@ class Gathering(Asked):
             return [], 0, 0
         targets = [self.target] * len(starts)
         arm = holding(self.arm, self.method.given, self.near)
-        done = searched(arm, targets, starts, max_time=self.deadline.left, progress=progress)
-        counted = done.converged & (done.exact | self.rounded)
+        done = searched(arm, targets, starts, Tolerances(EXACT, EXACT), max_time=self.deadline.left, progress=progress)
         idle = [i in self.method.idle for i in range(self.arm.n)]  # their values do not tell answers apart
         met = np.where(idle, self.stand, done.met)
-        return self.new_roots(met, (*self.method.given, *self.method.idle), known), done.run, int(counted.sum())
+        held = (*self.method.given, *self.method.idle)
+        return self.new_roots(met, held, known), done.run, int(done.converged.sum())
 
     @cached_property
     def stand(self) -> Array:
@@ -183,7 +187,7 @@ class Gathering(Asked):
     def motions(self) -> SelfMotions:
         """The self-motions of the answers. Idle joints do not tell answers apart."""
         still = (*self.method.given, *self.method.idle)
-        return SelfMotions(self.arm, self.target, self.tolerances, still, self.deadline, self.dependent)
+        return SelfMotions(self.arm, self.target, self.tolerances, still, self.deadline)
 
     def alone(self, root: Root) -> bool:
         """Whether a root belongs to no continuous family, apart from the motions of idle joints."""
@@ -221,7 +225,7 @@ class Gathering(Asked):
         inside.sort(key=lambda theta: (-self.at_start(theta, own), self.distance(theta)))
         theta = inside[0] if inside else family.roots[0].theta
         if self.method.swept and not self.deadline.passed:
-            free |= {*self.self_motion(theta, self.motions.still, self.dependent)}
+            free |= {*self.self_motion(theta, self.motions.still)}
         moving = np.array([i in free for i in range(self.arm.n)])
         return Entry(theta, moving, bool(inside), self.distance(theta))
 
@@ -260,7 +264,7 @@ class Gathering(Asked):
         late = self.deadline.passed
         return AllSolutions(
             arm, found, self.method,
-            all_seen and not late and self.complete, self.target, self.tolerances, late, self.rounded,
+            all_seen and not late and self.complete, self.target, self.tolerances, late,
         )  # fmt: skip
 
 

@@ -37,13 +37,11 @@ class SelfMotions(Asked):
     """Motions of the arm that keep the target met, with the joints `still` at rest.
 
     Their tangents are the null space of the Jacobian. Where that is a line, the answers are a curve, and one walk along
-    it meets them all. Where it has more dimensions, straight walks connect neighbours. Singular values below the part
-    `dependent` of the largest count as 0.
+    it meets them all. Where it has more dimensions, straight walks connect neighbours.
     """
 
     still: tuple[int, ...]
     deadline: Deadline
-    dependent: float = DEPENDENT
 
     def families(self, thetas: Sequence[Array]) -> Iterator[tuple[list[int], Array]]:
         """The places of the answers of one family, and the curve (k, n) that was walked to find them.
@@ -151,13 +149,13 @@ class SelfMotions(Asked):
         return None
 
     def _corrected(self, theta: Array, *held: int) -> Array:
-        return self.corrected(theta, (*self.still, *held), self.dependent, ACCURACY)
+        return self.corrected(theta, (*self.still, *held), DEPENDENT, ACCURACY)
 
     def _tangents(self, theta: Array) -> Array:
         """The directions (d, n) that move nothing at first, orthonormal."""
         moving = self._moving
         _, size, Vt = np.linalg.svd(self.rows(theta)[1][:, moving])
-        rank = int((size > self.dependent * size.max(initial=1e-300)).sum())
+        rank = int((size > DEPENDENT * size.max(initial=1e-300)).sum())
         tangents = np.zeros((len(Vt) - rank, self.arm.n))
         tangents[:, moving] = Vt[rank:]
         return tangents

@@ -26,6 +26,9 @@ ROTATION_WEIGHT = 0.2
 DAMPING, LEAST_DAMPING = 0.03, 1e-9
 """λ = DAMPING · E + LEAST_DAMPING: strong far from the target, vanishing with the error (Chan & Lawrence)."""
 
+EXACT, POLISHED = 1e-6, 1e-9
+"""Errors [m, rad] below which a search has met its target, and below which it also stops."""
+
 ITERATIONS = 30
 PROGRESS, STALLS = 0.8, 4
 """An iteration that leaves E above PROGRESS times the best is a stall. A search ends after STALLS of them."""
@@ -58,15 +61,16 @@ class Problem(NamedTuple):
 def solve(arm: Arm, target: AnyTarget, request: Request) -> Answer:
     """At most `request.restarts` searches, the first from theta0, the others from random configurations.
 
-    The first search within the tolerances answers. Otherwise the best of them answers: the position counts first, then
-    the rotation.
+    The first search that meets the target exactly answers. Otherwise the best of them answers: one within the
+    tolerances first, then the position counts, then the rotation.
     """
     problem = Problem(arm, joint_ranges(arm), target, request.tolerances)
     deadline, rng = Deadline.after(request.max_time), np.random.default_rng(request.seed)
     start = problem.ranges.inside(request.theta0)
     found = best = search(problem, start, start)
     searches, steps = 1, found.iterations
-    while not best.converged and searches < request.restarts and not deadline.passed:
+    exact = problem.tolerances.at_most(EXACT)
+    while not exact.met(*found.errors) and searches < request.restarts and not deadline.passed:
         found = search(problem, arm.random_theta(rng), start)
         best = min(best, found, key=lambda end: _rank(problem, end))
         searches, steps = searches + 1, steps + found.iterations
@@ -92,6 +96,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
     lower, upper = np.where(ranges.turns, [[-np.inf], [np.inf]], [ranges.lower, ranges.upper])
     weight = math.sqrt(ROTATION_WEIGHT)
     theta, best, stalls, iterations = np.clip(theta, lower, upper), math.inf, 0, 0
+    polished = problem.tolerances.at_most(POLISHED)
     while True:
         g, J_b = problem.arm.fk_and_body_jacobian(theta)
         errors = target.position_error(g), target.orientation_error(g)
@@ -101,7 +106,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
         E = float(error @ error)
         stalls += PROGRESS * best < E
         best = min(best, E)
-        if problem.tolerances.met(*errors) or stalls == STALLS or iterations == ITERATIONS:
+        if polished.met(*errors) or stalls == STALLS or iterations == ITERATIONS:
             break
         slope = J.T @ error
         free = ~((theta <= lower) & (slope > 0) | (theta >= upper) & (slope < 0))
@@ -113,13 +118,14 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
     theta = ranges.wrapped(theta, near)
     g = problem.arm.fk(theta)
     errors = target.position_error(g), target.orientation_error(g)
-    return Search(theta, errors, iterations, problem.tolerances.or_rounding(problem.arm.rounding).met(*errors))
+    return Search(theta, errors, iterations, problem.tolerances.met(*errors))
 
 
-def _rank(problem: Problem, end: Search) -> tuple[bool, float, float]:
-    """A key that sorts ends: an answer, the position missed, the rotation."""
+def _rank(problem: Problem, end: Search) -> tuple[bool, bool, float, float]:
+    """A key that sorts ends: met exactly, met within the tolerances, the position missed, the rotation."""
     position, orientation = end.errors
-    return not end.converged, 0.0 if position <= problem.tolerances.position else position, orientation
+    missed = 0.0 if position <= problem.tolerances.position else position
+    return not problem.tolerances.at_most(EXACT).met(*end.errors), not end.converged, missed, orientation
 
 
 def _leaves_branch(problem: Problem, start: Array, theta: Array) -> bool:
