@@ -137,22 +137,6 @@ def test_a_page_that_goes_while_it_jogs_stops_the_arm(viewer: Viewer) -> None:
 # what pages are told -----------------------------------------------------------------------------------
 
 
-def test_commands_move_nothing_on_show_and_send_no_frames(viewer: Viewer) -> None:
-    _ = viewer.commands
-    _ = viewer.theta  # the change is applied
-    with Page(viewer) as page:
-        onlooker = page.other()
-        onlooker.latest.clear()
-        for _ in range(50):
-            jog(page)
-            page.ask(type="stop")
-        viewer.show_frames(False)
-        onlooker.until(lambda: bool(onlooker.latest))
-        assert set(onlooker.latest) == {"visible"}
-        onlooker.close()
-    assert viewer.theta.tolist() == [0.2, 0.3]
-
-
 def test_what_would_move_the_arm_under_the_servo_s_hands_is_refused(viewer: Viewer) -> None:
     _ = viewer.commands
     viewer.play(plan_joint(ARM, [[0, 0], [1, 1]], limits={"velocity": 1.0, "acceleration": 1.0}))

@@ -31,10 +31,6 @@ for i in range(3):
     ELBOW = ELBOW.revolute(f"j{i}", [0, 0, 1], [0.5 * i, 0, 0])
 STRETCHED = ELBOW.tool(np.array([[1, 0, 0, 1.5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])).build()
 
-SLEDGE = ArmBuilder("sledge").prismatic("slide", [1, 0, 0], lower=-1, upper=1)
-SLEDGE = SLEDGE.revolute("turn", [0, 0, 1], [0, 0, 0], lower=-3, upper=3)  # the tool is 2 m from it
-SLEDGE = SLEDGE.tool(np.array([[1, 0, 0, 2.0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])).build()
-
 PAIR = """<robot name="pair"><link name="base"/><link name="a"/><link name="b"/><link name="tool"/>
   <joint name="lead" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/>
     <limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
@@ -209,21 +205,6 @@ def test_the_joint_that_moved() -> None:
     assert told(stage)["moved"] == 2  # type: ignore[index]
     ask(stage, "joint", name="elbow", value=0.3)
     assert told(stage)["moved"] == 2  # type: ignore[index]
-
-
-@pytest.mark.parametrize(("slide", "turn", "moved"), [(0.21, 0.2, 1), (-0.39, 0.2, 1), (0.41, -0.2, 0), (0.1, 0.2, 1)])
-def test_which_moved_farther_is_measured_in_the_reach(slide: float, turn: float, moved: int) -> None:
-    """With a reach of 2 m, 0.2 rad are as far as 0.4 m."""
-    assert SLEDGE.reach == 2.0
-    stage = switched_on(SLEDGE)
-    stage.show(np.array([0.0, 0.0]))
-    assert told(stage) is not None
-    stage.show(np.array([slide, turn]))
-    assert told(stage)["moved"] == moved  # type: ignore[index]
-    limits = {"velocity": 1.0, "acceleration": 1.0}
-    motion = plan_joint(SLEDGE, [[0, 0], [slide, turn]], kind="time_optimal", limits=limits)  # straight
-    for record in sampled_theory(SLEDGE, np.zeros(2), motion)["numbers"][1:-1]:
-        assert record["moved"] == moved
 
 
 @pytest.mark.parametrize(("sigma", "near"), [

@@ -229,16 +229,3 @@ def test_all_names_what_there_is() -> None:
     assert sorted(twistarm.__all__) == list(twistarm.__all__)
     for name in twistarm.__all__:
         assert getattr(twistarm, name).__doc__, f"{name} has no docstring"
-
-
-def test_slides_are_told_by_one_table() -> None:
-    """No code compares a joint's type with "prismatic" where `slides` answers: a new sliding type is one entry."""
-    # One writes the type into the XML, the other asks the reader of the guide for a joint's twist by its type.
-    makers = {"description/urdf.py", "guide/exercises/joint_types.py"}
-    for file in FILES:
-        for node in ast.walk(syntax(file)):
-            if isinstance(node, ast.Compare) and file.relative_to(PACKAGE).as_posix() not in makers:
-                sides = [node.left, *node.comparators]
-                assert not any(isinstance(side, ast.Constant) and side.value == "prismatic" for side in sides), (
-                    f"{file.name}:{node.lineno}"
-                )

@@ -133,20 +133,6 @@ def test_workers_that_fail_are_reported_and_the_others_go_on(ur5, tmp_path):
         assert re.match(reason, answers[name]), answers[name]
 
 
-def test_answers_that_are_wrongly_called_converged_are_counted(ur5, tmp_path):
-    judge, liar = Judge(ur5), worker(tmp_path, "liar")
-    cold = problems.cold(ur5, judge, 30)
-    solved = problems.Problems("cold", np.r_[poses(ur5, cold.starts[:10]), cold.targets[10:]], cold.starts)
-    try:
-        figures = single_calls("ur5", "liar", solved, interleave({"liar": liar}, solved, 6)["liar"], judge)
-    finally:
-        liar.close()
-    assert figures.strict == pytest.approx(10 / 30)
-    assert figures.wrong == 20
-    assert figures.motion == 0
-    assert figures.median == 1
-
-
 @pytest.mark.slow
 def test_a_quick_run(tmp_path, capsys):
     file = tmp_path / "figures.json"

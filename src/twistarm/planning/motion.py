@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
@@ -13,7 +14,7 @@ import numpy as np
 from ..arm.arm import Arm, require_arm
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, Row, as_flag, as_positive, require_callback, require_choice
-from ..support.errors import InputError, shown
+from ..support.errors import InputError, NotConvergedError, shown
 from ..support.messages import Argument, Text
 from .cartesian.refusal import PathError
 from .goals import Goals
@@ -30,7 +31,6 @@ from .time_laws.double_s import double_s
 from .time_laws.law import TimeLaw, quintic
 from .time_laws.s_curve import s_curve
 from .time_laws.time_optimal import time_optimal
-from .tolerances import ROUNDED, but_for_rounding
 from .trajectory import Trajectory
 from .within import require_waypoints
 
@@ -83,8 +83,8 @@ def plan(
         kind: "s_curve", "time_optimal" or "quintic".
         linear_speed: Greatest speed of the tool's origin [m/s] where a segment gives none.
         angular_speed: Greatest angular speed of the tool [rad/s] where a segment gives none.
-        position_tol: Tolerance of a target [m] where a segment gives none; 1e-6 by default.
-        orientation_tol: Tolerance of its rotation [rad], likewise.
+        position_tol: Tolerance of a target [m] where a segment gives none; 1e-5 by default.
+        orientation_tol: Tolerance of its rotation [rad]; 5e-5 by default.
         unwrap: Whether joints that can turn by 2π go to configurations by the shorter way, from 3.1 to −3.1 by 0.08
             rad. To targets they always do.
         scene: A `Scene` of the arm, or None. The motion is then proven free without gaps, and a `FreeMove` goes round.
@@ -160,7 +160,7 @@ def _legs(
     progress: Progress | None,
     numbers: Sequence[int] | None,
 ) -> tuple[list[Leg], list[str]]:
-    """Return the legs from `origin` (n,) on, and notes. Axes that are off by rounding may widen the tolerances."""
+    """Return the legs from `origin` (n,) on, and notes. What cannot be followed exactly is within the tolerances."""
 
     def report(done: int) -> None:
         if progress is not None:
@@ -169,12 +169,11 @@ def _legs(
     router = Router(arm, moves, limits, report, unwrap, numbers)
     try:
         return router.legs(origin), router.notes
-    except PathError:
-        wider = but_for_rounding(arm, moves)
-        if not wider:
-            raise
-    router = Router(arm, wider, limits, report, unwrap, numbers)
-    return router.legs(origin), [*router.notes, ROUNDED]
+    except PathError as error:
+        router = Router(arm, moves, limits, report, unwrap, numbers, exactly=False)
+        with suppress(PathError, NotConvergedError):
+            return router.legs(origin), router.notes
+        raise error from None
 
 
 def _with_ranges(arm: Arm, limits: JointLimits) -> Arm:

@@ -22,7 +22,6 @@ from .cartesian.wide_ladder import climb_wide
 from .goals import CURVED, Goals
 from .joint_path import JointPath
 from .segments import Dwell, JointMove, Move, Segment, place
-from .tolerances import rounding_note
 from .unwrapping import unwrapped
 
 NEAREST = 8
@@ -79,11 +78,12 @@ class Router:
         done: Callable[[int], object],
         unwrap: bool = False,
         numbers: Sequence[int] | None = None,
+        exactly: bool = True,
     ) -> None:
         self.arm, self.segments, self.limits, self.done = arm, segments, limits, done
         self.numbers = range(len(segments)) if numbers is None else numbers
         self.notes: list[str] = []
-        self.goals = Goals(arm, limits, unwrap)
+        self.goals = Goals(arm, limits, unwrap, exactly)
 
     def legs(self, origin: Array) -> list[Leg]:
         """Return the legs from `origin` (n,) on. Raises PathError, LimitError or NotConvergedError if none exist."""
@@ -114,8 +114,7 @@ class Router:
                 return [self._straight(i, theta, start), *legs]
         end = self.goals.configuration(segment, theta, self._place(i))
         end, said = unwrapped(self.arm, end, theta, self._place(i), self.goals.unwrap)
-        met = self.goals.tolerances(segment)
-        self.notes += [*said, *rounding_note(self.arm, segment.to, end, self._place(i), met)]
+        self.notes += said
         return [self._straight(i, theta, end)]
 
     def _straight(self, i: int, start: Array, end: Array) -> Leg:

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...arm.arm import Arm, require_arm
-from ...support.checks import Array, require, require_mapping
+from ...support.checks import Array, as_number, as_whole, require, require_mapping
 from ...support.errors import InputError, TwistarmError, listed, shown
-from ...support.fields import Check, anything, fields, list_of, number, numbers, one_of, whole
+from ...support.fields import Check, anything, fields, list_of, numbers, one_of
 from ...support.fields import text as any_text
 from ...support.strict_json import decoded
 from ...theory.rotations import from_quaternion_wxyz
@@ -93,7 +93,7 @@ def command_of(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
             raise InputError(f"a word to the interlock is one of {listed(WORDS)}, {also}; got {shown(message)}")
         raise InputError(f"a command has one of {listed(_COMMANDS)}; got {shown(sorted(message))}")
     needed, optional, build = _COMMANDS[kind]
-    given = fields(message, "", needed, {**optional, "number": whole})
+    given = fields(message, "", needed, {**optional, "number": as_whole})
     try:
         return build(arm, given)
     except InputError:
@@ -136,7 +136,7 @@ def parse_state(arm: Arm, text: str | bytes, motors: MotorSide | None = None) ->
     require_arm(arm)
     names, value = ("joint_names", "theta") if motors is None else ("motor_names", "motor")
     needed = {names: list_of(any_text), value: numbers}
-    sent = fields(decoded(text), "", needed, {"number": whole, "interlock": one_of(STATES)})
+    sent = fields(decoded(text), "", needed, {"number": as_whole, "interlock": one_of(STATES)})
     known = arm.joint_names if motors is None else motors.names
     return StateMessage(values_by_name(known, sent[names], sent[value]), sent.get("number"), sent.get("interlock"))
 
@@ -202,7 +202,7 @@ def _hold(value: Any, name: str) -> Any:
 def _rates(rates: Any, name: str) -> dict[str, float]:
     if not isinstance(rates, Mapping) or not rates:
         raise InputError(f'jog must be {{"joint": rate}}, rates in rad/s or m/s; got {shown(rates)}')
-    return {name: number(rate, f"jog of {shown(name)}") for name, rate in rates.items()}
+    return {name: as_number(rate, f"jog of {shown(name)}") for name, rate in rates.items()}
 
 
 def _pose(given: Any, name: str) -> Array:
@@ -226,7 +226,7 @@ def _true(value: Any, name: str) -> bool:
     return True
 
 
-SPEEDS = {"linear_speed": number, "angular_speed": number}
+SPEEDS = {"linear_speed": as_number, "angular_speed": as_number}
 _Build = Callable[[Arm, dict[str, Any]], AnyCommand]
 
 _COMMANDS: Mapping[str, tuple[Mapping[str, Check], Mapping[str, Check], _Build]] = {

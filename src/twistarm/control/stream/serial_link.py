@@ -17,7 +17,6 @@ import numpy as np
 from ...arm.arm import Arm
 from ...support.checks import as_theta, as_whole
 from ...support.errors import InputError, missing_extra, shown
-from ...support.fields import whole
 from ...support.interrupts import Closeable
 from ..servo import STATUSES
 from .inbox import CommandInput, StateInput
@@ -134,7 +133,7 @@ def parse_state_line(arm: Arm, line: bytes, motors: MotorSide | None = None) -> 
         said = [float(value) for value in values]
         names = motors.names if motors else arm.joint_names
         as_theta(said, len(names), "the joint state line", names)
-        return StateMessage(dict(zip(names, said, strict=True)), whole(int(number), "number"), interlock)
+        return StateMessage(dict(zip(names, said, strict=True)), as_whole(int(number), "number"), interlock)
     except ValueError as error:  # InputError is one
         raise InputError(f"a joint state line is number,theta_1,…,theta_{arm.n}[,E|S|X]*hh: {error}") from error
 

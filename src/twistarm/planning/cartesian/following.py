@@ -12,7 +12,6 @@ from ...support.checks import Array
 from ..joint_path import JointPath
 from ..piecewise import bernstein, extremes
 from ..spline import unforced
-from ..tolerances import leeway
 from ..within import POSITION_TOL as ROUNDING
 from .meeting import met_near
 from .moving_target import MovingTarget
@@ -77,7 +76,7 @@ def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> JointPat
 
 def _uses_tolerance_well(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Flags:
     """Tell which configurations (k, n) at s (k,) are well within wide tolerances."""
-    if leeway(moving.tolerances) is None:
+    if moving.leeway is None:
         return np.zeros(len(s), dtype=bool)
     position, angle = moving.errors(s, arm.fk(theta))
     return (position <= SHARE * moving.tolerances.position) & (angle <= SHARE * moving.tolerances.orientation)
@@ -90,7 +89,7 @@ def _evened(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Array:
     theta = theta.copy()
     for _ in range(SMOOTHINGS):
         between = theta[:-2] + share * (theta[2:] - theta[:-2])
-        found, met = projected(arm, moving.like, ideal, between, EXACT, leeway(moving.tolerances))
+        found, met = projected(arm, moving.like, ideal, between, EXACT, moving.leeway)
         met &= np.abs(found - theta[1:-1]).max(axis=1) <= LONGEST_JUMP
         theta[1:-1][met] = found[met]
     return theta

@@ -12,7 +12,6 @@ from ...ik.searches import searched
 from ...ik.targets import AnyTarget, Pose
 from ...ik.task_space import Tolerances
 from ...support.checks import Array
-from ..tolerances import leeway
 from .moving_target import MovingTarget
 from .nodes import ALL_BUT_EXACT, EXACT, LONGEST_JUMP
 from .projection import projected
@@ -40,7 +39,7 @@ def met_near(
         return _searched(arm, moving, ideal, near, ALL_BUT_EXACT) if found is None else found
 
     theta, met = near.copy(), np.zeros(len(near), dtype=bool)
-    for solve in (*([_without_leap] if leeway(moving.tolerances) else []), exactly, _within):
+    for solve in (*([_without_leap] if moving.leeway else []), exactly, _within):
         left = np.flatnonzero(~met)
         found, good = solve(arm, moving, ideal[left], near[left])
         theta[left[good]], met[left[good]] = found[good], True

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from ...arm.arm import Arm
 from ...limits.joint_limits import JointLimits
 from ...support.checks import Array
-from ..tolerances import leeway
 from .nodes import EXACT, LONGEST_JUMP, Blocked, Node, Rungs, cheapest_first, efforts
 from .projection import projected
 
@@ -72,7 +71,7 @@ def _spread(
     sought = np.concatenate([here, here + drawn, *(here + kicks)])
     parents = np.tile(np.arange(len(nodes)), 2 + each)
     ideal = np.tile(rungs.poses(nodes, k), (2 + each, 1, 1))
-    theta, good = projected(arm, moving.like, ideal, sought, EXACT, leeway(moving.tolerances))
+    theta, good = projected(arm, moving.like, ideal, sought, EXACT, moving.leeway)
     good &= np.abs(theta - here[parents]).max(axis=1) <= LONGEST_JUMP
     return theta[good], parents[good]
 
@@ -85,7 +84,7 @@ def _continuous(arm: Arm, nodes: list[Node], parents: NDArray[np.intp], s: float
     ideal = np.array([poses[id(nodes[i].moving)] for i in parents])
     halfway = 0.5 * (before + theta)
     moving = nodes[0].moving
-    found, met = projected(arm, moving.like, ideal, halfway, EXACT, leeway(moving.tolerances))
+    found, met = projected(arm, moving.like, ideal, halfway, EXACT, moving.leeway)
     off, step = (np.linalg.norm(each, axis=1) for each in (found - halfway, theta - before))
     return met & (off <= HALFWAY * (step + CELL))
 

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from ...support.errors import InputError, shown
-from ...support.fields import Check, fields, flag, list_of, number, numbers, one_of, whole
-from ...support.path_redaction import without_places
+from ...support.checks import as_flag, as_number, as_whole
+from ...support.errors import InputError, shown, without_places
+from ...support.fields import Check, fields, list_of, numbers, one_of
 from ...support.strict_json import decoded, encode
 from ..page_files import page_text
 
@@ -47,7 +47,7 @@ def parse(message: str | bytes) -> PageRequest:
     kind = asked.pop("type", None)
     if not isinstance(kind, str) or kind not in REQUESTS:
         raise InputError(f"unknown message type {shown(kind)}; one of {', '.join(REQUESTS)}")
-    count = whole(asked.pop("number", 0), "number")
+    count = as_whole(asked.pop("number", 0), "number")
     return PageRequest(kind, fields(asked, "", REQUESTS[kind]), count)
 
 
@@ -55,7 +55,7 @@ def number_of(message: str | bytes) -> int | None:
     """The number of a message that `parse` refuses, or None."""
     try:
         fields = json.loads(message)
-        return whole(fields["number"], "number") if isinstance(fields, dict) else None
+        return as_whole(fields["number"], "number") if isinstance(fields, dict) else None
     except (ValueError, KeyError, RecursionError):
         return None
 
@@ -81,7 +81,7 @@ def _pose(value: Any, name: str) -> dict[str, Any]:
     return fields(value, name, {"name": as_name, "theta": _numbers}, {"by": as_name})
 
 
-_number = partial(number, least=-LARGEST_VALUE, most=LARGEST_VALUE)
+_number = partial(as_number, least=-LARGEST_VALUE, most=LARGEST_VALUE)
 _numbers = partial(numbers, least=-LARGEST_VALUE, most=LARGEST_VALUE)
 
 CHECKS: Mapping[str, Check] = {
@@ -89,8 +89,8 @@ CHECKS: Mapping[str, Check] = {
     "numbers": _numbers,
     "point": partial(_numbers, size=3),
     "quaternion": partial(_numbers, size=4),
-    "count": whole,
-    "flag": flag,
+    "count": as_whole,
+    "flag": as_flag,
     "name": as_name,
     "names": list_of(as_name),
     "poses": list_of(_pose),
