@@ -1,4 +1,4 @@
-"""Baked arms: the same arm with the same answers, its limits, and what it cannot be asked."""
+"""Baked arms: the same arm with the same answers, its limits, what it cannot be asked, and files that are none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Findings about postures and axes: their numbers from elsewhere, and remedies that work."""
+"""Units that are doubtful, poses, rounded angles and axes: what the doctor finds is found by other means too."""
 
 from __future__ import annotations
 

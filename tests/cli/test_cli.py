@@ -15,10 +15,9 @@ import numpy as np
 import pytest
 
 import twistarm
-from twistarm import load_arm
 from twistarm.cli.application import run
 from twistarm.theory.rotations import from_rpy
-from urdf_text import joint, robot, two_joints, write
+from urdf_text import two_joints, write
 
 Capture = pytest.CaptureFixture[str]
 
@@ -389,71 +388,3 @@ def test_dh_shows_and_writes_the_table(tmp_path: Path, capsys: Capture) -> None:
     lengths = [max(abs(row["d"]) for row in said["rows"]) for said in (far, near)]
     assert (lengths[0] > 1000, lengths[1] < 1) == (True, True)
     assert far["residual"] < 1e-12 < near["residual"] < 1e-5
-
-
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    write(tmp_path, two_joints())
-    return tmp_path
-
-
-@pytest.fixture
-def forked(folder: Path) -> Path:
-    """A description without a clear tip."""
-    parts = joint("a", "base_link", "upper"), joint("b", "upper", "left"), joint("c", "upper", "right")
-    write(folder, robot(*parts, links=("base_link", "upper", "left", "right")))
-    return folder
-
-
-def test_init_writes_an_arm_toml_that_every_command_takes(folder: Path, capsys: Capture) -> None:
-    assert "arm.toml: 2 joints" in printed(capsys, "init", "arm.urdf")
-    assert answer(capsys, "info", "arm.toml")["ready"] == load_arm("arm.urdf").ready.tolist()
-    assert answer(capsys, "fk", "arm.toml")["position"] == answer(capsys, "fk", "arm.urdf")["position"]
-
-
-def test_a_link_in_a_circle_is_replaced(folder: Path) -> None:
-    (folder / "loop.toml").symlink_to("loop.toml")
-    assert run(["init", "arm.urdf", "-o", "loop.toml"]) == 0
-    assert (folder / "loop.toml").is_file()
-
-
-def test_init_without_a_clear_tip_writes_nothing(forked: Path, capsys: Capture) -> None:
-    assert "--tip left" in error_of(capsys, "init", "arm.urdf")
-    assert not (forked / "arm.toml").exists()
-    assert run(["init", "arm.urdf", "--tip", "right"]) == 0
-    assert load_arm("arm.toml").joint_names == ("a", "c")
-
-
-def test_a_motion_is_begun_for_the_arm_that_the_options_say(forked: Path, capsys: Capture) -> None:
-    assert "motion.txt" in error_of(capsys, "init", "arm.urdf", "--motion", "-o", "motion.txt", "--tip", "right")
-    shown = printed(capsys, "init", "arm.urdf", "--motion", "--tip", "right")
-    assert len(answer(capsys, *shown.rpartition("twistarm ")[2].split())["waypoints"]) == 4
-
-
-def test_init_leaves_nothing_behind_when_it_fails(folder: Path, capsys: Capture) -> None:
-    assert "--tip 'tool9'" in error_of(capsys, "init", "arm.urdf", "--tip", "tool9")
-    assert "xacro" in error_of(capsys, "init", "arm.urdf", "--xacro", "a:=1")
-    assert [path.name for path in folder.iterdir()] == ["arm.urdf"]
-
-
-def test_limits_and_srdf_by_file(folder: Path, capsys: Capture) -> None:
-    write(folder, "joint_limits: {a: {max_velocity: 0.25}}", "limits.yaml")
-    state = '<group_state name="home"><joint name="a" value="0.1"/><joint name="b" value="0.2"/></group_state>'
-    write(folder, f'<robot name="tiny">{state}</robot>', "semantics.xml")
-    content = answer(capsys, "info", "arm.urdf", "--limits", "limits.yaml", "--srdf", "semantics.xml")
-    assert [joint["velocity"] for joint in content["joints"]] == [0.25, 2.0]
-    assert content["named_states"] == {"home": [0.1, 0.2]}
-    assert "no.yaml" in error_of(capsys, "fk", "arm.urdf", "--limits", "no.yaml")
-    assert "no.srdf" in error_of(capsys, "fk", "arm.urdf", "--srdf", "no.srdf")
-
-
-def test_locked_joints_in_degrees_and_metres(capsys: Capture) -> None:
-    arm = load_arm("rover_arm", locked_joints={"slide": 0.1, "elbow": np.pi / 6})
-    degrees = ("--locked-joint", "slide=0.1", "--locked-joint", "elbow=30")
-    radians = ("--locked-joint", "slide = 0.1", "--locked-joint", f"elbow={np.pi / 6}", "--rad")
-    for typed in (degrees, radians):
-        content = answer(capsys, "fk", "rover_arm", *typed, "--theta", "0 0 0")
-        assert np.allclose(content["matrix"], arm.fk([0.0, 0.0, 0.0]))
-    for pair in ("slide", "slide=inf", "knee=1"):
-        assert "--locked-joint" in error_of(capsys, "fk", "rover_arm", "--locked-joint", pair)

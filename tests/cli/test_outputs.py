@@ -1,4 +1,4 @@
-"""`-o`: one way to name what a command writes, and nothing that stands there is lost."""
+"""`-o`: one way to name what a command writes, and nothing that stands there is lost; tables that fit a terminal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""SRDF read: what it says, what is refused with its line, and Pinocchio's own reader as a witness."""
+"""SRDF and the other files beside a description: what they say, and which are taken."""
 
 from __future__ import annotations
 

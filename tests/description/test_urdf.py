@@ -1,4 +1,4 @@
-"""URDF into the tree: what is refused; what is repaired, and that it is said."""
+"""URDF of every version into the tree: what is refused; what is repaired, and that it is said."""
 
 from __future__ import annotations
 

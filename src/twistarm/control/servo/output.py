@@ -194,12 +194,24 @@ class ServoOutput(Brief):
 
     @classmethod
     def stale(cls, theta_dot: Array, reason: str) -> ServoOutput:
-        """The output with these rates (n,) [rad/s, m/s] and reason in words, without a usable command or state."""
+        """The output without a usable command or state.
+
+        Args:
+            theta_dot: the rates (n,) [rad/s, m/s].
+            reason: why, in words.
+        """
         return cls(theta_dot, ServoReason.STALE, 0.0, _NOTHING_LOST, 0.0, None, (0.0, 0.0), _why=reason)
 
     @classmethod
     def of(cls, step: CoreStep, bounds: ServoBounds, asked: StepRequest, contact: Contact | None) -> ServoOutput:
-        """The output for an answer of the compiled step, with `contact`, the pair of bodies that holds the arm."""
+        """The output for an answer of the compiled step.
+
+        Args:
+            step: the answer.
+            bounds: the limits, whose rows it names.
+            asked: the request that it answers.
+            contact: the pair of bodies that holds the arm.
+        """
         reason, near = step.reason, step.reason is ServoReason.COLLISION
         names = asked.arm.joint_names if reason is ServoReason.SINGULARITY else bounds.motion.names
         joint = names[step.row] if step.row >= 0 and not near else None

@@ -1,0 +1,39 @@
+"""The near pairs of a scene: none is left out, and their approach is the derivative of the distance."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from twistarm import Scene, load_arm
+from twistarm.collision.swept import LOOK
+
+STEP = 1e-5
+
+
+@pytest.mark.parametrize("name", ["ur5", "rover_arm", "stanford"])
+def test_no_near_pair_is_left_out_and_approaches_are_derivatives(name: str) -> None:
+    arm = load_arm(name)
+    scene, reach = Scene(arm, margin=0.02), np.full(arm.n, 0.05)
+    scene.add_sphere("ball", 0.1, (0.5 * arm.reach, 0.1, 0.3))
+    scene.add_box("box", (0.2, 0.3, 0.4), (-0.4 * arm.reach, 0.2, 0.2))
+    scene.add_plane()
+    pairs, compared = scene.near_pairs, 0
+    theta = arm.random_theta(1)
+    for way in np.random.default_rng(2).normal(scale=0.02, size=(60, arm.n)):
+        theta = np.clip(theta + way, arm.limits.lower, arm.limits.upper)
+        found = pairs.near(theta, reach)
+        q = [
+            arm.pinocchio.q(theta + step)
+            for step in (np.zeros(arm.n), *(STEP * np.eye(arm.n)), *(-STEP * np.eye(arm.n)))
+        ]
+        here, *beside = (pairs.distances(each) for each in q)
+        assert found.pairs.tolist() == np.flatnonzero(here < 0.02 + LOOK + pairs.speeds @ reach).tolist()
+        slopes = (np.array(beside[: arm.n]) - beside[arm.n :]).T[found.pairs] / (2.0 * STEP)
+        apart = found.distances > 0.001
+        assert found.distances == pytest.approx(here[found.pairs], abs=1e-6)
+        # Where nearest points jump within the step, the distance has no derivative.
+        differing = np.abs(found.approach + slopes)[apart].max(axis=1, initial=0.0) > 1e-3
+        assert differing.mean() < 0.1
+        compared += apart.sum()
+    assert compared > 60
