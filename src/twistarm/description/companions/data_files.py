@@ -15,8 +15,8 @@ from ...support.units import factor
 from ..document import read_text
 from ..findings import Place, refusal
 
-MAX_BYTES, MAX_LINE = 64_000, 2_000
-"""An arm.toml has some 5 kB. TOML's reader takes seconds for a dotted key that fills a longer line."""
+MAX_BYTES = 64_000
+"""An arm.toml has some 5 kB."""
 
 
 def unusable(path: Path, what: str, remedy: str = "") -> DescriptionError:
@@ -36,8 +36,6 @@ def toml_content(text: str, path: Path, what: str = "an arm.toml") -> dict[str, 
     else:
         import tomli as tomllib
 
-    if max(map(len, text.splitlines()), default=0) > MAX_LINE:
-        raise unusable(path, f"a line of more than {MAX_LINE:,} characters", f"break it; is it {what}?")
     try:
         return tomllib.loads(text)
     except RecursionError as error:
