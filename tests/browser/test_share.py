@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from arms import assert_drawn, load
-from test_viewer_kinematics import BRANCHED
+from test_viewer_share import BRANCHED
 from twistarm import Arm, Trajectory, load_arm, plan_joint
 from twistarm.theory.rotations import to_rpy
 from twistarm.viewer import Viewer

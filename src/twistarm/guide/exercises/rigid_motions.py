@@ -147,7 +147,8 @@ EXERCISES = (
             Slip(
                 "rows as if they were columns",
                 "R {matmul} points_b takes each column of points_b for a point, which for three points gives wrong "
-                "numbers and for other numbers of them an error. The points are rows: `points_b {matmul} R{transpose}`.",
+                "numbers and for other numbers of them an error. The points are rows: "
+                "`points_b {matmul} R{transpose}`.",
                 {"points_b @ R.T + p": "R @ points_b + p"},
             ),
             Slip("origin forgotten", "The points are turned but not moved: add the origin p of frame B.", {" + p": ""}),
