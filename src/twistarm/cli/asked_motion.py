@@ -13,9 +13,8 @@ from ..arm.arm import Arm
 from ..arm.usual_limits import with_defaults
 from ..limits.joint_limits import JointLimits
 from ..planning import MotionFile, Trajectory, load_motion, load_trajectory, plan
-from ..planning.motion import as_segments
-from ..planning.segments import Segment
-from ..planning.spans import Progress
+from ..planning.segments import Segment, as_segments
+from ..planning.trajectory import Progress
 from .numbers import OfJoints, of_joints, quantity
 from .options import avoided
 from .output import progress_bar

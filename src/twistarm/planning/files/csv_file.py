@@ -17,8 +17,7 @@ from ...support.csv_lines import Bounds, Row, csv_lines, csv_rows
 from ...support.csv_lines import csv_text as lines_of
 from ...support.errors import InputError, closest, listed
 from ...support.fields import number_in
-from ..trajectory import Trajectory, motors_of, require_motors
-from .points import Points, motor_values
+from ..trajectory import Points, Trajectory, motor_values, motors_of, require_motors
 
 TIME = "time [s]"
 LABEL = "label"
