@@ -74,7 +74,6 @@ bench: $(VENV)/dev
 	$(BIN)/python -m benchmarks.streaming
 	$(BIN)/python -m benchmarks.obstacles
 	$(BIN)/python -m benchmarks.calibration
-	$(BIN)/python -m benchmarks.viewer
 
 lint: $(VENV)/dev lint-page
 	$(BIN)/ruff check .

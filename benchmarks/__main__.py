@@ -17,7 +17,6 @@ from .environments import DEFAULT_FOLDER, NotInstalled, python_of
 from .machine import machine
 from .measure import Plan, Results, measure
 from .peers import PEERS
-from .plot import plot
 from .problems import SEED
 from .report import report
 from .robots import ARMS
@@ -49,9 +48,6 @@ def main(arguments: list[str] | None = None) -> None:
     if asked.json:
         _write(asked.json, results, plan, about)
         say(f"{asked.json} written")
-    if asked.plot:
-        plot(results.single, asked.plot)
-        say(f"{asked.plot} written")
 
 
 def installed(peers: Sequence[str], folder: Path, say: Callable[[str], None]) -> tuple[dict[str, Path], dict[str, str]]:
@@ -78,7 +74,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--environments", type=Path, default=DEFAULT_FOLDER, metavar="FOLDER",
                         help="where the peers are installed; benchmarks/.environments")  # fmt: skip
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures")
-    parser.add_argument("--plot", type=Path, metavar="FILE", help="write success against time (.png, .svg, .pdf)")
     return parser
 
 

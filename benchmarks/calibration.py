@@ -1,7 +1,10 @@
-"""Calibration: measured arms beside RobotKineCal and MUKCa, simulated truth, and logs with a student's mistakes.
+"""Calibration of measured arms beside RobotKineCal and MUKCa, on rows and placements that were not fitted.
 
-`--data FOLDER` holds ur5_tracker_grid.csv and sockets/ (README.md says whose they are); without it only what is
-simulated is run.
+`--data FOLDER` holds ur5_tracker_grid.csv and sockets/ (README.md says whose they are).
+
+A ball in two sockets: how still it stands and how far apart the two are. Beside ours stands the objective of MUKCa
+(Franzese et al. 2025, arXiv 2503.12584), solved by SciPy: the origins of all joints and of the ball, 6 numbers each,
+with the means of the predicted balls, their distance, and a ridge.
 """
 
 from __future__ import annotations
@@ -16,21 +19,32 @@ from time import process_time
 from typing import Any
 
 import numpy as np
+from scipy.optimize import least_squares
 
-from twistarm import load_arm
+from twistarm import Arm, load_arm
+from twistarm.calibration import Measurements, calibrate
+from twistarm.theory.rotations import exp as turn
+from twistarm.theory.rotations import from_rpy, to_rpy
 
-from .calibration_faults import told_faults
-from .calibration_sockets import ours, placements, spread, theirs
-from .calibration_truth import KINDS, arms, kabsch, score, truth_at_zero
 from .conductor import Worker, WorkerError
 from .environments import DEFAULT_FOLDER, NotInstalled, python_of
-from .servo_arms import MODELS
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
+Placements = dict[str, list[Array]]
 
-PARTS = ("tracker", "sockets", "truth", "faults")
 FOLDS, BLOCK = 5, 0.2
 ROBOTS = {"kuka_14": "iiwa14.urdf", "panda_1": "panda.urdf"}
+APART, RIDGE = 0.05, 1e-4
+
+
+def kabsch(a: Array, b: Array) -> Array:
+    """The rigid motion (4, 4) that takes points a (K, 3) nearest to b."""
+    ca, cb = a.mean(axis=0), b.mean(axis=0)
+    U, _, Vt = np.linalg.svd((b - cb).T @ (a - ca))
+    g = np.eye(4)
+    g[:3, :3] = U @ np.diag([1, 1, np.linalg.det(U @ Vt)]) @ Vt
+    g[:3, 3] = cb - g[:3, :3] @ ca
+    return g
 
 
 def tracker_rows(file: Path) -> tuple[Array, Array]:
@@ -113,6 +127,61 @@ def missed(found: Array, exact: Array) -> float:
     return float(1e3 * np.linalg.norm(found - exact, axis=1).mean())
 
 
+def placements(folder: Path) -> Placements:
+    """{placement: theta (K, n) in each of the two sockets}."""
+    return {
+        place.name: [np.loadtxt(place / f"hole_{k}.csv", delimiter=",") for k in (0, 1)]
+        for place in sorted(folder.iterdir())
+    }
+
+
+def spread(balls: list[Array]) -> tuple[float, float]:
+    """The mean distance of the balls from their socket's mean, and the error of the distance of the two means [m]."""
+    means = [p.mean(axis=0) for p in balls]
+    off = np.concatenate([np.linalg.norm(p - mean, axis=1) for p, mean in zip(balls, means, strict=True)])
+    return float(off.mean()), float(abs(np.linalg.norm(means[0] - means[1]) - APART))
+
+
+def ours(arm: Arm, data: Placements, fitted: tuple[str, ...]) -> Any:
+    theta = np.vstack([rows for name in fitted for rows in data[name]])
+    points = [f"{name} {k}" for name in fitted for k in (0, 1) for _ in data[name][k]]
+    apart = {(f"{name} 0", f"{name} 1"): APART for name in fitted}
+    return calibrate(arm, Measurements(theta, point=points), distances=apart).predict
+
+
+def theirs(arm: Arm, data: Placements, fitted: tuple[str, ...]) -> Any:
+    assert arm.description is not None
+    chain = arm.description.chain(arm.base, arm.tip_link)
+    nominal = np.array([np.r_[joint.origin[:3, 3], to_rpy(joint.origin[:3, :3])] for joint in chain])
+    free = [i for i, joint in enumerate(chain) if joint.moving or i == len(chain) - 1]
+
+    def balls(origins: Array, theta: Array) -> Array:
+        p, R, columns = np.zeros((len(theta), 3)), np.tile(np.eye(3), (len(theta), 1, 1)), iter(theta.T)
+        for joint, origin in zip(chain, origins, strict=True):
+            p, R = p + R @ origin[:3], R @ from_rpy(origin[3:])
+            if joint.moving:
+                R = R @ turn(next(columns)[:, None] * joint.twist[3:])
+        return p
+
+    def moved(values: Array) -> Array:
+        origins = nominal.copy()
+        origins[free] = values.reshape(-1, 6)
+        return origins
+
+    def residual(values: Array) -> Array:
+        origins, parts = moved(values), []
+        for name in fitted:
+            both = [balls(origins, rows) for rows in data[name]]
+            means, count = [p.mean(axis=0) for p in both], sum(map(len, both))
+            parts += [((p - mean) / np.sqrt(count)).ravel() for p, mean in zip(both, means, strict=True)]
+            parts.append(np.array([np.linalg.norm(means[0] - means[1]) - APART]))
+        parts.append(np.sqrt(len(fitted) * RIDGE) * (origins - nominal)[free[:-1]].ravel())
+        return np.concatenate(parts)
+
+    found = least_squares(residual, nominal[free].ravel(), xtol=1e-12, ftol=1e-12, gtol=1e-14, max_nfev=60)
+    return lambda theta: balls(moved(found.x), theta)
+
+
 def told_sockets(folder: Path) -> None:
     print("\nTwo sockets, placements not fitted: mean distance from the socket's mean, error of the 50 mm [mm]")
     for robot, urdf in ROBOTS.items():
@@ -140,71 +209,21 @@ def told_sockets(folder: Path) -> None:
                 )
 
 
-def told_truth(names: list[str], kinds: list[str], seeds: int) -> None:
-    print(
-        "\nSimulated truth: error of a coordinate on new postures in σ of the noise, worst of the seeds (nominal arm)"
-    )
-    with tempfile.TemporaryDirectory() as folder:
-        for name, make in arms(Path(folder)).items():
-            if names and name not in names:
-                continue
-            if "TWISTARM_MODELS" not in os.environ and name in MODELS:
-                continue
-            arm = make()
-            for kind in kinds:
-                try:
-                    found = [score(arm, kind, seed) for seed in range(seeds)]
-                except ValueError as error:
-                    print(f"  {name:15s} {kind:10s} {error}", flush=True)
-                    continue
-                ratios = [end for each in found for end in each.ratio]
-                claimed = sorted({one for each in found for one in each.claimed})
-                off, nominal = max(each.off for each in found), max(each.nominal for each in found)
-                print(
-                    f"  {name:15s} {kind:10s} {off:6.2f} ({nominal:3.0f})   "
-                    f"seen {min(e.seen for e in found)}…{max(e.seen for e in found)}   "
-                    f"σ {min(ratios):.2f}…{max(ratios):.2f}   "
-                    f"confirmed {sum(e.confirmed for e in found)} of {seeds}   "
-                    f"{np.mean([e.seconds for e in found]):5.1f} s"
-                    + (f"   claimed: {', '.join(claimed)}" if claimed else ""),
-                    flush=True,
-                )
-            for kind in [each for each in ("positions", "poses") if each in kinds]:
-                z, changed = truth_at_zero(arm, kind, 5)
-                print(
-                    f"  {name:15s} {kind:10s} numbers of the joints: worst {np.abs(z).max():.1f} σ, "
-                    f"rms {np.sqrt((z * z).mean()):.2f}, chosen otherwise {changed}",
-                    flush=True,
-                )
-
-
 def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.calibration", description=__doc__)
     parser.add_argument(
         "--data", type=Path, default=os.environ.get("TWISTARM_CALIBRATION"), help="folder of measured sets"
     )
-    parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS)
-    parser.add_argument("--arms", nargs="+", default=[], help="of the simulated ones, all by default")
-    parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
-    parser.add_argument("--seeds", type=int, default=2)
     parser.add_argument(
         "--folds", type=int, default=6, help="of the tracker's rows, at most; RobotKineCal takes a minute each"
     )
     parser.add_argument("--environments", type=Path, default=DEFAULT_FOLDER)
     given = parser.parse_args(arguments)
-    measured = [part for part in ("tracker", "sockets") if part in given.parts]
-    if measured and given.data is None:
-        print(f"without --data no {' and no '.join(measured)}", file=sys.stderr)
-    elif measured:
-        folder = Path(given.data)
-        if "tracker" in measured:
-            told_tracker(folder / "ur5_tracker_grid.csv", given.environments, given.folds)
-        if "sockets" in measured:
-            told_sockets(folder / "sockets")
-    if "truth" in given.parts:
-        told_truth(given.arms, list(given.kinds), given.seeds)
-    if "faults" in given.parts:
-        told_faults(given.arms or ["ur5", "rover_arm"])
+    if given.data is None:
+        print("nothing to calibrate: give --data FOLDER or TWISTARM_CALIBRATION", file=sys.stderr)
+        return
+    told_tracker(Path(given.data) / "ur5_tracker_grid.csv", given.environments, given.folds)
+    told_sockets(Path(given.data) / "sockets")
 
 
 if __name__ == "__main__":

@@ -17,8 +17,7 @@ TASK_TOLERANCE = (0.0, 0.0, 0.01, 0.1, np.inf, 0.0)
 """Exact, banded and free components of position and rotation at once."""
 
 STRICT = 1e-6
-ROUNDED = np.array([5e-5, 1e-4])
-"""The success that is counted: position [m] and rotation [rad]."""
+"""The success that is counted [m, rad]: a search aims at the target itself, not at the edge of its tolerances."""
 
 JUDGE_SLACK = 1e-9
 """What two forward kinematics may differ by, and how far beyond a limit rounding may lie."""
@@ -65,16 +64,15 @@ def errors(target, g):
 
 
 def judged(arm, target, solution):
-    """Whether Pinocchio finds the target met to `STRICT`, by rounded axes to `ROUNDED`, and the limits kept."""
+    """Whether Pinocchio finds the target met to `STRICT`, and the limits kept."""
     lower, upper = arm.limits.lower - JUDGE_SLACK, arm.limits.upper + JUDGE_SLACK
     inside = (solution.theta >= lower).all() and (solution.theta <= upper).all()
-    return inside and is_met(arm, *errors(target, pinocchio_fk(arm, solution.theta)))
+    return inside and is_met(*errors(target, pinocchio_fk(arm, solution.theta)))
 
 
-def is_met(arm, position, orientation):
+def is_met(position, orientation):
     """Whether errors [m], [rad] count as met, one or arrays."""
-    allowed = np.maximum(np.minimum(ROUNDED, arm.rounding), STRICT) + JUDGE_SLACK
-    return (position <= allowed[0]) & (orientation <= allowed[1])
+    return np.maximum(position, orientation) <= STRICT + JUDGE_SLACK
 
 
 def pinocchio_poses(arm, theta):
@@ -98,7 +96,7 @@ def judged_batch(arm, targets, batch):
         missed = position, 2 * np.arcsin(np.minimum(chord, 1))
     else:
         missed = np.array([errors(target, g) for target, g in zip(targets, reached, strict=True)]).reshape(-1, 2).T
-    return inside.all(1) & is_met(arm, *missed)
+    return inside.all(1) & is_met(*missed)
 
 
 def require_core(arm):

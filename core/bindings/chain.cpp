@@ -83,7 +83,7 @@ nb::dict Chain::constants() const {
     return constants;
 }
 
-constexpr double two_turns = 12.566370614359172;  // [rad], as in support/unit_hints.py
+constexpr double two_turns = 12.566370614359172;  // [rad], as in support/units.py
 
 // One call of forward kinematics: theta held, the results made, the kernel run.
 class Chain::Call {

@@ -3,8 +3,8 @@ from .arm.arm import Arm as Arm
 from .arm.arm_data import Coupling as Coupling
 from .arm.arm_data import Proof as Proof
 from .arm.baking import bake as bake
-from .arm.from_screws import arm_from_screws as arm_from_screws
 from .arm.loading.arm_builder import ArmBuilder as ArmBuilder
+from .arm.loading.arm_builder import arm_from_screws as arm_from_screws
 from .arm.loading.from_dh import arm_from_dh as arm_from_dh
 from .arm.loading.from_dh import to_dh as to_dh
 from .arm.loading.load import available_arms as available_arms

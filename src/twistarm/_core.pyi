@@ -86,8 +86,6 @@ class Chain:
         start_lower: Array,
         start_upper: Array,
         reach: float,
-        position_rounding: float = 0.0,
-        orientation_rounding: float = 0.0,
         instruction_set: str = "",
     ) -> None: ...
     @property

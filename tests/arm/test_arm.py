@@ -15,7 +15,7 @@ import twistarm
 from twistarm import Arm, JointLimits, arm_from_screws, joints, load_arm, rotations, screws
 from twistarm.control.stream import SimulatedJoints
 from twistarm.support.errors import InputError, TwistarmError, UnknownNameError
-from twistarm.viewer.parts.limit_checks import checked_theta
+from twistarm.viewer.parts.arm_data import checked_theta
 from urdf_text import joint, robot, two_joints, write
 
 ROUNDING = 1e-12

@@ -65,8 +65,6 @@ def made(core: ModuleType, arm: twistarm.Arm, name: str = "", **change: Any) -> 
         "start_lower": lower,
         "start_upper": upper,
         "reach": arm.reach,
-        "position_rounding": arm.rounding[0],
-        "orientation_rounding": arm.rounding[1],
     }
     return core.Chain(**(arguments | change), instruction_set=name)
 

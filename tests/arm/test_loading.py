@@ -166,9 +166,9 @@ def test_a_locked_joint_stands_still(tmp_path: Path) -> None:
 def test_what_is_locked_outside_its_limits_is_said(tmp_path: Path) -> None:
     arm = load_arm(write(tmp_path, two_joints()), locked_joints={"a": 50})
     assert [finding.code for finding in arm.findings] == ["outside-limits"]
-    with pytest.raises(InputError, match=r"locked_joints\['a'\] must be finite"):
+    with pytest.raises(InputError, match=r"locked_joints\['a'\]"):
         load_arm(tmp_path / "arm.urdf", locked_joints={"a": np.inf})
-    with pytest.raises(InputError, match=r"locked_joints\['a'\] must be one number"):
+    with pytest.raises(InputError, match=r"locked_joints\['a'\]"):
         load_arm(tmp_path / "arm.urdf", locked_joints={"a": "x"})  # type: ignore[dict-item]
 
 

@@ -13,7 +13,6 @@ from numpy.testing import assert_allclose
 from arms import DRAWN
 from twistarm import Arm, diagnose, load_arm
 from twistarm.viewer import Viewer
-from twistarm.viewer.parts.findings import examined
 from waiting import draw, until
 
 pytestmark = pytest.mark.browser
@@ -181,19 +180,6 @@ def test_what_is_chosen_is_seen_and_leaves_no_trace(live: Any) -> None:
     assert live.evaluate(PICTURE) != before
     live.keyboard.press("Escape")
     assert live.evaluate(PICTURE) == before
-
-
-def test_findings_sent_again_keep_what_is_chosen_if_it_is_still_there(live: Any, arm: Arm) -> None:
-    about(live, "axis-not-unit").click()
-    message = examined(arm)
-    live.evaluate("(message) => twistarm.findings.show(message)", message)
-    assert pointed_at(live, "/screws/screw:0")
-    assert about(live, "axis-not-unit").get_attribute("aria-pressed") == "true"
-    live.evaluate("(message) => twistarm.findings.show(message)", {**message, "findings": [], "counts": {}})
-    assert points_at_nothing(live)
-    assert live.locator("#findings").is_hidden()
-    live.evaluate("(message) => twistarm.findings.show(message)", message)
-    assert live.locator("#findings").is_visible()
 
 
 LOOK = """(selector) => [...document.querySelectorAll(selector)].map((each) => {

@@ -352,37 +352,6 @@ def text(name: str) -> str:
     return f"document.getElementById('{name}').textContent"
 
 
-def test_how_much_is_done_is_said_where_it_is_less_than_all(page: Any, viewer: Viewer, heard: Heard) -> None:
-    answer = replace(ServoOutput.stale(np.zeros(1), "moving"), reason=ServoReason.MOVING, scale=0.6, lost_share=0.3)
-    viewer.show_servo(answer)
-    until(page, f"{text('jog-share')} === '42 % of what was asked'")
-    assert page.evaluate(text("jog-servo")) == "moving"  # the reason: less than all is not OK
-    viewer.show_servo(replace(answer, scale=0.0))
-    until(page, f"{text('jog-share')} === ''")  # and of nothing no share
-    viewer.show_servo(replace(answer, scale=0.96, lost_share=0.0))
-    until(page, f"{text('jog-servo')} === 'OK'")
-
-
-def test_a_page_that_is_too_slow_says_so(page: Any, viewer: Viewer, heard: Heard) -> None:
-    slow = "this browser is too slow: make the window smaller"
-    old = "the last command is 0.31 s old (timeout 0.2 s)"
-    page.keyboard.down("w")
-    heard.await_kind("jog")
-    viewer.show_servo(ServoOutput.stale(np.zeros(1), old))
-    until(page, f"{text('jog-servo')} === '{old}'")  # somebody else's fault
-    page.evaluate("() => { const end = performance.now() + 300; while (performance.now() < end); }")
-    until(page, f"{text('jog-servo')} === '{old} · {slow}'")
-    viewer.show_servo(replace(ServoOutput.stale(np.zeros(1), ""), reason=ServoReason.MOVING, scale=1.0))
-    until(page, f"{text('jog-servo')} === 'OK · {slow}'")
-    until(page, f"{text('jog-servo')} === 'OK'")
-    viewer.show_servo(ServoOutput.stale(np.zeros(1), old))
-    page.evaluate("() => { const end = performance.now() + 300; while (performance.now() < end); }")
-    until(page, f"{text('jog-servo')} === '{old} · {slow}'")
-    viewer.show_servo(None)
-    until(page, "document.getElementById('jog').hidden")  # at once: nobody drives any more
-    page.keyboard.up("w")
-
-
 def test_the_servo_s_word_is_on_the_page(page: Any, viewer: Viewer, heard: Heard) -> None:
     reason = "slowed by the velocity limit of a"
     answer = replace(ServoOutput.stale(np.zeros(1), reason), reason=ServoReason.VELOCITY_LIMIT, scale=1.0, joint="a")

@@ -131,35 +131,6 @@ def test_a_button_held_by_mouse_moves_the_tool_along_its_axis(benches: Benches, 
         assert np.linalg.norm(way) < 3e-3
 
 
-def test_what_hands_push_in_view_axes_is_ahead_left_and_up(benches: Benches) -> None:
-    bench = benches("rover_arm_6dof")
-    page = bench.drive(bench.arm.ready)
-    page.keyboard.press("t")
-    page.keyboard.press("t")
-    assert page.get_by_role("radio", name="view").is_checked()
-    right, up, towards = axes_of_view(page).T
-    page.evaluate(
-        """() => {
-          globalThis.said = [];
-          globalThis.say = twistarm.jog.act.jog;
-          twistarm.jog.act.jog = (twist, frame) => said.push([twist, frame]);
-        }"""
-    )
-    expected = {"w": -towards, "a": -right, "r": up, "q": -towards, "ArrowUp": right, "ArrowLeft": up}
-    for key, axis in expected.items():
-        page.evaluate("() => { said.length = 0; }")
-        page.keyboard.down(key)
-        until(page, "said.length > 0")
-        page.keyboard.up(key)
-        twist, frame = page.evaluate("said[0]")
-        half = twist[3:] if key in ("q", "ArrowUp", "ArrowLeft") else twist[:3]
-        assert frame == "base"
-        assert_allclose(np.array(half) / np.linalg.norm(half), axis, atol=1e-6, err_msg=key)
-    page.evaluate("() => { twistarm.jog.act.jog = say; }")
-    page.keyboard.press("t")
-    assert page.get_by_role("radio", name="base").is_checked()
-
-
 def test_buttons_by_keyboard_and_whatever_ends_a_press(benches: Benches) -> None:
     bench = benches("rover_arm")
     arm, page = bench.arm, bench.drive(bench.arm.ready)

@@ -277,23 +277,6 @@ def test_numbers_are_typed_as_expressions_with_units(page: Any) -> None:
         assert dict(zip(CASES[quantity], found, strict=True)) == dict(zip(CASES[quantity], expected, strict=True))
 
 
-ROW = """async ([limits, unit, beside, numbers]) => {
-  const { JointRow } = await import(new URL("joint_row.js", location.href));
-  const act = { send() {}, complain() {}, settle() {} };
-  const row = new JointRow({ name: "a", type: "", unit, limits, range: limits, beside }, act);
-  return numbers.map((number) => (row.show(number), row.row.dataset.limit));
-}"""
-"""How a row of its own calls each of the numbers."""
-
-
-def test_near_a_limit_is_five_degrees_or_a_centimetre(page: Any) -> None:
-    slide = [[0, 0.04], "m", False, [0.0099, 0.0101, 0.0301]]  # 10 % would be 4 mm
-    assert page.evaluate(ROW, slide) == ["near", "", "near"]
-    assert page.evaluate(ROW, [[-0.1, 0.1], "rad", False, [-0.02, 0.005, 0.02]]) == ["near", "", "near"]
-    assert page.evaluate(ROW, [[0, 0.04], "m", True, [0, 0.04, 0.041]]) == ["", "", "outside"]
-    assert page.get_by_role("group", name="finger_left").get_attribute("data-limit") == ""  # it stands at 0
-
-
 def contrast(one: list[int], other: list[int]) -> float:
     """Ratio of the relative luminances of two sRGB colours [0 … 255]: WCAG 2.2."""
     values = np.array([one, other]) / 255
@@ -309,18 +292,6 @@ def test_theta_is_copied_as_a_python_list(page: Any, viewer: Viewer) -> None:
     until(page, "document.getElementById('copied').textContent !== ''")
     assert page.locator("#copied").inner_text() == "theta copied, in rad and m"
     assert ast.literal_eval(page.evaluate("navigator.clipboard.readText()")) == viewer.theta.tolist()
-
-
-def test_without_a_clipboard_theta_stands_selected_in_a_field(page: Any, viewer: Viewer) -> None:
-    page.evaluate("Object.defineProperty(navigator, 'clipboard', { value: undefined, configurable: true })")
-    page.get_by_role("button", name="copy theta").click()
-    field = page.get_by_label("theta", exact=True)
-    assert page.evaluate("getSelection().toString()") == field.input_value()
-    assert ast.literal_eval(field.input_value()) == viewer.theta.tolist()
-    assert "press Ctrl+C" in page.locator("#copied").inner_text()
-    page.evaluate("delete navigator.clipboard")
-    page.locator("#pane").click()
-    assert field.count() == 0
 
 
 def test_under_a_servo_the_arm_s_boxes_are_shut(page: Any, viewer: Viewer) -> None:

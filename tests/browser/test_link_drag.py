@@ -111,20 +111,6 @@ def test_a_drag_ends_at_the_limit_and_escape_takes_it_back(desk: Callable[[str],
     assert_allclose(viewer.theta, viewer.arm.ready, atol=1e-12)
 
 
-def test_an_axis_seen_from_its_edge_turns_with_what_is_near(desk: Callable[[str], tuple[Any, Viewer]]) -> None:
-    page, viewer = desk("ur5")
-    page.evaluate("twistarm.presets.go('top')")
-    until(page, "twistarm.presets.moving === 0")
-    held = Held(page, viewer.arm, *UR5[1:])
-    page.mouse.move(*held.aim)
-    page.mouse.down()
-    x, y = held.screen(held.point + np.array([0.05, 0.0, 0.0]))
-    page.mouse.move(x, y)
-    held.drop()
-    radius = np.linalg.norm((held.point - viewer.arm.poses(viewer.arm.ready)["forearm_link"][:3, 3])[[0, 2]])
-    assert viewer.theta[2] - viewer.arm.ready[2] == pytest.approx(0.05 / radius, rel=0.15)  # about +y, top towards +x
-
-
 def test_a_click_selects_the_joint_and_the_base_and_the_background_turn_the_view(
     desk: Callable[[str], tuple[Any, Viewer]],
 ) -> None:

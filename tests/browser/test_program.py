@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -257,24 +256,6 @@ def assert_at_hand_on_a_phone(page: Any) -> None:
     assert page.evaluate("document.documentElement.scrollWidth <= 390 && panel.scrollWidth <= panel.clientWidth")
 
 
-def test_a_joint_that_stands_still_is_a_flat_line_without_limits(page: Any, arm: Arm, viewer: Viewer) -> None:
-    """Its velocity of 3 µrad/s is rounding of a file."""
-    goal = arm.ready.copy()
-    goal[1] += 0.4
-    motion = plan_joint(arm, [arm.ready, goal], limits=with_defaults(arm))
-    coefficients = motion.coefficients.copy()
-    coefficients[-2, :, 3] = 3e-6 * (-1.0) ** np.arange(coefficients.shape[1])
-    inf = np.full(arm.n, np.inf)
-    bare = replace(arm.limits, velocity=inf, acceleration=inf)
-    viewer.play(replace(motion, coefficients=coefficients, limits=bare))
-    open_poses(page, viewer)
-    heights = page.evaluate(
-        "[...document.querySelectorAll('.plot')[1].querySelectorAll('polyline')].map((line) => line.getBBox().height)"
-    )
-    assert heights[1] == max(heights) > 20.0
-    assert heights[3] < 1.0
-
-
 def assert_read_off(plot: Any, motion: Trajectory, joint: int) -> None:
     """What one reads off the line by two of the numbers beside it is the velocity, in degrees a second."""
     marks = plot.evaluate(
@@ -333,35 +314,6 @@ def test_a_list_is_saved_and_loaded_and_the_motion_exported(
     exporting.value.save_as(tmp_path / "motion.csv")
     motion = plan_joint(arm, thetas, kind="time_optimal", limits=with_defaults(arm))
     assert load_trajectory(arm, tmp_path / "motion.csv").duration == motion.duration
-
-
-def test_where_a_line_ends_before_its_pose_is_marked(page: Any, arm: Arm, viewer: Viewer) -> None:
-    open_poses(page, viewer)
-    behind = arm.ready.copy()
-    behind[1:3] = arm.limits.lower[1], 0.5
-    for theta in (arm.ready, behind):
-        record(page, viewer, theta)
-    page.get_by_label("Move to pose 2").select_option("line")
-    until(page, "twistarm.parts.program.poses[1].by === 'line'")
-    page.get_by_label("Tool at most").fill("0.2")
-    page.get_by_role("button", name="Plan", exact=True).click()
-    until(page, "document.getElementById('error').textContent.startsWith('on the way to ')")
-    stops = page.locator("#stops span")
-    until(page, "document.querySelector('#stops span').style.transform !== ''")
-    share = page.locator("#error").inner_text().split("(")[1].split(" %")[0]
-    assert stops.inner_text().startswith(f"stops at {share} %: ")
-    box, pane = stops.bounding_box(), page.locator("#pane").bounding_box()
-    assert pane["x"] < box["x"] < box["x"] + box["width"] < pane["x"] + pane["width"]
-    pieces = page.evaluate("twistarm.parts.path.arms.map(({ parts }) => parts.length)")
-    assert len(pieces) == 3  # at both poses, and where it stops
-    assert len(set(pieces)) == 1
-    assert pieces[0] > 5
-    page.get_by_label("Move to pose 2").select_option("joint")
-    until(page, "twistarm.parts.program.poses[1].by === 'joint'")
-    page.get_by_label("Tool at most").fill("")
-    plan(page, "time_optimal")
-    assert stops.count() == 0
-    assert page.evaluate("twistarm.parts.path.arms.length") == 2
 
 
 @pytest.mark.parametrize(
@@ -448,12 +400,3 @@ def test_a_pose_is_kept_in_the_arms_own_file_by_a_button_that_names_it(page: Any
         until(page, "document.getElementById('keep-save').textContent.startsWith('Replace flat')")
         page.goto("about:blank")
     assert load_arm(file).named_states["flat"].tolist() == [0.0] * 5
-
-
-def test_no_radius_stops(page: Any, arm: Arm, viewer: Viewer) -> None:
-    open_poses(page, viewer)
-    for theta in postures(arm, 2):
-        record(page, viewer, theta)
-    page.get_by_label("Round corners within").fill("0")
-    page.get_by_role("button", name="Plan", exact=True).click()
-    until(page, "twistarm.parts.program.asked?.stop === true")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from PIL import Image
 from scipy.spatial.transform import Rotation
 
 from arms import load
@@ -18,7 +16,7 @@ from test_target import PROJECT
 from twistarm import load_arm, solve_ik
 from twistarm.ik import Pose
 from twistarm.viewer import Viewer
-from waiting import after_frames, draw, settled, until
+from waiting import after_frames, settled, until
 
 pytestmark = pytest.mark.browser
 
@@ -379,47 +377,9 @@ def test_the_target_is_drawn_while_there_is_one_and_shares_its_frame_with_the_to
         assert parts == (0 if met else 3)
         css = "getComputedStyle(document.documentElement).getPropertyValue"
         assert f"#{handles}" == page.evaluate(f"{css}('{'--met' if met else '--warn'}').trim()")
-        lengths = page.evaluate(LENGTHS)
-        assert max(lengths[: 3 if met else 0] or lengths[3:]) < 82  # px: within the cones of the handles
         page.get_by_label("Drag tool").uncheck()
     page.get_by_role("tab", name="Move").click()
     release(page)
-
-
-LENGTHS = """() => {
-  const { camera, renderer, scene } = twistarm.view.viewer;
-  const height = renderer.domElement.clientHeight;
-  scene.updateMatrixWorld(true);
-  return [...twistarm.view.node("/frames/tool").children, ...twistarm.parts.ghost.axes].map((axis) => {
-    const size = new MeshCat.THREE.Box3().setFromObject(axis).getSize(new MeshCat.THREE.Vector3()).length();
-    const away = -axis.getWorldPosition(new MeshCat.THREE.Vector3()).applyMatrix4(camera.matrixWorldInverse).z;
-    return (size * height) / (2 * away * Math.tan((camera.fov * Math.PI) / 360));
-  });
-}"""
-"""How long the axes of the tool's and of the target's frame are [px], seen across."""
-
-
-def test_a_grab_that_just_misses_a_handle_does_not_turn_the_view(page: Any) -> None:
-    page.get_by_label("Drag tool").check()
-    after_frames(page)
-    camera = "twistarm.view.viewer.camera.position.toArray()"
-    before = page.evaluate(camera)
-    x, y, _ = page.evaluate(PROJECT, [page.evaluate("twistarm.parts.target.gizmo.pose.position.toArray()")])
-    free = "twistarm.parts.target.gizmo.lit?.name"
-    turns = np.exp(2j * np.pi * np.arange(16) / 16)
-    offsets = [radius * turn for radius in (24, 36, 48) for turn in turns]
-    names = []
-    for offset in offsets:
-        page.mouse.move(x + offset.real, y + offset.imag)
-        names.append(page.evaluate(free))
-    assert None not in names
-    between = offsets[names.index("free")]
-    page.mouse.move(x + between.real, y + between.imag)
-    page.mouse.down()
-    page.mouse.move(x + 10, y + 10)
-    page.mouse.up()
-    assert_allclose(page.evaluate(camera), before, rtol=1e-12)
-    page.get_by_label("Drag tool").uncheck()
 
 
 def test_the_arm_is_whole_in_a_window_of_any_shape(page: Any) -> None:
@@ -443,32 +403,6 @@ def test_the_arm_is_whole_in_a_window_of_any_shape(page: Any) -> None:
     after_frames(page)
     assert page.evaluate(camera) == turned
     page.set_viewport_size({"width": 1280, "height": 720})
-
-
-def test_shapes_in_one_plane_do_not_flicker(shown: Callable[[str], tuple[Any, Viewer]]) -> None:
-    """The end of the graphite rail lies in the plane of the orange stop at it, which is drawn later and hides it."""
-    page, _ = shown("rover_arm")
-    assert {each.inner_text() for each in page.locator(".joint .standing").all()} == {""}  # ready is near no limit
-    draw(page)
-    for step in range(3):
-        eye = [0.5 + 0.013 * step, 0.9 + 0.01 * step, -1.5]  # in three.js' axes, y up
-        page.evaluate(
-            """(eye) => {
-              const { camera, controls } = twistarm.view.viewer;
-              controls.target.set(0, 0.52, -0.58);
-              camera.position.fromArray(eye);
-              controls.update();
-              twistarm.view.viewer.set_dirty();
-            }""",
-            eye,
-        )
-        after_frames(page)
-        face = [[x, 0.58, z] for x in (-0.025, 0.025) for z in (0.51, 0.535)]
-        x, y, _ = np.transpose([page.evaluate(PROJECT, [point]) for point in face])
-        picture = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
-        seen = np.asarray(picture).astype(int)[int(y.min()) : int(y.max()), int(x.min()) : int(x.max())]
-        assert len(seen) > 10
-        assert (seen[..., 0] > seen[..., 2] + 40).mean() > 0.95
 
 
 URDF = """<robot name="scaled"><link name="base"/><link name="arm"><visual><origin xyz="{half} 0 0"/><geometry>

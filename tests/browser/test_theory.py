@@ -375,18 +375,6 @@ def test_the_reach(page: Any, viewer: Viewer, tmp_path: Path, open_page: Opened)
         until(opened, "document.getElementById('reach-legend').hidden && !twistarm.theory.reach.group.visible")
 
 
-def test_numbers_are_asked_for_while_the_panel_is_open(page: Any, viewer: Viewer) -> None:
-    def needed() -> bool:
-        return "theory" in viewer._server.ask(lambda stage: stage.needed)
-
-    layers = ("screw", "spatial_columns", "body_columns", "linear_ellipsoid", "angular_ellipsoid")
-    page.evaluate("(off) => twistarm.parts.layers.show(off)", dict.fromkeys(layers, False))
-    for tab, open_ in (("Move", False), ("Theory", True), ("Move", False)):
-        page.get_by_role("tab", name=tab).click()
-        until(page, "twistarm.link.underway === 0 && twistarm.link.pending.size === 0")
-        assert needed() == open_
-
-
 def test_the_stand_alone_page(open_page: Opened, tmp_path: Path) -> None:
     trajectory = motion_of(ARM)
     saved = save_html(ARM, tmp_path / "arm.html", trajectory=trajectory)

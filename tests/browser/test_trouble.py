@@ -21,25 +21,6 @@ pytestmark = pytest.mark.browser
 
 TOOL = np.array([[1, 0, 0, 0.5], [0, 1, 0, 0], [0, 0, 1, 0.4], [0, 0, 0, 1.0]])
 
-LOADED = """() => {
-  const { view, highlight, parts } = twistarm;
-  const nothing = { points: [], ideal: [], radius: 0.01, waypoints: [], ids: [], stopped: null };
-  const stopped = { position: [0, 0, 0.2], words: "here", arm: {} };
-  const counts = [];
-  for (let k = 0; k < 10; k += 1) {
-    const points = [[0, 0, 0], [0, 0.1 * k, 0.1], [0, 0, 0.2]];
-    parts.path.show({ ...nothing, points, ideal: points, stopped });
-    view.fit();
-    highlight.point("/screws", `a joint ${k}`);
-    view.viewer.render();
-    counts.push([view.viewer.renderer.info.memory.geometries, view.viewer.renderer.info.memory.textures].join());
-  }
-  highlight.point(null);
-  parts.path.show(nothing);
-  return counts;
-}"""
-"""What the graphics card holds after each of ten paths, fits and highlights."""
-
 
 def small() -> Arm:
     builder = ArmBuilder("small").revolute("a", [0, 0, 1], [0, 0, 0], lower=-2.0, upper=2.0)
@@ -101,24 +82,6 @@ def test_requests_that_add_up_do_not_replace_one_another(page: Any, viewer: View
     assert viewer.theta[:2].tolist() == [0.4, 0.3]
 
 
-def test_a_jogging_page_keeps_its_error_to_be_read(page: Any) -> None:
-    page.evaluate("twistarm.panel.act.joint('nobody', 0)")
-    until(page, "!document.getElementById('error').hidden")
-    kept = page.evaluate(  # before the process can say that no servo runs
-        """() => {
-          twistarm.jog.act.jog([0, 0, 0, 0, 0, 0], "base");
-          twistarm.jog.act.joints([0, 0, 0]);
-          return document.getElementById("error").textContent;
-        }"""
-    )
-    assert "nobody" in kept
-
-
-def test_what_is_no_longer_drawn_is_given_back(page: Any) -> None:
-    page.evaluate(LOADED)  # what comes into view for the first time is taken to the card then
-    assert page.evaluate(LOADED) == page.evaluate(LOADED)
-
-
 def test_a_missed_target_is_told_beside_every_panel(page: Any) -> None:
     write(page, "tool x, metres", "3")
     until(page, "document.getElementById('target-words').dataset.met === 'false'")
@@ -130,16 +93,6 @@ def test_a_missed_target_is_told_beside_every_panel(page: Any) -> None:
     page.get_by_role("tab", name="Move").click()
     page.get_by_role("button", name="zero").click()
     until(page, "document.getElementById('missed').textContent === ''")
-
-
-def test_typed_numbers_stay_as_typed_at_a_pitch_of_90_degrees(page: Any) -> None:
-    page.get_by_label("What the tool is to meet").select_option("pose")
-    for angle, number in (("pitch", "90"), ("roll", "45"), ("yaw", "10")):
-        write(page, f"tool {angle}, degrees", number)
-        until(page, f"document.querySelector('[aria-label=\"tool {angle}, degrees\"]').value === '{number}.0'")
-        until(page, "twistarm.parts.target.asked === null")
-    read = [page.get_by_label(f"tool {angle}, degrees").input_value() for angle in ("roll", "pitch", "yaw")]
-    assert read == ["45.0", "90.0", "10.0"]
 
 
 def test_a_hand_on_the_scrubber_is_not_pulled_along(page: Any, viewer: Viewer, arm: Arm) -> None:

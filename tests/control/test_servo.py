@@ -214,9 +214,9 @@ def test_held_in_the_tools_axes_the_tool_comes_back_along_them():
     for push in np.eye(3):
         moved, _ = driven(arm, state, TwistCommand([*0.1 * push, 0, 0, 0], "base"), 5)
         off = replace(state, theta=moved.theta, theta_dot=np.zeros(6))
-        assert np.linalg.norm(pose(arm, off)[:3, 3] - state.held[:3, 3]) > 0.003
+        assert np.linalg.norm(pose(arm, off)[:3, 3] - state.held_pose[:3, 3]) > 0.003
         back, _ = driven(arm, off, hold, 30)
-        assert np.linalg.norm(pose(arm, back)[:3, 3] - state.held[:3, 3]) < 1e-5
+        assert np.linalg.norm(pose(arm, back)[:3, 3] - state.held_pose[:3, 3]) < 1e-5
 
 
 def test_the_speeds_of_a_pose_are_kept():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from benchmarks.servo_arms import at_limits, random, ranges, servo_arm
+from benchmarks.servo import at_limits, random, ranges, servo_arm
 from scipy.spatial.transform import Rotation
 
 from servo_drives import DT

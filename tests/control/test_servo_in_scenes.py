@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from benchmarks.servo_arms import servo_arm
-from benchmarks.servo_held import REVERSALS, turns
+from benchmarks.servo import REVERSALS, servo_arm, turns
 from scipy.spatial.transform import Rotation
 
 from stream_stand_ins import FakeClock, Robot, Says

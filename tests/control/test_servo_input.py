@@ -37,13 +37,13 @@ REFUSED = [
     (lambda: TwistCommand([0, 0, 0, 0, 0, 1], hold="orientation"), "a held component cannot be commanded"),
     (lambda: JogCommand([[0.0]]), r"theta_dot must be one number per joint, shape \(n,\)"),
     (lambda: PoseCommand(np.zeros((4, 4))), "g"),
-    (lambda: PoseCommand(np.eye(4), linear_speed=0.0), "linear_speed must be a positive number"),
+    (lambda: PoseCommand(np.eye(4), linear_speed=0.0), "linear_speed must be above 0"),
     (lambda: TwistCommand([0, 0, 1e155, 0, 0, 0]), "twist must be at most 10000 in size, in SI units; got 1e.155"),
     (lambda: PoseCommand(np.array([[1, 0, 0, 1e160], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])), "g must be at most"),
     (lambda: ServoState.at(load("ur5"), np.full(6, 1e9)), "theta must be at most 1e.06 in size; got 1e.09"),
     (lambda: ServoSettings(singularity_threshold=1e-4), "singularity_threshold must be more than 0.001"),
-    (lambda: ServoSettings(length=-1.0), "length must be a positive number; got -1.0"),
-    (lambda: ServoSettings(position_margin=-0.1), "position_margin must be 0 or more; got -0.1"),
+    (lambda: ServoSettings(length=-1.0), "length must be above 0; got -1.0"),
+    (lambda: ServoSettings(position_margin=-0.1), "position_margin must be a finite number, 0 or more; got -0.1"),
     (lambda: ServoState.at(load("ur5"), np.zeros((2, 6))), "one configuration"),
 ]
 
@@ -100,7 +100,7 @@ def test_a_bad_time_step_is_refused_and_the_arm_is_still(dt):
 
 BAD_STATES = [
     *({"theta": bad} for bad in ([math.nan] * 5, [0.0] * 4, [1e300] * 5, "here", None)),
-    *({"held": bad} for bad in (np.full((4, 4), math.nan), np.eye(3), "there")),
+    *({"held_pose": bad} for bad in (np.full((4, 4), math.nan), np.eye(3), "there")),
 ]
 
 
@@ -147,8 +147,12 @@ def test_lists_and_other_floats_serve_as_well():
     arm = load("rover_arm")
     state, _ = servo_step(arm, ServoState.at(arm, arm.ready), PUSH, DT)
     plain, _ = servo_step(arm, state, PUSH, DT)
-    same = {"theta": state.theta.tolist(), "theta_dot": state.theta_dot.tolist(), "held": state.held.tolist()}
-    for other, dt in ((same, DT), ({"held": np.asfortranarray(state.held)}, np.float64(DT)), ({}, np.float32(DT))):
+    same = {"theta": state.theta.tolist(), "theta_dot": state.theta_dot.tolist(), "held_pose": state.held_pose.tolist()}
+    for other, dt in (
+        (same, DT),
+        ({"held_pose": np.asfortranarray(state.held_pose)}, np.float64(DT)),
+        ({}, np.float32(DT)),
+    ):
         listed, _ = servo_step(arm, replace(state, **other), PUSH, dt)
         np.testing.assert_allclose(plain.theta, listed.theta, atol=1e-8)
 

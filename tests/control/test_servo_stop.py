@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from benchmarks.servo_arms import MADE, random, scaled_jacobian, servo_arm
-from benchmarks.servo_held import case
+from benchmarks.servo import MADE, case, random, scaled_jacobian, servo_arm
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 

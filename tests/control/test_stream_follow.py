@@ -350,7 +350,7 @@ BAD = {
     "a jump": (jumping, {}, InputError, "the position of joint 'slide' jumps by 0.1 m at t = "),
     "moving": (already_moving, {}, InputError, "the velocity of joint 'slide' jumps by 0.1 m/s at t = 0 s"),
     "beyond a limit": (beyond, {}, LimitError, "plan it for rover_arm"),
-    "no speed": (lambda m: m, {"speed": 0.0}, InputError, "speed must be a positive number"),
+    "no speed": (lambda m: m, {"speed": 0.0}, InputError, "speed must be above 0"),
     "too fast": (lambda m: m, {"speed": 1.5}, InputError, "speed is a share of the trajectory's own"),
     "no start": (lambda m: m, {"start_tolerance": -1}, InputError, "start_tolerance must be"),
     "no control": (lambda m: m, {"control": "space"}, InputError, "control must be a FollowControl"),

@@ -115,7 +115,7 @@ BAD_STATES = [
     ({"joint_names": [1, 2, 3, 4, 5], "theta": [1, 2, 3, 4, 5]}, r"joint_names\[0\]"),
     ({"joint_names": NAMES, "theta": [1, 2, None, 4, 5]}, r"theta\[2\]"),
     ({"joint_names": NAMES, "theta": [1, 2, 3, 4, 5], "velocity": []}, "'velocity'"),
-    ({"joint_names": NAMES, "theta": [1, 2, 3, 4, 5], "interlock": "off"}, "one of 'enabled'"),
+    ({"joint_names": NAMES, "theta": [1, 2, 3, 4, 5], "interlock": "off"}, "interlock must be 'enabled'"),
 ]
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from stream_stand_ins import FakeClock, Robot, Says, answer
 from twistarm.control.stream import Ending, SerialRobot, SerialSource, Setpoint, run
-from twistarm.control.stream.links.serial_link import checksum, parse_state_line, setpoint_line
+from twistarm.control.stream.serial_link import checksum, parse_state_line, setpoint_line
 from twistarm.support.errors import InputError, MissingExtraError
 
 

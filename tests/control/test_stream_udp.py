@@ -9,7 +9,6 @@ import threading
 import time
 from contextlib import suppress
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
@@ -25,8 +24,8 @@ from twistarm.control.stream import (
     parse_command,
     run,
 )
-from twistarm.control.stream.links.messages import heard_word
-from twistarm.control.stream.links.udp import MOST_PER_CYCLE
+from twistarm.control.stream.messages import obey_interlock_message
+from twistarm.control.stream.udp import MOST_PER_CYCLE
 from twistarm.support.errors import InputError
 
 JOG = {"jog": {"elbow": -0.3}}
@@ -215,4 +214,4 @@ def test_every_command_of_the_table_is_one(rover):
         if message not in words:
             parse_command(rover, message)
         else:
-            assert heard_word(SimpleNamespace(interlock=Interlock()), message.encode(), True)
+            assert obey_interlock_message(Interlock(), message.encode(), True)

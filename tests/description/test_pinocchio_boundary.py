@@ -119,46 +119,6 @@ def test_a_mass_with_space_around_it_weighs_what_it_says(mass: str, tmp_path: Pa
     assert arm.torques([0.0, 0.0])[0] == pytest.approx(-2 * 9.81)
 
 
-def test_an_inertia_that_lacks_a_product_keeps_its_moments(tmp_path: Path) -> None:
-    path = with_inertial(tmp_path, INERTIAL.format("2").replace(' ixy="0"', ""))
-    assert pinocchio.buildModelFromUrdf(str(path)).inertias[1].inertia.tolist() == np.zeros((3, 3)).tolist()
-    assert np.allclose(load_arm(path).pinocchio.model.inertias[1].inertia, np.eye(3))
-
-
-@pytest.mark.parametrize("space", ["\t", "\n", "  ", "&#9;", "&#10;"])
-def test_an_origin_with_any_space_between_its_numbers(space: str, tmp_path: Path) -> None:
-    path = write(tmp_path, two_joints(xyz=f"0.1{space}0.2{space}0.3", rpy=f"{space}0.1 0.2 0.3"))
-    if space != "  ":
-        assert pinocchio_refuses(path)
-    assert right(load_arm(path), path)
-
-
-@pytest.mark.parametrize("number", ["1_000", "1\u00a00", "1,5"])
-@pytest.mark.parametrize("tag", ["origin", "axis"])
-def test_numbers_of_another_language_are_none(tag: str, number: str, tmp_path: Path) -> None:
-    """Python reads some of them; no reader of URDF does."""
-    inside = f'<axis xyz="0 0 {number}"/>' if tag == "axis" else ""
-    path = write(tmp_path, two_joints(inside=inside, xyz=f"0 0 {number}" if tag == "origin" else "0 0 1"))
-    assert pinocchio_refuses(path)
-    with pytest.raises(DescriptionError, match=f"joint 'a': its <{tag}> is malformed: "):
-        load_arm(path)
-
-
-def test_a_robot_far_from_the_world_s_origin(tmp_path: Path) -> None:
-    """Map coordinates leave fewer digits to everything that hangs on them."""
-    parts = (
-        joint("map", "world", "base_link", "fixed", xyz="4500000 500000 100", rpy="0.1 0.2 0.3"),
-        joint("a", "base_link", "upper", inside='<axis xyz="0 0.6 0.8"/>'),
-        joint("b", "upper", "tool0", inside='<axis xyz="0.6 0.8 0"/>'),
-    )
-    path = write(tmp_path, robot(*parts, links=("world", "base_link", "upper", "tool0")))
-    arm = load_arm(path, base="base_link")
-    crosscheck(arm, 20).require()
-    theta = np.array([0.3, -0.4])
-    expected = reader.pose(reader.parsed(path.read_bytes()), arm.theta_to_dict(theta), "base_link", "tool0")
-    assert np.allclose(arm.fk(theta), expected, atol=1e-8)
-
-
 MIMICS = {
     "a master further out": ("revolute", "z", 1.5, "revolute"),
     "a continuous follower": ("continuous", "m", 2.0, "revolute"),
@@ -181,19 +141,6 @@ def test_mimics_wherever_the_master_stands(case: str, tmp_path: Path) -> None:
     arm = load_arm(path)
     assert set(arm.joint_names) == {"m", "z"}
     assert right(arm, path)
-
-
-def test_a_follower_of_a_fixed_joint_stands_at_its_offset(tmp_path: Path) -> None:
-    parts = (
-        joint("a", "base_link", "upper", "fixed"),
-        joint("b", "upper", "fore", inside='<axis xyz="1 0 0"/><mimic joint="a" multiplier="3" offset="0.4"/>'),
-        joint("c", "fore", "tool0", inside='<axis xyz="0 1 0"/>'),
-    )
-    path = write(tmp_path, robot(*parts, links=("base_link", "upper", "fore", "tool0")))
-    arm = load_arm(path)
-    assert arm.joint_names == ("c",)
-    assert right(arm, path)
-    assert np.allclose(arm.fk([0.0])[:3, :3], reader.rotation(np.array([1.0, 0, 0]), 0.4))
 
 
 def test_two_of_what_there_may_be_one_is_the_first_for_everybody(tmp_path: Path) -> None:

@@ -10,8 +10,7 @@ import pytest
 
 from catalogue import load
 from twistarm import DescriptionError, load_arm
-from twistarm.description.companions.arm_group import arm_groups
-from twistarm.description.companions.srdf import read_srdf
+from twistarm.description.companions.srdf import arm_groups, read_srdf
 from twistarm.description.urdf import read_description
 from urdf_text import joint, robot, two_joints, write
 

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from twistarm import DescriptionError
-from twistarm.description.yaml_reading import parse_yaml
+from twistarm.description.companions.data_files import parse_yaml
 
 FILE = Path("limits.yaml")
 

@@ -221,8 +221,8 @@ def test_corners_of_the_limits_are_met(name, kind):
     assert solve_ik_batch(arm, targets, arm.random_theta(rng, len(theta))).converged.all()
 
 
-def test_an_answer_that_is_certain_is_so_to_the_tolerances_asked():
-    """A configuration inside the limits that misses a target by little refutes certainty for tolerances as wide."""
+def test_no_configuration_meets_what_is_certain_not_to_be_met():
+    """A configuration inside the limits that misses a target by no more than the tolerances refutes certainty."""
     arm, rng = load("ur5"), np.random.default_rng(13)
     narrow = replace(arm, limits=replace(arm.limits, lower=np.full(6, -1.0), upper=np.full(6, 1.0)), named_states={})
     said = Counter()
@@ -235,8 +235,7 @@ def test_an_answer_that_is_certain_is_so_to_the_tolerances_asked():
                 missed = errors(target, pinocchio_fk(arm, theta))
                 assert not (solution.certain and max(missed) <= tolerance)
                 said[solution.certain, tolerance] += 1
-    assert said[True, 1e-6] > 20
-    assert not said[True, 0.1]
+    assert min(said[True, tolerance] for tolerance in (1e-6, 1e-3)) > 20
 
 
 def test_an_approach_of_four_joints_that_limits_alone_prevent_is_blocked():

@@ -67,7 +67,7 @@ def test_the_verdicts_are_those_of_patient_searches(arm):
         assert len(theta) or asked is down
         reached = arm.fk(theta) if arm.n != len(arm.coupling.A) else pinocchio_poses(arm, theta)
         missed = [errors(asked[i], pose) for i, pose in zip(np.flatnonzero(found.met), reached, strict=True)]
-        assert is_met(arm, *np.reshape(missed, (-1, 2)).T).all()
+        assert is_met(*np.reshape(missed, (-1, 2)).T).all()
 
 
 def test_two_links_reach_a_ring():

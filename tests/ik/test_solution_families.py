@@ -69,17 +69,13 @@ def test_a_straight_wrist_keeps_its_first_joint_where_it_is(by, monkeypatch):
                 assert missed(arm, g, each + turn * np.array([0, 0, 0, 1, 0, -1])) < EXACT
 
 
-def test_a_wrist_straight_but_for_1e_8_is_free_where_the_tolerances_allow():
+def test_a_wrist_straight_but_for_1e_8_is_not_free():
     for arm, g, theta, near in straight_wrists(2, 1e-8):
         exact = solve_ik_all(arm, Pose(g), near)
         assert not any(exact.free)
         assert len(exact) + len(exact.outside) <= 8
         assert min(apart(arm, each, theta) for each in exact) < 1e-6
         assert all(missed(arm, g, each) < EXACT for each in exact)
-        loose = solve_ik_all(arm, Pose(g), near, position_tol=1e-6, orientation_tol=1e-6)
-        kept = [each for each, free in zip(loose, loose.free, strict=True) if free == WRIST]
-        assert all(each[3] == pytest.approx(near[3], abs=1e-9) for each in kept)
-        assert any(np.abs(each[:3] - theta[:3]).max() < 1e-6 for each in kept)
 
 
 def test_a_ur_arm_with_a_singular_wrist_by_pinocchio():

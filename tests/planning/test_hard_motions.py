@@ -13,7 +13,7 @@ import pytest
 from scipy.interpolate import PPoly
 
 from twistarm import Arm, ArmBuilder, Trajectory, available_arms, load_arm, load_motion, plan, plan_joint
-from twistarm.description.companions.toml_entries import parse_toml
+from twistarm.description.companions.data_files import parse_toml
 from twistarm.limits import JointLimits
 from twistarm.planning.joint_space import LAWS, as_limits
 from twistarm.support.errors import TwistarmError

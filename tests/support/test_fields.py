@@ -8,10 +8,10 @@ from functools import partial
 import numpy as np
 import pytest
 
-from twistarm.support import fields
+from twistarm.support import checks, fields
 from twistarm.support.errors import InputError
 
-MOTOR = partial(fields.fields, needed={"ratio": fields.table_of(fields.number)}, optional={"unit": fields.word})
+MOTOR = partial(fields.fields, needed={"ratio": fields.table_of(checks.as_number)}, optional={"unit": fields.word})
 
 
 def test_a_format_is_a_table_of_checks():
@@ -27,15 +27,15 @@ def test_a_format_is_a_table_of_checks():
 @pytest.mark.parametrize(
     ("check", "value", "result"),
     [
-        (fields.number, np.float32(0.5), 0.5),
-        (partial(fields.number, most=math.inf), math.inf, math.inf),
-        (fields.number_in, " -1.5e2 ", -150.0),
-        (partial(fields.number_in, least=-math.inf), "-inf", -math.inf),
-        (fields.whole, 2**53 - 1, 2**53 - 1),
-        (fields.flag, False, False),
+        (checks.as_number, np.float32(0.5), 0.5),
+        (partial(checks.as_number, most=math.inf), math.inf, math.inf),
+        (checks.number_in, " -1.5e2 ", -150.0),
+        (partial(checks.number_in, least=-math.inf), "-inf", -math.inf),
+        (checks.as_whole, 2**53 - 1, 2**53 - 1),
+        (checks.as_flag, False, False),
         (fields.text, "", ""),
         (fields.one_of(("a", "b")), "b", "b"),
-        (fields.list_of(fields.whole, 1, 2), [3], [3]),
+        (fields.list_of(checks.as_whole, 1, 2), [3], [3]),
     ],
 )
 def test_what_fits(check, value, result):
@@ -45,19 +45,19 @@ def test_what_fits(check, value, result):
 @pytest.mark.parametrize(
     ("check", "value"),
     [
-        *((fields.number, value) for value in (True, np.bool_(True), "3", None, math.nan, math.inf, 10**400)),
-        (partial(fields.number, least=0.0, most=10.0), 10.5),
-        (fields.positive, 0),
-        *((fields.number_in, text) for text in ("", "0,5", "1_000", "٣", "inf", "nan", "1 2", "0" * 401)),
-        *((fields.whole, value) for value in (-1, 2**53, False, 1.0)),
+        *((checks.as_number, value) for value in (True, np.bool_(True), "3", None, math.nan, math.inf, 10**400)),
+        (partial(checks.as_number, least=0.0, most=10.0), 10.5),
+        (checks.as_positive, 0),
+        *((checks.number_in, text) for text in ("", "0,5", "1_000", "٣", "inf", "nan", "1 2", "0" * 401)),
+        *((checks.as_whole, value) for value in (-1, 2**53, False, 1.0)),
         (fields.text, 3),
         (fields.word, " "),
-        (fields.flag, 1),
+        (checks.as_flag, 1),
         (fields.one_of(("a", "b")), ["a"]),
-        (fields.list_of(fields.whole, 1, 2), [1, 2, 3]),
-        (fields.list_of(fields.whole), {"a": 1}),
+        (fields.list_of(checks.as_whole, 1, 2), [1, 2, 3]),
+        (fields.list_of(checks.as_whole), {"a": 1}),
         (partial(fields.numbers, size=2), [0]),
-        (fields.table_of(fields.whole), []),
+        (fields.table_of(checks.as_whole), []),
         (MOTOR, 3),
     ],
 )
@@ -91,4 +91,4 @@ def test_an_entry_of_a_list_is_counted():
 
 def test_an_integer_without_a_decimal_text():
     with pytest.raises(InputError, match="x must"):
-        fields.number(10**5000, "x")
+        checks.as_number(10**5000, "x")

@@ -48,20 +48,6 @@ def test_a_hollow_has_a_wall_on_its_inside():
     assert winding(points, faces, p) == pytest.approx([0, 1, 0], abs=1e-9)
 
 
-def test_values_are_those_of_the_cubes_behind():
-    values = np.zeros((4, 3, 3))
-    values[:2, 1, 1], values[2:, 1, 1] = 10, 20
-    points, _, drawn = hull(values)
-    assert np.all(drawn[points[:, 0] < 1] == 10)
-    assert np.all(drawn[points[:, 0] > 2] == 20)
-    assert np.all(drawn[np.abs(points[:, 0] - 1.5) < 0.1] == 15)
-
-
-def test_nothing_has_no_surface():
-    points, faces, values = hull(np.zeros((3, 3, 3)))
-    assert (points.shape, faces.shape, values.shape) == ((0, 3), (0, 3), (0,))
-
-
 def test_the_tool_never_leaves_it_by_more_than_a_cube(rover):
     m = reach_map(rover, 0.15, "position", method="fk", samples=500_000)
     points, faces, _ = hull(m.counts)

@@ -8,11 +8,9 @@ from typing import Any
 
 import pytest
 
-from twistarm import Arm
 from twistarm.support.errors import InputError
-from twistarm.viewer import Viewer
 from twistarm.viewer.protocol.jobs import Job, Progress, ReplacedError, Workers
-from viewer_page import WAIT, Page, until
+from viewer_page import WAIT, until
 
 
 class Loop:
@@ -76,16 +74,6 @@ def test_the_latest_job_wins_and_those_between_are_never_begun(loop: Loop) -> No
     assert loop.errors == []
 
 
-def test_keys_do_not_wait_for_each_other(loop: Loop) -> None:
-    slow = Held("slow")
-    loop.submit("workspace", slow)
-    assert slow.begun.wait(WAIT)
-    loop.submit("target", lambda progress: "quick")
-    until(lambda: loop.results == ["quick"])
-    slow.leave.set()
-    until(lambda: loop.results == ["quick", "slow"])
-
-
 def test_what_goes_wrong_is_told_and_the_next_job_is_done(loop: Loop) -> None:
     def fail(progress: Progress) -> None:
         raise InputError("no such place")
@@ -96,18 +84,6 @@ def test_what_goes_wrong_is_told_and_the_next_job_is_done(loop: Loop) -> None:
     until(lambda: loop.errors[1:] == ["doing target: division by zero"])
     loop.submit("target", lambda progress: "done")
     until(lambda: loop.results == ["done"])
-
-
-def test_progress_is_told_and_ends_with_none(loop: Loop) -> None:
-    work = Held("done", steps=4)
-    work.leave.set()
-    loop.submit("plan", work)
-    until(lambda: loop.shares[-1:] == [("plan", None)])
-    assert loop.shares == [*(("plan", k / 4) for k in range(4)), ("plan", None)]
-    loop.submit("target", lambda progress: "without a word")
-    until(lambda: loop.results == ["done", "without a word"])
-    loop.workers.stop(WAIT)
-    assert loop.shares[-1] == ("plan", None)
 
 
 def test_the_bar_goes_too_when_the_work_fails_or_is_replaced(loop: Loop) -> None:
@@ -141,44 +117,3 @@ def test_stopping_interrupts_at_the_next_progress(loop: Loop) -> None:
     assert working.replaced.is_set()
     assert not waiting.begun.is_set()
     assert loop.results == loop.errors == []
-
-
-def test_stopping_waits_no_longer_than_it_was_told(loop: Loop) -> None:
-    deaf = Held("deaf", steps=0)
-    loop.submit("plan", deaf)
-    assert deaf.begun.wait(WAIT)
-    loop.workers.stop(0.01)
-    deaf.leave.set()
-
-
-def test_a_closed_view_leaves_no_worker(arm: Arm) -> None:
-    threads = set(threading.enumerate())
-    work = Held("never", steps=10**9)
-    work.leave.set()
-    with Viewer(arm, open_browser=False) as viewer:
-        viewer._server._workers.submit(Job("plan", "planning", work, lambda result: None))
-        assert work.begun.wait(WAIT)
-    assert work.replaced.is_set()
-    assert set(threading.enumerate()) <= threads
-
-
-def test_pages_see_work_errors_and_results(viewer: Viewer) -> None:
-    server, seen = viewer._server, threading.Event()
-
-    def work(progress: Progress) -> None:
-        while not seen.wait(0.002):
-            progress(0.5)
-
-    def fail(progress: Progress) -> None:
-        raise InputError("there is no way")
-
-    with Page(viewer) as page:
-        job = Job("plan", "planning", work, lambda result: server.stage.show(server.stage.theta + 0.01))
-        server._workers.submit(job)
-        page.until(lambda: page.latest["work"]["jobs"] == [{"key": "plan", "share": 0.5}])
-        before = page.latest["frame"]["theta"]
-        seen.set()
-        page.until(lambda: page.latest["frame"]["theta"] != before)
-        page.until(lambda: page.latest["work"]["jobs"] == [])
-        server._workers.submit(Job("plan", "planning", fail, lambda result: None))
-        page.until(lambda: page.latest.get("error", {}).get("message") == "planning: there is no way")

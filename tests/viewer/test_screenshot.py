@@ -5,9 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import tempfile
-import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,8 +15,8 @@ from PIL import Image
 from catalogue import load
 from twistarm import InputError, TwistarmError, Viewer, plan_joint, save_png
 from twistarm.cli.application import run
-from twistarm.viewer.files import headless
-from viewer_page import stored
+from twistarm.viewer.files import screenshot as headless
+from viewer_page import stored, until
 
 ARM = load("rr_planar")
 SIZE = (320, 240)
@@ -63,12 +61,14 @@ def drawing(folder: Path, size: tuple[int, int] = SIZE) -> Path:
     return file
 
 
-def test_the_first_on_path_is_taken_then_the_usual_places(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_browser_is_found_on_path_or_in_the_usual_places(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (path / "chromium").write_text("not a program")
+    with pytest.raises(TwistarmError, match="apt install chromium"):
+        headless.find_browser()
     chrome = install(path, "", "google-chrome")
-    install(path, "", "microsoft-edge")
     assert headless.find_browser() == str(chrome)
-    chromium = install(path, "")
-    assert headless.find_browser() == str(chromium)
+    (path / "chromium").unlink()
+    assert headless.find_browser() == str(chrome)
     away = path.parent / "Google Chrome.app"
     away.mkdir()
     monkeypatch.setattr(headless, "PLACES", ("/nowhere/chrome", str(install(away, "", "Google Chrome"))))
@@ -76,46 +76,31 @@ def test_the_first_on_path_is_taken_then_the_usual_places(path: Path, monkeypatc
     assert headless.find_browser() == str(away / "Google Chrome")
 
 
-def test_without_a_browser_it_is_said_what_was_looked_for(path: Path, tmp_path: Path) -> None:
-    (path / "chromium").write_text("not a program")
-    with pytest.raises(TwistarmError) as caught:
-        save_png(ARM, tmp_path / "arm.png")
-    assert str(caught.value) == (
-        "a picture or print needs a browser, and there is none of chromium, chromium-browser, google-chrome, "
-        "google-chrome-stable, microsoft-edge, microsoft-edge-stable on PATH, nor Chrome, Chromium or Edge in "
-        "/Applications; install one (on Debian: apt install chromium), or open the page yourself "
-        "(view -o FILE.html, guide -o DIR)"
-    )
-
-
-def test_a_snap_is_known_by_its_link_and_by_its_script(path: Path) -> None:
-    snap = install(path, "", "snap")
-    (path / "chromium").symlink_to(snap)
-    assert headless.is_snap(str(path / "chromium"))
-    assert headless.is_snap(str(install(path, 'exec /snap/bin/chromium "$@"\n', "chromium-browser")))
-    assert not headless.is_snap(str(install(path, "exec /usr/lib/chromium/chromium\n", "google-chrome")))
-
-
 def test_a_snap_draws_below_the_home_folder(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (path / "linked").symlink_to(install(path, "", "snap"))
+    assert headless.is_snap(str(path / "linked"))
+    assert not headless.is_snap(str(install(path, "exec /usr/lib/chromium/chromium\n", "google-chrome")))
     home = tmp_path / "home"
     home.mkdir()
     monkeypatch.setenv("HOME", str(home))
     program = install(path, "# /snap/bin/chromium\n" + COPY.format(drawing(tmp_path)))
     save_png(ARM, tmp_path / "arm.png", size=SIZE)
-    page = arguments(program)[-1]
-    assert page.startswith(f"file://{home}/twistarm-")
+    assert arguments(program)[-1].startswith(f"file://{home}/twistarm-")
     assert list(home.iterdir()) == []
 
 
-def test_the_picture_is_what_the_browser_drew(path: Path, tmp_path: Path, scratch: Path) -> None:
-    drawn = drawing(tmp_path)
-    program = install(path, COPY.format(drawn))
-    target = tmp_path / "arm.png"
+@pytest.mark.parametrize("lingers", [False, True])
+def test_the_picture_is_what_the_browser_drew(
+    path: Path, tmp_path: Path, scratch: Path, monkeypatch: pytest.MonkeyPatch, lingers: bool
+) -> None:
+    drawn, target = drawing(tmp_path), tmp_path / "arm.png"
+    monkeypatch.setattr(headless, "TIMEOUT", 0.5 if lingers else 60.0)
+    program = install(path, COPY.format(drawn) + "/bin/sleep 60\n" * lingers)
     assert save_png(ARM, target, size=SIZE) == target
     assert target.read_bytes() == drawn.read_bytes()
-    said = arguments(program)
-    assert "--window-size=320,240" in said
-    assert any(word.startswith(f"--user-data-dir={scratch}/") for word in said), "a profile of its own"
+    given = arguments(program)
+    assert "--window-size=320,240" in given
+    assert any(word.startswith(f"--user-data-dir={scratch}/") for word in given), "a profile of its own"
     assert list(scratch.iterdir()) == []
 
 
@@ -123,23 +108,19 @@ def test_the_page_shows_the_posture(path: Path, tmp_path: Path) -> None:
     kept = tmp_path / "kept.html"
     keep = f'for word in "$@"; do :; done; word="${{word#file://}}"; /bin/cp "${{word%#pane}}" {kept}\n'
     install(path, keep + COPY.format(drawing(tmp_path)))
-
-    def shown() -> Any:
-        return stored(kept.read_text("utf-8"))
-
-    save_png(ARM, tmp_path / "arm.png", [0.3, -0.4], size=SIZE)
-    assert_allclose(shown()["samples"]["theta"], [[0.3, -0.4]])
     with Viewer(ARM, [0.5, 0.6], open_browser=False) as viewer:
         viewer.show_screws(False)
         viewer.save_png(tmp_path / "arm.png", size=SIZE)
-    assert_allclose(shown()["samples"]["theta"], [[0.5, 0.6]])
-    assert shown()["visible"]["screws"] is False
+    shown = stored(kept.read_text("utf-8"))
+    assert_allclose(shown["samples"]["theta"], [[0.5, 0.6]])
+    assert shown["visible"]["screws"] is False
     motion = plan_joint(ARM, [[0.2, 0.1], [0.9, -0.5]], limits={"velocity": 1.0, "acceleration": 2.0})
     save_png(ARM, tmp_path / "arm.png", size=SIZE, trajectory=motion)
-    assert_allclose(shown()["samples"]["theta"], [[0.2, 0.1]])
-    way = np.array(shown()["path"]["points"])
+    shown = stored(kept.read_text("utf-8"))
+    assert_allclose(shown["samples"]["theta"], [[0.2, 0.1]])
     # A path leaves out steps below 1e-4 of the arm (1 m).
-    assert_allclose(way[[0, -1]], ARM.fk(np.array([[0.2, 0.1], [0.9, -0.5]]))[:, :3, 3], atol=1e-4)
+    ends = np.array(shown["path"]["points"])[[0, -1]]
+    assert_allclose(ends, ARM.fk(np.array([[0.2, 0.1], [0.9, -0.5]]))[:, :3, 3], atol=1e-4)
 
 
 def ended(pid: int) -> bool:
@@ -153,74 +134,53 @@ def test_a_browser_that_hangs_is_ended_with_its_children(
 ) -> None:
     monkeypatch.setattr(headless, "TIMEOUT", 0.5)
     install(path, f"/bin/sleep 60 & echo $! > {tmp_path}/child\n/bin/sleep 60\n")
-    began = time.monotonic()
-    with pytest.raises(TwistarmError, match=r"/chromium was ended after 0.5 s and wrote no picture$"):
+    with pytest.raises(TwistarmError, match=r"0\.5 s"):
         save_png(ARM, tmp_path / "arm.png", size=SIZE)
-    assert time.monotonic() - began < 10
     child = int((tmp_path / "child").read_text())
-    while not ended(child) and time.monotonic() - began < 10:
-        time.sleep(0.02)
-    assert ended(child)
+    until(lambda: ended(child))
     assert list(scratch.iterdir()) == []
     assert not (tmp_path / "arm.png").exists()
 
 
-def test_a_browser_that_lingers_after_drawing_has_drawn(
-    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(headless, "TIMEOUT", 0.5)
-    install(path, COPY.format(drawing(tmp_path)) + "/bin/sleep 60\n")
-    assert Image.open(save_png(ARM, tmp_path / "arm.png", size=SIZE)).size == SIZE
-
-
-FAILING = {
-    "it says why": ("echo first; echo 'no \033[1mscreen' >&2; exit 7\n", r"code 7 \(no \\x1b\[1mscreen\) and wrote no"),
-    "it says nothing": ("", "ended with code 0 and wrote no picture"),
-    "it draws nothing": (COPY.format("/dev/null"), "ended with code 0 and wrote no picture"),
-    "no PNG": (COPY.format('"$0"'), "wrote a picture that is not a whole PNG"),
-    "half a PNG": (COPY.format("{folder}/half.png"), "wrote a picture that is not a whole PNG"),
-    "another size": (COPY.format("{folder}/other.png"), "drew 320 x 200 pixels instead of 320 x 240"),
-    "one colour": (COPY.format("{folder}/blank.png"), "drew an empty page, as without WebGL; update it, or"),
-    "no program": ("", "cannot draw with .*chromium: .*Exec format error"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("case", FAILING)
-def test_a_browser_that_fails_changes_nothing(path: Path, tmp_path: Path, scratch: Path, case: str) -> None:
-    script, message = FAILING[case]
+def test_a_picture_that_is_none_is_known(tmp_path: Path) -> None:
     whole = drawing(tmp_path).read_bytes()
-    (tmp_path / "half.png").write_bytes(whole[: len(whole) // 2])
-    Image.effect_noise((320, 200), 50.0).save(tmp_path / "other.png")
     Image.new("RGB", SIZE, (238, 241, 245)).save(tmp_path / "blank.png")
-    program = install(path, script.replace("{folder}", str(tmp_path)))
-    if case == "no program":
+    assert headless.fault(whole, SIZE) is None
+    for data in (b"no picture", whole[: len(whole) // 2], drawing(tmp_path, (320, 200)).read_bytes()):
+        assert headless.fault(data, SIZE)
+    assert "WebGL" in str(headless.fault((tmp_path / "blank.png").read_bytes(), SIZE))
+
+
+@pytest.mark.parametrize(
+    ("script", "named"),
+    [("echo 'no \033[1mscreen' >&2; exit 7\n", r"code 7 \(no \\x1b\[1mscreen"), (COPY.format('"$0"'), "PNG"),
+     (None, "Exec format error")],
+)  # fmt: skip
+def test_a_browser_that_fails_changes_nothing(
+    path: Path, tmp_path: Path, scratch: Path, script: str | None, named: str
+) -> None:
+    program = install(path, script or "")
+    if script is None:
         program.write_bytes(b"\x7fELF")
     target = tmp_path / "arm.png"
     target.write_text("as it was")
-    with pytest.raises(TwistarmError, match=message):
+    with pytest.raises(TwistarmError, match=named):
         save_png(ARM, target, size=SIZE)
     assert target.read_text() == "as it was"
     assert list(scratch.iterdir()) == []
 
 
-@pytest.mark.parametrize(
-    "size", [(1280,), (1280, 720, 3), (199, 720), (1280, 4097), (640.0, 480), "1280x720", None, 720]
-)
-def test_bad_sizes_are_refused(path: Path, tmp_path: Path, size: object) -> None:
+def test_bad_sizes_paths_and_postures_are_refused_before_a_browser_starts(path: Path, tmp_path: Path) -> None:
     program = install(path, "")
-    with pytest.raises(InputError, match=r"size must be width and height in whole pixels, 200 to 4096 each, as \(1280"):
-        save_png(ARM, tmp_path / "arm.png", size=size)  # type: ignore[arg-type]
-    assert not Path(f"{program}.arguments").exists(), "no browser was started"
-
-
-def test_bad_paths_and_postures_are_refused(path: Path, tmp_path: Path) -> None:
-    program = install(path, "")
+    for size in ((1280,), (199, 720), (1280, 4097), (640.0, 480), "1280x720", None):
+        with pytest.raises(InputError, match="size"):
+            save_png(ARM, tmp_path / "arm.png", size=size)  # type: ignore[arg-type]
     for name in ("nowhere/arm.png", "bin", "arm.jpg"):
         with pytest.raises(InputError, match=name.partition("/")[0]):
             save_png(ARM, tmp_path / name)
-    with pytest.raises(InputError, match=r"theta must have shape \(..., 2\)"):
+    with pytest.raises(InputError, match="theta"):
         save_png(ARM, tmp_path / "arm.png", [0.1])
-    assert not Path(f"{program}.arguments").exists(), "no browser was started"
+    assert not Path(f"{program}.arguments").exists()
 
 
 def test_the_command(
@@ -232,18 +192,12 @@ def test_the_command(
     assert run([*command, "320x240", "-o", "arm.html"]) == 0
     assert capsys.readouterr().out.splitlines() == ["written: arm.png", "written: arm.html"]
     assert Image.open("arm.png").size == SIZE
-    for size, message in {
-        "320": "error: --size takes width and height in pixels, as in --size 1280x720; got '320'\n",
-        "10x9999": "error: size must be width and height in whole pixels",
-    }.items():
-        assert run([*command, size]) == 2
-        assert capsys.readouterr().err.startswith(message)
-    assert run(["view", "rr_planar", "-o", "new.html", "--size", "320x240"]) == 2
-    assert capsys.readouterr().err == "error: --size goes with -o FILE.png\n"
-    (path / "chromium").unlink()
-    assert run([*command, "320x240"]) == 2
-    said = capsys.readouterr().err
-    assert said.startswith("error: a picture or print needs a browser, and there is none of chromium, ")
+    (path / "chromium").rename(path / "elsewhere")
+    wrong = [*command, "320"], [*command, "10x9999"], ["view", "rr_planar", "-o", "new.html", "--size", "320x240"]
+    for arguments, named in zip((*wrong, [*command, "320x240"]), ("--size", "size", "--size", "browser"), strict=True):
+        assert run(arguments) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert named in line
 
 
 @pytest.mark.browser

@@ -13,7 +13,7 @@ from catalogue import load
 from test_viewer_scene import drawn_by
 from twistarm import InputError, Viewer, load_arm
 from twistarm.viewer.scene.arm_drawing import Drawing
-from twistarm.viewer.stage import Stage
+from viewer_page import Page, stored, visit
 
 pytest.importorskip("meshcat")
 
@@ -40,19 +40,23 @@ def test_every_shape_of_the_second_arm_is_below_its_node(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("name", ["ur5", "rr_planar"])
-def test_live_pages_alone_show_both(rover: Any, name: str) -> None:
+def test_live_pages_alone_show_both(rover: Any, name: str, tmp_path: Path) -> None:
     other = load(name)
     with Viewer(rover, open_browser=False, beside=other) as viewer:
-        hello = viewer._server.stage.hello({})["beside"]
+        with Page(viewer) as page:
+            page.until(lambda: page.latest.get("scene", {}).get("left") == 0)
+            page.until(lambda: len(page.objects) == page.latest["scene"]["objects"])
+        hello = page.latest["hello"]["beside"]
         assert hello["arm"]["name"] == other.name
         assert hello["theta"] == other.ready.tolist()
         nodes = {f"/beside{path}/" for path in hello["kinematics"]["nodes"] if path.startswith("/arm/")}
-        drawn = [path for path in drawn_by(viewer._server.drawing) if path.startswith("/beside/")]
+        drawn = [each["path"] for each in page.objects if each["path"].startswith("/beside/")]
         assert len(drawn) > 2
         assert sum(path.startswith(tuple(nodes)) for path in drawn) > 1, "they stand in nodes that move"
-        saved = viewer._exhibit(None).data()["objects"]
+        saved = stored(viewer.save_html(tmp_path / "page.html").read_text("utf-8"))["objects"]
         assert saved
         assert not any(b"/beside/" in base64.b64decode(each) for each in saved)
         with pytest.raises(InputError):
             Viewer(rover, open_browser=False, beside="ur5")  # type: ignore[arg-type]
-    assert Stage(rover).hello({})["beside"] is None
+    with Viewer(rover, open_browser=False) as viewer:
+        assert visit(viewer).latest["hello"]["beside"] is None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -14,22 +13,9 @@ from numpy.testing import assert_array_equal
 from twistarm import Arm
 from twistarm.support.errors import InputError, TwistarmError
 from twistarm.viewer import Viewer
-from twistarm.viewer.server import driver, server
-from twistarm.viewer.server.downloads import DOWNLOADS
-from twistarm.viewer.server.driver import PageCommands
-from twistarm.viewer.stage import Stage
+from twistarm.viewer.server import server
+from twistarm.viewer.server.handlers import DOWNLOADS
 from viewer_page import THETA, WAIT, get, swing
-
-
-def test_methods_answer_after_the_loop_s_end(arm: Arm, viewer: Viewer) -> None:
-    viewer._server.stop()
-    viewer._server._thread = threading.current_thread()  # alive, as the server's is for a moment after its loop
-    viewer.show([0.0, 0.0, 0.1])
-    viewer._server._changes.clear()
-    viewer.play(swing(arm))
-    viewer._server._thread = threading.Thread()
-    assert_array_equal(viewer.theta, THETA)
-    assert viewer.recorded == {}
 
 
 def test_a_closed_view_shows_nothing_more_and_still_answers(arm: Arm, viewer: Viewer) -> None:
@@ -48,16 +34,6 @@ def test_a_closed_view_shows_nothing_more_and_still_answers(arm: Arm, viewer: Vi
     viewer.show_servo(None)  # a loop that drives an arm goes on
     assert_array_equal(viewer.theta, THETA)
     assert "srcdoc" in viewer.inline(static=True).html
-
-
-def test_what_the_loop_did_not_answer_before_its_end_is_answered(
-    viewer: Viewer, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(viewer._server, "_answer", lambda question, future: None)
-    threading.Timer(0.1, viewer.close).start()
-    begin = time.monotonic()
-    assert_array_equal(viewer.theta, THETA)
-    assert time.monotonic() - begin < server.STOP_TIME
 
 
 def test_a_loop_that_is_held_up_is_told_in_words(viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -125,31 +101,3 @@ def test_what_a_file_fails_by_is_told(viewer: Viewer, monkeypatch: pytest.Monkey
 
 
 # a drive that begins ----------------------------------------------------------------------------------
-
-
-def test_a_driver_closed_while_a_drive_begins_waits_for_it(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:
-    beginning, closed = threading.Event(), list[object]()
-
-    class Slow(threading.Thread):
-        def start(self) -> None:
-            beginning.set()
-            time.sleep(0.2)
-            super().start()
-
-    def post(key: str, change: Callable[[Stage], None]) -> None: ...
-
-    def close() -> None:
-        try:
-            closed.append(beginning.wait(WAIT) and driven.close(WAIT))
-        except RuntimeError as error:
-            closed.append(error)
-
-    stage = Stage(arm, THETA)
-    driven = driver.Driver(stage, PageCommands(arm), post)
-    closer = threading.Thread(target=close)
-    closer.start()
-    monkeypatch.setattr(driver.threading, "Thread", Slow)
-    driven.switch(True)
-    closer.join(WAIT)
-    assert closed == [None]
-    assert [thread for thread in threading.enumerate() if thread.name == "twistarm drive"] == []

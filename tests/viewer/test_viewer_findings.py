@@ -6,7 +6,6 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +17,9 @@ from twistarm.checking.doctor import Diagnosis
 from twistarm.description.findings import Finding, Place, finding
 from twistarm.viewer import Viewer, save_html
 from twistarm.viewer.parts import findings as module
-from twistarm.viewer.parts.findings import MAX_FINDINGS, PENDING, examined, loaded, node_of
-from twistarm.viewer.scene import links
+from twistarm.viewer.parts.findings import PENDING, examined, loaded, node_of
 from twistarm.viewer.server import server as server_module
-from viewer_page import Page, stored, until, visit
+from viewer_page import Page, stored, visit
 
 SCRIPT = "</script><script>hacked = 1</script>"
 ESCAPED = SCRIPT.replace("<", "&lt;").replace(">", "&gt;")
@@ -118,14 +116,6 @@ def test_the_findings_are_those_of_diagnose_gravest_first(arm: Arm) -> None:
     assert message["note"] == ""
 
 
-def test_what_the_loading_noted_is_sorted_and_the_doctor_is_announced(arm: Arm) -> None:
-    mixed = (note("srdf-found", Place("a")), note("number-malformed", Place("b")), note("axis-not-unit", Place("c")))
-    message = loaded(replace(arm, findings=mixed))
-    assert [told["severity"] for told in message["findings"]] == ["error", "warning", "info"]
-    assert message["counts"] == {"error": 1, "warning": 1, "info": 1}
-    assert message["note"] == PENDING
-
-
 def test_an_arm_without_a_description_has_its_notes_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "examine_arm", lambda arm: pytest.fail("there is nothing to look at"))
     bare = arm_from_screws(joints.revolute([0, 0, 1], [0, 0, 0]), np.eye(4), joints=["turn"])
@@ -134,22 +124,6 @@ def test_an_arm_without_a_description_has_its_notes_alone(monkeypatch: pytest.Mo
     assert node_of(bare, Place("bare", None, "link", "turn")) is None
     with Viewer(bare, open_browser=False) as viewer:
         assert visit(viewer).latest["findings"] == loaded(bare)
-
-
-def test_of_very_many_findings_the_gravest_are_sent_and_all_are_counted(arm: Arm) -> None:
-    many = [note("srdf-found", Place(str(i))) for i in range(MAX_FINDINGS)] + [note("no-tip", Place("last"))] * 2
-    message = loaded(replace(arm, findings=tuple(many)))
-    assert len(message["findings"]) == MAX_FINDINGS
-    assert message["findings"][0]["code"] == message["findings"][1]["code"] == "no-tip"
-    assert message["counts"] == {"info": MAX_FINDINGS, "error": 2}
-    assert message["note"] == f"{PENDING} 2 more: twistarm doctor lists them."
-
-
-def test_without_a_page_nobody_diagnoses(viewer: Viewer, visits: list[Arm]) -> None:
-    time.sleep(0.1)  # five times the doctor's patience
-    assert visits == []
-    hear(viewer, lambda message: not message["note"])
-    assert len(visits) == 1
 
 
 def test_the_page_lives_while_the_doctor_is_slow(arm: Arm, viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -191,36 +165,6 @@ def test_while_a_servo_drives_the_doctor_waits(viewer: Viewer, visits: list[Arm]
         viewer.show_servo(None)
         page.until(lambda: page.latest["findings"]["note"] == "")
         assert len(visits) == 1
-
-
-def test_while_meshes_are_read_the_doctor_waits(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, visits: list[Arm]
-) -> None:
-    (tmp_path / "part.stl").write_text("read when the test lets it")
-    mesh = '<visual><geometry><mesh filename="part.stl"/></geometry></visual>'
-    (tmp_path / "arm.urdf").write_text(URDF.replace('<link name="tool0"/>', f'<link name="tool0">{mesh}</link>'))
-    leave = threading.Event()
-    monkeypatch.setattr(links, "read_mesh", lambda path: leave.wait(10) and 1 / 0)
-    with Viewer(load_arm(tmp_path / "arm.urdf", tip="tool0"), open_browser=False) as viewer, Page(viewer) as page:
-        time.sleep(0.1)
-        assert visits == []
-        assert page.latest["scene"]["left"] == 1
-        leave.set()
-        page.until(lambda: page.latest["findings"]["note"] == "")
-        assert page.latest["scene"]["left"] == 0
-        assert len(visits) == 1
-
-
-def test_closing_does_not_wait_for_ever_for_the_doctor(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:
-    done = threading.Event()
-    monkeypatch.setattr(module, "examine_arm", lambda arm: (done.wait(10), Diagnosis(()))[1])
-    monkeypatch.setattr(server_module, "STOP_TIME", 0.5)
-    with Viewer(arm, open_browser=False) as viewer:
-        with Page(viewer):
-            until(lambda: "twistarm doctor" in {thread.name for thread in threading.enumerate()})
-        start = time.monotonic()
-    assert time.monotonic() - start < 3
-    done.set()
 
 
 def test_the_stand_alone_page_holds_the_diagnosis_and_no_name_breaks_out(arm: Arm, tmp_path: Path) -> None:

@@ -14,9 +14,8 @@ from twistarm.control.servo import JogCommand, ServoSettings, ServoState, TwistC
 from twistarm.limits.actuators import Actuators
 from twistarm.limits.joint_limits import JointLimits
 from twistarm.support.checks import Array
-from twistarm.viewer.parts.gauge import SILENT, Gauge
-from twistarm.viewer.parts.servo_words import SILENT as WORDLESS
-from twistarm.viewer.parts.servo_words import servo_words
+from twistarm.viewer.parts.servo import NO_GAUGE, Gauge, servo_words
+from twistarm.viewer.parts.show import NO_REPORT
 from twistarm.viewer.stage import Stage
 
 BELOW = ServoSettings().singularity_threshold
@@ -24,7 +23,7 @@ BELOW = ServoSettings().singularity_threshold
 
 def gauge(arm: Arm, theta: Any) -> dict[str, Any]:
     stage = Stage(arm, theta)
-    stage.set_servo_status(WORDLESS)
+    stage.set_servo_status(NO_REPORT)
     (message,) = Gauge(arm).messages(stage)
     return message
 
@@ -81,32 +80,12 @@ def test_it_is_near_where_the_servo_slows(bend: float, status: str) -> None:
     assert message["lacks"] == words[int(np.argmax(np.abs(U[:, 5])))]
 
 
-def test_an_arm_of_two_joints_by_hand() -> None:
-    """v = (−(l1 s1 + l2 s12), −l2 s12; l1 c1 + l2 c12, l2 c12) θ̇: σ1 σ2 = l1 l2 |sin θ2|, of the plane alone."""
-    arm = planar(0.3)
-    for bend in (0.02, 0.4, 1.0):
-        theta = np.array([0.3, bend])
-        l1, l2, s1, s12, c1, c12 = 0.4, 0.3, np.sin(0.3), np.sin(0.3 + bend), np.cos(0.3), np.cos(0.3 + bend)
-        J = np.array([[-l1 * s1 - l2 * s12, -l2 * s12], [l1 * c1 + l2 * c12, l2 * c12]]) / arm.reach
-        assert gauge(arm, theta)["sigma"] == pytest.approx(np.linalg.svd(J, compute_uv=False)[-1], abs=1e-5)
-
-
 def test_a_direction_that_is_lost_here_alone() -> None:
     arm = planar(0.3)
     assert gauge(arm, [0.0, 0.01])["lacks"] == "along x"
     assert gauge(arm, [np.pi / 2, 0.01])["lacks"] == "along y"
     straight = gauge(arm, [0.0, 0.0])
     assert (straight["sigma"], straight["lacks"]) == (0.0, None)
-
-
-def test_directions_that_an_arm_never_has_are_no_singularity() -> None:
-    """Three joints about z: the plane and its rotation, all of them far from singular at a right angle."""
-    tool = np.eye(4)
-    tool[0, 3] = 0.8
-    builder = ArmBuilder("three").revolute("a", [0, 0, 1], [0, 0, 0], lower=-3, upper=3)
-    builder = builder.revolute("b", [0, 0, 1], [0.4, 0, 0], lower=-3, upper=3)
-    arm = builder.revolute("c", [0, 0, 1], [0.7, 0, 0], lower=-3, upper=3).tool(tool).build()
-    assert gauge(arm, [0.0, np.pi / 2, 0.0])["sigma"] > 2 * BELOW
 
 
 def test_the_nearest_limit_is_the_joint_with_least_room_for_its_kind() -> None:
@@ -134,7 +113,7 @@ def test_a_joint_that_the_servo_calls_limited_is_the_one_of_the_gauge() -> None:
     theta = state.theta
     assert 3.0 - theta[0] > 1.5 * (1.0 - theta[1])
     stage, part = Stage(arm, theta), Gauge(arm)
-    for report, joint in ((WORDLESS, "b"), (servo_words(output), "a"), (WORDLESS, "b")):
+    for report, joint in ((NO_REPORT, "b"), (servo_words(output), "a"), (NO_REPORT, "b")):
         stage.set_servo_status(report)
         (message,) = part.messages(stage)
         assert (message["joint"], message["end"]) == (joint, "upper")
@@ -185,12 +164,12 @@ def test_a_motor_s_limit_counts_too() -> None:
 def test_silent_while_no_servo_drives_and_measured_once_per_posture() -> None:
     arm = planar(0.3)
     stage, part = Stage(arm, [0.1, 0.2]), Gauge(arm)
-    assert list(part.messages(stage)) == [{"type": "gauge", **SILENT}]
-    stage.set_servo_status(WORDLESS)
+    assert list(part.messages(stage)) == [{"type": "gauge", **NO_GAUGE}]
+    stage.set_servo_status(NO_REPORT)
     first, again = [next(iter(part.messages(stage))) for _ in range(2)]
     assert first == again
     assert first["sigma"] > 0
     stage.show(np.array([0.1, 0.5]))
     assert next(iter(part.messages(stage)))["sigma"] > first["sigma"]
     stage.set_servo_status(None)
-    assert list(part.messages(stage)) == [{"type": "gauge", **SILENT}]
+    assert list(part.messages(stage)) == [{"type": "gauge", **NO_GAUGE}]

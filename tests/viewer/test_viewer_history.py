@@ -9,12 +9,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from recorded_poses import HOME, REACH, ask, done, names, said
-from twistarm import load_arm
+from recorded_poses import HOME, REACH, ask, done, said
 from twistarm.support.errors import InputError, LimitError
-from twistarm.viewer import Viewer
 from twistarm.viewer.stage import Stage
-from viewer_page import Page
 
 
 def test_every_edit_of_the_list_is_undone_and_redone(stage: Stage) -> None:
@@ -95,31 +92,3 @@ def test_what_is_refused_does_not_end_the_way_to_a_pose(stage: Stage) -> None:
         ask(stage, "joint", name=stage.arm.joint_names[2], value=99.0)
     stage.advance(0.5)
     assert_array_equal(stage.theta, REACH)
-
-
-def test_the_list_is_undone_while_a_servo_drives(stage: Stage) -> None:
-    stage.begin_drive("")
-    ask(stage, "delete", id=said(stage, "program")["poses"][0]["id"])
-    ask(stage, "undo")
-    assert len(names(stage)) == 3
-    stage.end_drive(False)
-    assert said(stage, "history")["redo"] == "delete a pose"
-
-
-def test_what_changes_nothing_is_no_step(stage: Stage) -> None:
-    ask(stage, "reorder", id=said(stage, "program")["poses"][0]["id"], place=0)
-    assert said(stage, "history")["undo"] == "record a pose"
-
-
-def test_over_the_socket_a_pose_is_reached_frame_by_frame() -> None:
-    with Viewer(load_arm("rover_arm"), open_browser=False) as viewer, Page(viewer) as page:
-        seen = set()
-        page.ask(type="pose", name="zero", ease=True)
-
-        def there() -> bool:
-            seen.add(page.latest["frame"]["theta"][1])
-            return not any(page.latest["frame"]["theta"])
-
-        page.until(there)
-        assert len(seen) > 4
-        assert page.latest["history"] == {"type": "history", "undo": None, "redo": None}

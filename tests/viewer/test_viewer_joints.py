@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 import numpy as np
@@ -12,8 +11,6 @@ from numpy.testing import assert_array_equal
 from recorded_poses import ask
 from twistarm import ArmBuilder, load_arm
 from twistarm.support.errors import LimitError
-from twistarm.viewer.files.page_export import modules
-from twistarm.viewer.page_files import page_files
 from twistarm.viewer.stage import Stage
 
 LOWER, UPPER = (-0.5, 0.25, 0.0), (0.1, 0.3, 0.2)
@@ -59,19 +56,6 @@ def test_random_leaves_the_joints_beside_the_arm_alone() -> None:
     assert stage.others["finger_left"] == 0.02
 
 
-@pytest.mark.parametrize(
-    ("name", "value", "message"),
-    [
-        # 0.5 rad = 28.6479°, 0.1 rad = 5.72958°, 1 rad = 57.2958°
-        ("turn", 1, "turn = 57.2958° is outside its limits -28.6479° … 5.72958° (1 rad, allowed -0.5 … 0.1 rad)"),
-        ("reach", 1, "reach = 1 is outside its limits 0 … 0.2 m"),
-    ],
-)
-def test_a_joint_outside_its_limits_is_told_in_the_units_people_type(name: str, value: float, message: str) -> None:
-    with pytest.raises(LimitError, match=f"^{re.escape(message)}$"):
-        ask(Stage(ARM), "joint", name=name, value=value)
-
-
 PAIR = (
     ArmBuilder("pair")
     .revolute("turn", [0, 0, 1], [0, 0, 0], lower=-1.5, upper=1.5)
@@ -90,22 +74,3 @@ def test_a_little_beyond_a_limit_is_refused(name: str, limit: float, beyond: flo
     with pytest.raises(LimitError, match=f"{name} = .* is outside its limits"):
         ask(stage, "theta", theta=[value if joint == name else 0.0 for joint in PAIR.joint_names])
     assert_array_equal(stage.theta, PAIR.ready)
-
-
-def test_a_slider_s_end_written_as_decimal_text_is_taken() -> None:
-    stage = Stage(PAIR)
-    ask(stage, "joint", name="turn", value=1.5 + 5e-7)
-    ask(stage, "joint", name="slide", value=-0.2 - 5e-7)
-    assert_array_equal(stage.theta, [1.5 + 5e-7, -0.2 - 5e-7])
-
-
-MODULES = modules("standalone.js")
-
-
-def test_the_stand_alone_page_s_modules_follow_their_imports() -> None:
-    served = page_files()
-    for i, name in enumerate(MODULES):
-        text = served[name][1].decode()
-        imported = re.findall(r'^import .* from "\./([\w.]+)";$', text, flags=re.MULTILINE)
-        assert text.count("\nimport ") <= len(imported), name  # each in a line of its own
-        assert set(imported) <= set(MODULES[:i]), name

@@ -7,15 +7,14 @@ from pathlib import Path
 
 import pytest
 
+from recorded_poses import ask
 from twistarm import load_arm
-from twistarm.description.companions.toml_entries import write_pose
+from twistarm.description.companions.data_files import write_pose
 from twistarm.support.errors import DescriptionError, InputError
 from twistarm.support.files import TEMPORARY
-from twistarm.viewer.protocol.messages import PageRequest
-from twistarm.viewer.scene.arm_drawing import Drawing
-from twistarm.viewer.server.handlers import application
-from twistarm.viewer.server.server import Server
+from twistarm.viewer import Viewer
 from twistarm.viewer.stage import Stage
+from viewer_page import Page
 
 ROBOT = Path(__file__).parents[2] / "robots" / "rover_arm"
 
@@ -69,25 +68,17 @@ def test_a_file_that_takes_no_table_is_left_alone(tmp_path: Path, poses: str) ->
 
 @pytest.mark.parametrize(("host", "offered"), [("127.0.0.1", True), ("0.0.0.0", False)])
 def test_the_file_is_offered_on_this_computer_alone(file: Path, host: str, offered: bool) -> None:
-    arm = load_arm(file)
-    stage = Stage(arm)
-    server = Server(stage, Drawing(arm), host, 0, application)
-    for each in server._sockets:
-        each.close()
-    (message,) = stage.keeping.messages(stage)
-    assert message["file"] == (str(file.resolve()) if offered else None)
-    request = PageRequest("keep_pose", {"name": "parked", "theta": list(VALUES.values()), "replace": False}, 1)
+    request = {"type": "keep_pose", "name": "parked", "theta": list(VALUES.values()), "replace": False}
     before = file.read_bytes()
-    if not offered:
-        with pytest.raises(InputError, match="copy the lines"):
-            stage.handle(request, 0.0)
-        assert file.read_bytes() == before
-        return
-    job = stage.handle(request, 0.0)
-    assert job is not None
-    job.finish(job.work(lambda share: None))
-    (message,) = stage.keeping.messages(stage)
-    assert "parked" in message["names"]
+    with Viewer(load_arm(file), host=host, open_browser=False) as viewer, Page(viewer) as page:
+        page.until(lambda: "keeping" in page.latest)
+        assert page.latest["keeping"]["file"] == (str(file.resolve()) if offered else None)
+        page.ask(**request)
+        if not offered:
+            assert "copy the lines" in page.latest["error"]["message"]
+            assert file.read_bytes() == before
+            return
+        page.until(lambda: "parked" in page.latest["keeping"]["names"])
     assert load_arm(file).theta_to_dict(load_arm(file).named_states["parked"]) == VALUES
 
 
@@ -96,7 +87,7 @@ def test_a_pose_of_another_chain_is_refused(file: Path) -> None:
     stage = Stage(arm)
     stage.keeping.offer(arm)
     before = file.read_bytes()
-    job = stage.handle(PageRequest("keep_pose", {"name": "short", "theta": [0.0] * arm.n, "replace": False}, 1), 0.0)
+    job = ask(stage, "keep_pose", name="short", theta=[0.0] * arm.n, replace=False)
     assert job is not None
     with pytest.raises(InputError, match="other joints"):
         job.work(lambda share: None)

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from twistarm import Arm, arm_from_screws, joints, load_arm
-from twistarm.viewer.parts.summary import extra_joints
+from twistarm.viewer.parts.arm_data import extra_joints
+from twistarm.viewer.scene.drawing import link_path
 from twistarm.viewer.scene.kinematics import kinematics
-from twistarm.viewer.scene.nodes import link_path
 from viewer_page import matrix
 
 TOL = 1e-9

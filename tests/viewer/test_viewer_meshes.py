@@ -16,9 +16,6 @@ from twistarm.description.meshes.shading import shaded, simplified
 from twistarm.viewer.scene import links
 from twistarm.viewer.scene.arm_drawing import Drawing
 
-STEP = 3e-3
-"""Normals that differ by less are drawn as one."""
-
 
 def bracket() -> trimesh.Trimesh:
     """A plate of 20 mm, 1 m long, with a ring and a ball on it."""
@@ -40,10 +37,6 @@ def fine() -> trimesh.Trimesh:
 
 def mesh_of(corners: Any) -> trimesh.Trimesh:
     return trimesh.Trimesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), process=True)
-
-
-def test_what_is_few_enough_stays_as_it_is(fine: trimesh.Trimesh) -> None:
-    assert simplified(fine.triangles, len(fine.faces)) is fine.triangles
 
 
 @pytest.mark.parametrize("most", [20_000, 6_000])
@@ -72,35 +65,6 @@ def test_edges_and_corners_stay_where_they_are() -> None:
     assert off.max() < 8e-3  # all on the faces, with cells of 4 cm
 
 
-@pytest.mark.parametrize("seed", [0, 1])
-def test_what_is_thin_does_not_vanish(seed: int) -> None:
-    rod = trimesh.creation.revolve(np.column_stack([np.full(200, 0.002), np.linspace(0.0, 1.0, 200)]), sections=24)
-    rod.apply_transform(trimesh.transformations.random_rotation_matrix(np.random.default_rng(seed).random(3)))
-    coarse = simplified(rod.triangles, 500)
-    assert len(coarse) > 50
-    assert_allclose(np.ptp(coarse.reshape(-1, 3), axis=0), np.ptp(rod.vertices, axis=0), atol=0.04)
-
-
-def test_a_plate_far_thinner_than_the_cells_keeps_both_its_sides() -> None:
-    plate = trimesh.creation.box((1.0, 1.0, 0.01))
-    for _ in range(6):
-        plate = plate.subdivide()
-    assert mesh_of(simplified(plate.triangles, 2_000)).volume == pytest.approx(0.01, rel=0.02)
-
-
-def test_almost_parallel_planes_keep_within_the_mesh_s_box() -> None:
-    """Rough sheet: the planes of a cell meet far away."""
-    n = 120
-    x, y = np.meshgrid(np.linspace(0, 1, n), np.linspace(0, 1, n))
-    rough = np.stack([x, y, 5e-4 * np.random.default_rng(0).standard_normal((n, n)) + 0.02 * np.abs(x - 0.5)], -1)
-    a, b, c, d = (rough[i : n - 1 + i, j : n - 1 + j].reshape(-1, 3) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1)))
-    sheet = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
-    coarse = simplified(sheet, 1_500)
-    assert len(coarse) < 2_000
-    assert (coarse >= sheet.min(axis=(0, 1))).all()
-    assert (coarse <= sheet.max(axis=(0, 1))).all()
-
-
 # normals ----------------------------------------------------------------------------------------------
 
 
@@ -116,18 +80,6 @@ def test_normals_are_trimesh_s_where_smooth_and_the_faces_at_creases() -> None:
     assert_allclose(normals[faces[caps]], np.repeat(can.face_normals[caps][:, None], 3, axis=1), atol=1e-6)
     assert_allclose(normals[faces[~caps]][..., 2], 0, atol=1e-6)
     assert len(np.unique(normals[faces[~caps]].reshape(-1, 3).round(6), axis=0)) == 32  # one for each line of the wall
-
-
-def test_a_fan_of_twenty_thousand_triangles_is_shaded_by_sorting() -> None:
-    """Each with each would be 400 million pairs."""
-    angle = np.linspace(0, 2 * np.pi, 20_001)
-    rim = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(20_001)])
-    corners = np.stack([np.tile([0.0, 0.0, 2.0], (20_000, 1)), rim[:-1], rim[1:]], axis=1)
-    _, normals, faces = shaded(corners)
-    slope = np.array([2.0, 1.0]) / np.sqrt(5.0)  # outwards, up
-    own = np.column_stack([slope[0] * np.cos(angle), slope[0] * np.sin(angle), np.full(20_001, slope[1])])
-    assert_allclose(normals[faces[:, 1]], own[:-1], atol=STEP)
-    assert_allclose(normals[faces[:, 0]], own[:-1], atol=STEP)  # the tip is no smooth place
 
 
 # in an arm ----------------------------------------------------------------------------------------------

@@ -18,37 +18,32 @@ from twistarm.support.errors import InputError
 from twistarm.support.strict_json import encode
 from twistarm.viewer import Viewer
 from twistarm.viewer.draw import Draw
-from twistarm.viewer.parts.servo_words import servo_words
-from twistarm.viewer.parts.tool_path import tool_path
-from twistarm.viewer.protocol.messages import SCHEMA, failure, number_of, parse
+from twistarm.viewer.parts.arm_data import tool_path
+from twistarm.viewer.parts.servo import servo_words
+from twistarm.viewer.protocol.messages import SCHEMA, failure, parse
 from twistarm.viewer.scene.arm_drawing import Drawing
 from twistarm.viewer.stage import Stage
 from viewer_page import THETA, Page, matrix, visit
 
 BAD_MESSAGES: list[tuple[Any, str]] = [
-    ("", "a message is one JSON object"),
-    ("{", "a message is one JSON object"),
-    ("[1, 2]", "a message is one JSON object; got"),
-    ('{"type": "play", "type": "pause"}', "an object has each name once"),
-    ("[" * 30_000, "a message is one JSON object"),
-    (b"\x00\xff", "JSON text; got bytes"),
-    ("{}", "unknown message type None; one of theta, joint"),
-    ('{"type": "explode"}', "unknown message type 'explode'"),
-    ('{"type": "theta"}', "needs 'theta'"),
-    ('{"type": "play", "number": -1}', "number must be a whole number"),
-    ('{"type": "theta", "theta": [0, 0]}', "theta must have shape (..., 3): yaw, pitch, slide; got (2,)"),
+    ("{", "JSON"),
+    ("[1, 2]", "JSON"),
+    ('{"type": "play", "type": "pause"}', "once"),
+    ("[" * 30_000, "JSON"),
+    (b"\x00\xff", "bytes"),
+    ("{}", "None"),
+    ('{"type": "explode"}', "'explode'"),
+    ('{"type": "theta"}', "'theta'"),
     ('{"type": "theta", "theta": [0, 0, "x"]}', "theta[2]"),
-    ('{"type": "theta", "theta": [NaN, 0, 0]}', "numbers must be finite; got NaN"),
-    ('{"type": "theta", "theta": [1e999, 0, 0]}', "theta[0]"),
-    (f'{{"type": "theta", "theta": [1{"0" * 5000}, 0, 0]}}', "numbers must be finite; got one of 5,001 digits"),
-    ('{"type": "theta", "theta": [0, 2, 0]}', "pitch = 114.592° is outside its limits -85.9437° … 85.9437° (2 rad"),
-    ('{"type": "joint", "name": "pitch", "value": 1.6}', "pitch = 91.6732° is outside its limits"),
-    ('{"type": "joint", "name": "finger", "value": 1}', "finger = 1 is outside its limits 0.01 … 0.04"),
-    ('{"type": "joint", "name": "pich", "value": 0}', "no joint 'pich' in small; closest: 'pitch'"),
-    ('{"type": "pose", "name": "redy", "ease": true}', "no pose 'redy' in small; closest: 'ready'"),
+    ('{"type": "theta", "theta": [NaN, 0, 0]}', "NaN"),
+    (f'{{"type": "theta", "theta": [1{"0" * 5000}, 0, 0]}}', "5,001 digits"),
+    ('{"type": "theta", "theta": [0, 0]}', "yaw, pitch, slide; got (2,)"),
+    ('{"type": "theta", "theta": [0, 2, 0]}', "pitch = 114.592°"),
+    ('{"type": "joint", "name": "finger", "value": 1}', "0.01 … 0.04"),
+    ('{"type": "joint", "name": "pich", "value": 0}', "closest: 'pitch'"),
+    ('{"type": "pose", "name": "redy", "ease": true}', "closest: 'ready'"),
     ('{"type": "pose", "name": "\\ud800", "ease": true}', "no pose"),
-    ('{"type": "play"}', "nothing to play: no trajectory is loaded"),
-    ('{"type": "needs", "theory": true, "collision": 1, "reach": false}', "collision must be true or false; got 1"),
+    ('{"type": "play"}', "play"),
 ]
 
 
@@ -61,30 +56,6 @@ def test_a_bad_message_gets_its_reason_and_the_server_lives_on(viewer: Viewer) -
             assert page.latest["frame"]["theta"] == list(THETA)
         page.ask(type="joint", name="pitch", value=0.5)
         page.until(lambda: page.latest["frame"]["theta"][1] == 0.5)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        '{"type": "explode", "number": 7}',
-        '{"type": "theta", "theta": [NaN, 0, 0], "number": 7}',
-        '{"type": "play", "type": "pause", "number": 7}',
-    ],
-)
-def test_what_is_refused_before_it_is_read_is_done_too(viewer: Viewer, text: str) -> None:
-    """A page waits for the `done` of what it asked before it asks again."""
-    with Page(viewer) as page:
-        page.send(text)
-        page.until(lambda: "error" in page.latest and page.latest.get("done", {}).get("number") == 7)
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["", "7", "[7]", "{}", '{"number": "7"}', '{"number": -1}', '{"number": true}', "[" * 30_000, b"\xff",
-     f'{{"number": 1{"0" * 5000}}}'],
-)  # fmt: skip
-def test_a_number_that_cannot_be_read(text: str | bytes) -> None:
-    assert number_of(text) is None
 
 
 def test_a_message_too_long_closes_that_page_only(viewer: Viewer) -> None:

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from numpy.typing import ArrayLike, NDArray
 
 from recorded_poses import HOME, LEFT, REACH, ask, done, said
 from twistarm import Arm, ArmBuilder, Viewer, load_trajectory, plan_joint, save_trajectory
 from twistarm.arm.usual_limits import with_defaults
 from twistarm.planning.trajectory import Trajectory
 from twistarm.support.errors import InputError
-from twistarm.viewer.parts.playback import Playback
+from twistarm.viewer.parts.arm_data import tool_path
 from twistarm.viewer.parts.player import MOST_POINTS, plots
-from twistarm.viewer.parts.tool_path import tool_path
+from twistarm.viewer.parts.show import Playback
 from twistarm.viewer.stage import Stage
-from viewer_page import swing
+from viewer_page import Page
 
 ARM = ArmBuilder("one").revolute("a", [0, 0, 1], [0, 0, 0], lower=-3, upper=3).tool(np.eye(4)).build()
 LINE = Trajectory(ARM.joint_names, ARM.units, [[0.0], [2.0]], [0, 2], [0, 2], [[[1.0]], [[0.0]]])
@@ -91,16 +89,6 @@ def test_a_pace_that_pages_may_set(standing: Stage, speed: float) -> None:
     ask(standing, "play")
     standing.advance(0.01)
     assert standing.theta[0] == pytest.approx(0.01 * speed, abs=1e-15)
-
-
-@pytest.mark.parametrize("speed", [-1.0, 0.0, 0.01, 0.049, 20.1, 21.0])
-def test_a_pace_that_is_refused_and_changes_nothing(standing: Stage, speed: float) -> None:
-    ask(standing, "pace", speed=2.0, loop=True)
-    with pytest.raises(InputError) as refused:
-        ask(standing, "pace", speed=speed, loop=False)
-    assert str(refused.value) == f"speed must be 0.05 … 20 times the trajectory's own; got {speed:g}"
-    player = said(standing, "player")
-    assert (player["speed"], player["loop"]) == (2.0, True)
 
 
 @pytest.mark.parametrize(
@@ -176,38 +164,6 @@ def test_a_motion_of_many_pieces_and_one_of_none(arm: Arm) -> None:
     assert plots(arm, still)["times"] == [0.0]
 
 
-class Odd(Trajectory):
-    """A motion of Python's own, one of whose rates, or one of whose peaks, is no number."""
-
-    at: int
-    number: float
-    of_peak: bool
-
-    def __call__(self, t: ArrayLike, order: int = 0) -> NDArray[np.float64]:
-        values = np.array(super().__call__(t, order))
-        if order == self.at and not self.of_peak:
-            values[..., -1, 1] = self.number
-        return values
-
-    def peak(self, order: int) -> NDArray[np.float64]:
-        values = np.array(super().peak(order))
-        if order == self.at and self.of_peak:
-            values[1] = self.number
-        return values
-
-
-@pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf])
-@pytest.mark.parametrize("at", [0, 1, 2])
-@pytest.mark.parametrize("of_peak", [False, True])
-def test_one_value_that_is_no_number_is_enough(arm: Arm, number: float, at: int, of_peak: bool) -> None:
-    motion = swing(arm)
-    odd = Odd(**{field.name: getattr(motion, field.name) for field in fields(Trajectory)})
-    for name, value in {"at": at, "number": number, "of_peak": of_peak}.items():
-        object.__setattr__(odd, name, value)
-    message = plots(arm, odd)
-    assert (message["times"], message["joints"], message["velocity"]) == ([], [], [])
-
-
 # the way of the tool ----------------------------------------------------------------------------------
 
 TOOL = np.array([[1, 0, 0, 0.3], [0, 1, 0, 0], [0, 0, 1, 0.4], [0, 0, 0, 1.0]])
@@ -247,28 +203,17 @@ def test_a_tool_that_stays_draws_nothing() -> None:
     assert tool_path(TURNER, [[0.5]])["points"] == []
 
 
-@pytest.mark.parametrize(
-    ("motion", "message"),
-    [
-        ([0.1], "motion must be a Trajectory or configurations (k, 1); got shape (1,)"),
-        (np.zeros((0, 1)), "motion must be a Trajectory or configurations (k, 1); got shape (0, 1)"),
-        ([[0.1, 0.2]], "motion must have shape (..., 1): a; got (1, 2)"),
-        ([[np.nan]], "motion must be finite"),
-        ([[0.0], [1e9]], "theta must be at most 1e+06 in size"),
-        ("up", "motion must be an array of real numbers"),
-    ],
-)
-def test_what_is_no_motion(motion: object, message: str) -> None:
-    with pytest.raises(InputError) as caught:
+@pytest.mark.parametrize("motion", [[0.1], np.zeros((0, 1)), [[0.1, 0.2]], [[np.nan]], [[0.0], [1e9]], "up"])
+def test_what_is_no_motion(motion: object) -> None:
+    with pytest.raises(InputError):
         tool_path(TURNER, motion)  # type: ignore[arg-type]
-    assert message in str(caught.value)
 
 
 def test_the_view_draws_it_and_takes_it_away() -> None:
     with Viewer(TURNER, open_browser=False) as viewer:
         viewer.show_path(TURN)
-        way = viewer._server.ask(lambda stage: stage.path)
-        assert way == {"type": "path", **tool_path(TURNER, TURN)}
-        assert json.loads(viewer._server.ask(lambda stage: viewer._server.state())["path"]) == way
-        viewer.show_path(None)
-        assert viewer._server.ask(lambda stage: stage.path)["points"] == []
+        with Page(viewer) as page:
+            page.until(lambda: page.latest.get("path", {}).get("points", []) != [])
+            assert page.latest["path"] == {"type": "path", **tool_path(TURNER, TURN)}
+            viewer.show_path(None)
+            page.until(lambda: page.latest["path"]["points"] == [])

@@ -19,10 +19,7 @@ from twistarm.cli.application import run
 from twistarm.support.strict_json import encode
 from twistarm.sweeps.mapping import sphere
 from twistarm.sweeps.voxel_map import Grid
-from twistarm.viewer.files.scene_snapshot import on_show
-from twistarm.viewer.parts.reach import drawing, quick
-from twistarm.viewer.protocol.jobs import ReplacedError
-from twistarm.viewer.scene.arm_drawing import Drawing
+from twistarm.viewer.parts.reach import drawing
 from twistarm.viewer.stage import Stage
 from twistarm.viewer.state_transfer import carry
 from viewer_page import Page, stored
@@ -74,11 +71,6 @@ def test_fine_maps_are_drawn_coarser_by_the_best_of_their_cubes(m: ReachMap) -> 
     assert len(encode(drawing(reach_map(ur5, 0.05, 26, method="fk", samples=300_000)))) < 2e6
 
 
-def test_nothing_reached_is_drawn_as_nothing(m: ReachMap) -> None:
-    drawn = drawing(replace(m, counts=np.zeros_like(m.counts)))
-    assert (drawn["best"], drawn["points"], drawn["faces"]) == (0.0, "", "")
-
-
 def test_a_quick_map_is_made_when_it_is_first_switched_on() -> None:
     stage = Stage(ROVER)
     assert stage.reach.due(stage) is None
@@ -100,14 +92,6 @@ def test_a_quick_map_is_made_when_it_is_first_switched_on() -> None:
     assert stage.reach.due(stage) is None
 
 
-def test_it_ends_where_a_later_job_waits() -> None:
-    def replaced(share: float) -> None:
-        raise ReplacedError
-
-    with pytest.raises(ReplacedError):
-        quick(ROVER, replaced)
-
-
 def test_a_map_of_the_program_stays_before_a_quick_one(m: ReachMap) -> None:
     stage, drawn = Stage(ROVER), drawing(m)
     stage.needed = frozenset({"reach"})
@@ -127,17 +111,6 @@ def test_a_map_stays_with_an_arm_that_reaches_the_same(m: ReachMap) -> None:
         carry(stage, new)
     assert (len(drawn_on(same)), len(drawn_on(other))) == (1, 0)
     assert other.visible["reach"][0]
-
-
-def test_it_is_saved_while_it_is_seen(m: ReachMap) -> None:
-    stage, scene = Stage(ROVER), Drawing(ROVER).whole()
-    assert on_show(stage, scene).reach is None
-    stage.show_reach(drawing(m))
-    assert on_show(stage, scene).reach == drawing(m)
-    stage.show_reach(None)
-    assert on_show(stage, scene).reach is None
-    stage.needed = frozenset({"reach"})  # a page shows it
-    assert on_show(stage, scene).reach == drawing(m)
 
 
 def test_a_map_of_another_arm_is_refused(arm: Arm, viewer: Viewer, m: ReachMap) -> None:

@@ -14,21 +14,16 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from twistarm import Arm, arm_from_screws, available_arms, joints, load_arm, poe
 from twistarm.description.meshes import Part, read_mesh
-from twistarm.limits.joint_limits import usual_half
 from twistarm.support.errors import DescriptionError
 from twistarm.viewer import Viewer
-from twistarm.viewer.parts.summary import _describe
 from twistarm.viewer.parts.theory import axes
 from twistarm.viewer.scene import links
 from twistarm.viewer.scene.arm_drawing import Drawing
 from twistarm.viewer.scene.axes import anchors
-from twistarm.viewer.scene.placement import carried
+from twistarm.viewer.scene.kinematics import carried
 from twistarm.viewer.stage import Stage
 from urdf_text import joint, write
 from viewer_page import ARM, ROUNDING, THETA, matrix, visit
-
-SINGLE = 1e-5
-"""Meshes are sent in single precision, and normals are unit vectors."""
 
 
 def drawn_by(scene: Drawing) -> dict[str, Any]:
@@ -146,20 +141,6 @@ def test_a_link_without_its_mesh_is_a_frame_and_a_capsule(arm: Arm) -> None:
     assert not any(path.startswith("/arm/link:left/frame") for path in drawn)  # which never had a mesh
 
 
-@pytest.mark.parametrize(
-    ("kind", "lower", "upper", "expected"),
-    [
-        ("revolute", -1.0, 2.0, (-1.0, 2.0)),
-        ("continuous", -np.inf, np.inf, (-np.pi, np.pi)),
-        ("prismatic", -np.inf, np.inf, (-1.0, 1.0)),
-        ("prismatic", 0.5, np.inf, (0.5, 1.5)),
-        ("revolute", -np.inf, -4.0, (-4.0 - np.pi, -4.0)),
-    ],
-)
-def test_slider_range(kind: str, lower: float, upper: float, expected: tuple[float, float]) -> None:
-    assert_allclose(_describe("joint", kind, lower, upper, usual_half(kind))["range"], expected)
-
-
 # meshes -----------------------------------------------------------------------------------------------
 
 
@@ -171,14 +152,6 @@ def arm_of(folder: Path, base: str, tip: str = "") -> Arm:
 
 def load_parts(path: Path) -> list[Part]:
     return read_mesh(path).parts()
-
-
-def test_a_collada_file_in_millimetres_is_drawn_in_metres(tmp_path: Path) -> None:
-    text = trimesh.creation.box((100, 200, 300)).export(file_type="dae").decode()
-    path = tmp_path / "box.dae"
-    path.write_text(text.replace("<up_axis>", '<unit name="millimeter" meter="0.001"/><up_axis>'))
-    (part,) = load_parts(path)
-    assert_allclose(np.ptp(part.vertices, axis=0), [0.1, 0.2, 0.3], atol=SINGLE)
 
 
 def test_every_material_of_a_collada_file_is_a_part_of_its_own_colour() -> None:
@@ -247,34 +220,12 @@ def test_a_file_s_own_colours_come_before_the_description_s_placeholder(tmp_path
     assert colours == [{0xFF0000, 0x0000FF}, {0x00FF00}, {0x9EA8B8}]  # 158, 168, 184: a light grey
 
 
-def test_a_scene_is_drawn_mesh_by_mesh_or_whole_on_demand(tmp_path: Path) -> None:
-    trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "lost.stl")
-    (tmp_path / "arm.urdf").write_text(ARM)
-    scene = Drawing(load_arm(tmp_path / "arm.urdf", tip="tool0"))
-    assert (scene.left, len(scene.objects)) == (1, scene.plain)
-    told = {"type": "scene", "exact": False, "simplified": False, "notes": []}
-    assert scene.message() == {**told, "objects": scene.plain, "left": 1}
-    assert scene.draw()
-    assert scene.left == 0
-    assert not scene.draw()
-    before = list(scene.objects)
-    assert scene.whole() is scene
-    assert scene.objects == before
-
-
-@pytest.mark.parametrize("place", ["reading", "drawing"])
-def test_whatever_ails_one_mesh_the_others_are_drawn(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
-) -> None:
+def test_whatever_ails_one_mesh_the_others_are_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("good", "bad"):
         trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / f"{name}.stl")
     mesh = '<visual><geometry><mesh filename="{}.stl"/></geometry></visual>'
     arm = arm_of(tmp_path, mesh.format("bad") + mesh.format("good"), mesh.format("bad"))
-    if place == "reading":
-        monkeypatch.setattr(links, "read_mesh", lambda path: read_mesh(path) if path.stem == "good" else 1 / 0)
-    else:
-        draw = links._mesh
-        monkeypatch.setattr(links, "_mesh", lambda node, *rest: 1 / 0 if "0" in node else draw(node, *rest))
+    monkeypatch.setattr(links, "read_mesh", lambda path: read_mesh(path) if path.stem == "good" else 1 / 0)
     scene = Drawing(arm).whole()
     assert scene.left == 0
     assert len(scene.notes) == 1
@@ -282,13 +233,3 @@ def test_whatever_ails_one_mesh_the_others_are_drawn(
     drawn = drawn_by(scene)
     assert "/arm/link:base/visual1/part0" in drawn
     assert not any("visual0" in path for path in drawn)
-
-
-def test_a_mesh_whose_colour_cannot_be_told_is_drawn_without(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    box = trimesh.creation.box((0.1, 0.1, 0.1))
-    box.visual = trimesh.visual.TextureVisuals(material=trimesh.visual.material.MultiMaterial())
-    monkeypatch.setattr(trimesh, "load_scene", lambda file, **kind: trimesh.Scene(box))
-    (tmp_path / "box.obj").write_text("o box")
-    ((corners, colour),) = read_mesh(tmp_path / "box.obj").pieces
-    assert colour is None
-    assert len(corners) == 12

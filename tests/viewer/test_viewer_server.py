@@ -7,7 +7,6 @@ import socket
 import subprocess
 import sys
 import threading
-import time
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -73,12 +72,6 @@ def test_every_module_that_the_page_runs_is_named_once_and_served(viewer: Viewer
     assert page.index("modulepreload") < page.index("</head>") < page.index("<body>")
 
 
-def test_the_schema_is_asked_for_as_the_page_reads_it(viewer: Viewer) -> None:
-    assert '<link rel="preload" href="schema.json" as="fetch" crossorigin>' in get(viewer.url)[1]
-    assert 'fetch("schema.json")' in get(viewer.url + "main.js")[1]
-    assert get(viewer.url + "schema.json")[0] == 200
-
-
 ODD_REQUESTS = [
     (b"POST /{token}/", 405),
     (b"BREW /{token}/", 405),
@@ -126,9 +119,7 @@ def raw(viewer: Viewer, head: bytes) -> bytes:
 
 def test_a_port_in_use_is_one_line(arm: Arm, viewer: Viewer) -> None:
     port = port_of(viewer)
-    with pytest.raises(
-        InputError, match=rf"^port {port} is in use on 127\.0\.0\.1; take another, or --port 0 \(port=0\)"
-    ):
+    with pytest.raises(InputError, match=f"port {port} .*127.0.0.1"):
         Viewer(arm, port=port, open_browser=False)
 
 
@@ -140,7 +131,7 @@ def test_a_port_that_is_none(arm: Arm, port: Any) -> None:
 
 @pytest.mark.parametrize("host", ["no.such.host.invalid", "203.0.113.7", "x" * 300])
 def test_a_host_that_is_not_this_machine(arm: Arm, host: str) -> None:
-    with pytest.raises(InputError, match=r"cannot listen on host .*; use 127\.0\.0\.1, or an address of this machine"):
+    with pytest.raises(InputError, match="host .*127.0.0.1"):
         Viewer(arm, host=host, open_browser=False)
 
 
@@ -175,13 +166,6 @@ def test_ctrl_c_ends_waiting_cleanly() -> None:
     )
     child = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
     assert (child.stdout, child.stderr, child.returncode) == ("done\n", "", 0)
-
-
-def test_wait_returns_when_the_view_is_closed_elsewhere(viewer: Viewer) -> None:
-    threading.Timer(0.1, viewer.close).start()
-    start = time.monotonic()
-    viewer.wait()
-    assert time.monotonic() - start < WAIT
 
 
 def test_without_meshcat_the_error_says_what_to_install(
@@ -227,46 +211,34 @@ def test_other_hosts(arm: Arm, host: str, name: str) -> None:
         assert get(viewer.url)[0] == 200
 
 
-GUARD = Authentication("127.0.0.1")
+HOSTS = {
+    "127.0.0.1": {
+        True: ("LOCALHOST", "127.0.0.1:8000", "[::1]:9"),
+        False: ("192.168.1.7", "127.0.0.1.evil.example", "x@127.0.0.1", "x:y@127.0.0.1", ":@[::1]:8080", "127.0.0.1/x",
+                "127.0.0.1?x", "127.0.0.1#x", "127.0.0.1:99999", "127.0.0.1:x", ""),
+    },
+    "0.0.0.0": {
+        True: ("192.168.1.7:8000", f"{socket.gethostname()}:8000"), False: ("evil.example:8000", "x@127.0.0.1"),
+    },
+    "rover.local": {True: ("rover.local:80",), False: ()},
+}  # fmt: skip
+"""Of a view that listens on each: the Host headers that are admitted, and those that are not."""
+
+ORIGINS = {
+    True: ("http://127.0.0.1:8000", "https://localhost", "http://[::1]:9", None),
+    False: ("vscode-webview://localhost", "ws://127.0.0.1", "file://localhost", "//localhost", "localhost",
+            "https:localhost", "", "null", "http://127.0.0.1.evil.example", "http://x@127.0.0.1"),
+}  # fmt: skip
 
 
-def test_a_view_on_every_interface_admits_addresses_but_no_foreign_names() -> None:
-    guard = Authentication("0.0.0.0")
-    assert guard.admits_host("192.168.1.7:8000")
-    assert guard.admits_host(f"{socket.gethostname()}:8000")
-    assert not guard.admits_host("evil.example:8000")
-    assert Authentication("rover.local").admits_host("rover.local:80")
-    assert not GUARD.admits_host("192.168.1.7")
-
-
-@pytest.mark.parametrize("host", ["x@127.0.0.1", "x:y@127.0.0.1", "x@localhost:80", "@127.0.0.1", ":@[::1]:8080"])
-def test_a_host_with_a_user_is_refused(host: str) -> None:
-    assert not GUARD.admits_host(host)
-    assert not GUARD.admits_origin(f"http://{host}")
-    assert not Authentication("0.0.0.0").admits_host(host)
-
-
-@pytest.mark.parametrize(
-    "host",
-    ["127.0.0.1/x", "127.0.0.1?x", "127.0.0.1#x", "127.0.0.1:99999", "127.0.0.1:x", "", "127.0.0.1.evil.example"],
-)
-def test_what_is_no_host_of_ours_is_refused(host: str) -> None:
-    assert not GUARD.admits_host(host)
-
-
-@pytest.mark.parametrize(
-    "origin",
-    ["vscode-webview://localhost", "ftp://127.0.0.1", "ws://127.0.0.1", "file://localhost", "//localhost", "localhost",
-     "chrome-extension://127.0.0.1", "https:localhost", "", "null", "http://127.0.0.1.evil.example"],
-)  # fmt: skip
-def test_an_origin_of_another_scheme_is_refused_though_its_host_is_ours(origin: str) -> None:
-    assert not GUARD.admits_origin(origin)
-
-
-@pytest.mark.parametrize("origin", ["http://127.0.0.1:8000", "https://localhost", "http://[::1]:9", None])
-def test_an_origin_of_ours_is_admitted(origin: str | None) -> None:
-    assert GUARD.admits_origin(origin)
-    assert GUARD.admits_host("LOCALHOST")
+def test_hosts_and_origins_of_ours_alone_are_admitted() -> None:
+    for listening, table in HOSTS.items():
+        guard = Authentication(listening)
+        for admitted, hosts in table.items():
+            assert [host for host in hosts if guard.admits_host(host) != admitted] == [], listening
+    guard = Authentication("127.0.0.1")
+    for admitted, origins in ORIGINS.items():
+        assert [origin for origin in origins if guard.admits_origin(origin) != admitted] == []
 
 
 def test_no_answer_s_type_is_guessed_by_the_browser(arm: Arm, viewer: Viewer) -> None:

@@ -6,16 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
 
-from recorded_poses import HOME, REACH
 from test_viewer_kinematics import placed
 from twistarm import Arm, Trajectory, load_arm, save_trajectory
 from twistarm.planning.joint_space import plan_joint
 from twistarm.viewer import Viewer
-from twistarm.viewer.files import scene_snapshot as exhibit
-from twistarm.viewer.parts.findings import examined, loaded
 from viewer_page import THETA, Page, get, stored, swing
 
 ROUNDED = 1e-8
@@ -69,15 +65,6 @@ def test_the_page_has_the_motion_and_the_moment_and_pace_of_it(arm: Arm, viewer:
         assert_stands(arm, data, samples["theta"][k], motion(samples["times"][k]))
 
 
-def test_an_arm_that_was_moved_aside_stands_there_and_keeps_its_motion(arm: Arm, viewer: Viewer) -> None:
-    load_paused(viewer, swing(arm), 0.5)
-    viewer.show([0.1, 0.2, 0.05])
-    data = downloaded(viewer)
-    assert data["player"]["time"] == 0.5
-    assert len(data["samples"]["times"]) > 10
-    assert_stands(arm, data, data["aside"], [0.1, 0.2, 0.05])
-
-
 def test_the_page_has_the_poses_of_the_arm_and_those_recorded(arm: Arm, viewer: Viewer) -> None:
     with Page(viewer) as page:
         for name in ("mine", "zero"):
@@ -109,25 +96,6 @@ def test_save_html_writes_the_same_and_a_motion_of_its_own_if_given(arm: Arm, vi
     assert_allclose(np.linalg.norm(drawn[:, None] - way, axis=-1).min(axis=1), 0.0, atol=0.01)
 
 
-def test_findings_that_are_known_are_not_looked_for_again(
-    arm: Arm, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    known = examined(arm)
-    monkeypatch.setattr(exhibit, "examined", lambda *given: {**known, "note": "looked now"})
-    assert downloaded(viewer)["findings"]["note"] == "looked now"
-    viewer._server.post("findings", lambda stage: setattr(stage, "findings", known))
-    viewer._server.ask(lambda stage: None)
-    assert downloaded(viewer)["findings"] == known
-
-
-def test_the_doctor_is_not_asked_while_a_servo_drives(
-    arm: Arm, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(exhibit, "examined", lambda *given: pytest.fail("the doctor was asked"))
-    assert viewer.commands is not None
-    assert downloaded(viewer)["findings"] == loaded(arm)
-
-
 def test_the_download_is_named_after_the_arm(viewer: Viewer) -> None:
     _, _, headers = get(viewer.url + "arm.html")
     assert headers["Content-Disposition"] == 'attachment; filename="small.html"'
@@ -156,15 +124,6 @@ def test_a_download_needs_the_token_and_a_host_of_ours(viewer: Viewer) -> None:
     assert get(viewer.url + "motion.csv", Host="evil.example")[0] == 403
     assert get(viewer.url + "motion.csv", Origin="http://evil.example")[0] == 403
     assert get(viewer.url + "motion.txt")[0] == 404
-
-
-def test_a_very_long_motion_is_exported_more_coarsely(arm: Arm, viewer: Viewer) -> None:
-    times = {"times": [0.0, 10_000.0]}
-    viewer.play(plan_joint(arm, [HOME, REACH], limits={"velocity": 1.0, "acceleration": 1.0}, **times))
-    assert viewer.theta.shape == (3,)
-    text = get(viewer.url + "motion.csv")[1]
-    assert text.count("\n") == 1 + 20_001
-    assert text.rstrip().split("\n")[-1].startswith("10000.0,1.0,")
 
 
 def test_a_file_s_name_has_letters_that_a_header_takes(tmp_path: Path) -> None:

@@ -41,8 +41,8 @@ def test_a_task_plays_in_the_view(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(EXAMPLES)
     monkeypatch.setattr(Viewer, "wait", wait)
     monkeypatch.setattr(Viewer, "open_page", lambda viewer: True)
-    monkeypatch.setattr(sys, "argv", ["13_swing_a_latch.py", "--view"])
-    motion = runpy.run_path(str(EXAMPLES / "13_swing_a_latch.py"))["motion"]
+    monkeypatch.setattr(sys, "argv", ["06_swing_a_latch.py", "--view"])
+    motion = runpy.run_path(str(EXAMPLES / "06_swing_a_latch.py"))["motion"]
     path = motion(np.linspace(0.0, motion.duration, 4001))
     assert np.abs(path - seen[1]).max(axis=1).min() < 2e-3
     assert not np.array_equal(seen[0], seen[1])

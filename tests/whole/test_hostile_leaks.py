@@ -13,7 +13,7 @@ import pytest
 
 from twistarm import InputError, load_arm
 from twistarm.cli.application import run
-from twistarm.support.path_redaction import without_places
+from twistarm.support.errors import without_places
 from urdf_text import joint
 from xacro_text import MANIFEST, XMLNS, lay
 

@@ -21,27 +21,14 @@ EXACT_ANGLE, EXACT_DISTANCE = 1e-9, 1e-9
 ALMOST_ANGLE, ALMOST_DISTANCE = math.radians(0.5), 2e-3
 """[rad], [m]: further apart is intended."""
 
-POSITION_ROUNDING, ORIENTATION_ROUNDING = 5e-5, 1e-4
-"""[m], [rad]: the largest error with which an arm with rounded axes still meets a target."""
-
-ROUNDED_ANGLE, ROUNDED_DISTANCE = 1e-3, 1e-3
-"""[rad], [m]: a larger deviation is not rounding."""
-
-SHARE = 10.0
-"""The error is also at most this many times the sum of the deviations."""
-
 
 @dataclass(frozen=True)
 class Near:
-    """A relation that almost holds for some joints, and roughly how far it moves the tool [m].
-
-    `apart`: the deviation is a distance, not an angle.
-    """
+    """A relation that almost holds for some joints, and roughly how far it moves the tool [m]."""
 
     joints: str
     what: str
     moves: float
-    apart: bool = False
 
 
 def almost_exact(screws: Array, home: Array, joints: Sequence[str], reach: float) -> list[Near]:
@@ -65,15 +52,7 @@ def almost_exact(screws: Array, home: Array, joints: Sequence[str], reach: float
     return found + [Near(f"{joints[-1]}–tool", *one) for one in last]
 
 
-def rounding_of(found: Sequence[Near], reach: float) -> tuple[float, float]:
-    """The errors with which an arm with such axes still meets a target: position [m] and orientation [rad]."""
-    angle = sum(near.moves / reach for near in found if not near.apart and near.moves <= ROUNDED_ANGLE * reach)
-    distance = sum(near.moves for near in found if near.apart and near.moves <= ROUNDED_DISTANCE)
-    position, orientation = SHARE * (distance + angle * reach), SHARE * (angle + distance / reach)
-    return min(POSITION_ROUNDING, position), min(ORIENTATION_ROUNDING, orientation)
-
-
-def _among(axis: Array, frame: Array, reach: float) -> list[tuple[str, float, bool]]:
+def _among(axis: Array, frame: Array, reach: float) -> list[tuple[str, float]]:
     """The relations of an axis with the rows of a frame (3, 3): almost parallel to one, else almost square to some."""
     along = int(np.abs(frame @ axis).argmax())
     if np.linalg.norm(np.cross(axis, frame[along])) < ALMOST_ANGLE:
@@ -81,21 +60,21 @@ def _among(axis: Array, frame: Array, reach: float) -> list[tuple[str, float, bo
     return [one for other in frame for one in _pair(axis, other, None, reach)]
 
 
-def _pair(a: Array, b: Array, offset: Array | None, reach: float) -> Iterator[tuple[str, float, bool]]:
-    """The relations that almost hold for two axes, how far each moves the tool, and whether it is a distance.
+def _pair(a: Array, b: Array, offset: Array | None, reach: float) -> Iterator[tuple[str, float]]:
+    """The relations that almost hold for two axes, and how far each moves the tool.
 
     `offset` is the vector between two turning axes.
     """
     sine, cosine = float(np.linalg.norm(np.cross(a, b))), abs(float(a @ b))
     for what, angle in (("parallel", math.atan2(sine, cosine)), ("square", math.atan2(cosine, sine))):
         if EXACT_ANGLE < angle < ALMOST_ANGLE:
-            yield f"are {what} to within {angle_in_words(angle)}", angle * reach, False
+            yield f"are {what} to within {angle_in_words(angle)}", angle * reach
     if offset is None:
         return
     parallel = math.atan2(sine, cosine) < ALMOST_ANGLE
     distance = float(np.linalg.norm(np.cross(offset, a))) if parallel else abs(float(offset @ np.cross(a, b))) / sine
     if EXACT_DISTANCE < distance < ALMOST_DISTANCE:
-        yield f"{'coincide' if parallel else 'meet'} to within {length_in_words(distance)}", distance, True
+        yield f"{'coincide' if parallel else 'meet'} to within {length_in_words(distance)}", distance
 
 
 def _wrist(joints: Sequence[str], axes: Array, points: Array, turning: Array) -> list[Near]:
@@ -111,7 +90,7 @@ def _wrist(joints: Sequence[str], axes: Array, points: Array, turning: Array) ->
     if not EXACT_DISTANCE < distance < ALMOST_DISTANCE:
         return []
     what = f"are almost a spherical wrist, off by {length_in_words(distance)}"
-    return [Near("–".join(joints[-3:]), what, distance, apart=True)]
+    return [Near("–".join(joints[-3:]), what, distance)]
 
 
 def angle_in_words(radians: float) -> str:

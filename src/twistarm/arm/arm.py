@@ -55,7 +55,7 @@ class Arm(ArmData):
         """The arm in the compiled core; None without a core (`engine.why_not()`) or for more than 32 joints."""
         bounds = self.limits.lower, self.limits.upper
         numbers = self.screws, self.home, self.coupling.A
-        return engine.chain_of(*numbers, bounds, self.sampling_bounds, self.reach, self.rounding)
+        return engine.chain_of(*numbers, bounds, self.sampling_bounds, self.reach)
 
     def require_core(self, what: str) -> engine.Chain:
         """The arm in the compiled core. Without it raise TwistarmError, which names `what` and the remedy."""

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..description.coupling import Affine
+from ..description.chain import Affine
 from ..description.findings import Finding
 from ..description.tree import Description
 from ..limits.actuators import Actuators
@@ -20,15 +20,13 @@ from ..support.checks import Array, as_generator, as_shape, as_theta, frozen, re
 from ..support.display import in_brief, told
 from ..support.errors import InputError, TwistarmError, UnitsWarning, warn
 from ..support.messages import plural
-from ..support.unit_hints import theta_hint
+from ..support.units import theta_hint
 from ..theory.lower_pairs import lower_pairs
 from ..theory.screws import adjoint, inverse
-from .almost_exact import almost_exact, rounding_of
 from .configurations import Configurations, theta_by_joint, usual_ready
 from .pinocchio_model import PinocchioModel, why_no_pinocchio
 from .ready_pose.merit import Mechanism
-from .ready_pose.overlaps import overlapping_links
-from .ready_pose.search import round_configuration
+from .ready_pose.search import overlapping_links, round_configuration
 from .roll_axis import roll_axis
 
 RANK_SAMPLES = 16
@@ -181,15 +179,6 @@ class ArmData:
     def middle(self) -> Array:
         """The middle of the limits, (n,). A joint without two limits is as near to 0 as its limits allow."""
         return frozen(self.limits.middle())
-
-    @cached_property
-    def rounding(self) -> tuple[float, float]:
-        """The errors [m], [rad] with which a pose still meets a target: (0, 0) for exact axes.
-
-        CAD exports round axes that are parallel, square or meeting. For such axes the errors are ten times the
-        rounding, at most (5e-5, 1e-4).
-        """
-        return rounding_of(almost_exact(self.screws, self.home, self.moving_names, self.reach), self.reach)
 
     @cached_property
     def pinocchio(self) -> PinocchioModel:

@@ -92,18 +92,12 @@ def instruction_set() -> str:
 
 
 def chain_of(
-    screws: Array,
-    home: Array,
-    A: Array,
-    limits: tuple[Array, Array],
-    starts: tuple[Array, Array],
-    reach: float,
-    rounding: tuple[float, float],
+    screws: Array, home: Array, A: Array, limits: tuple[Array, Array], starts: tuple[Array, Array], reach: float
 ) -> Chain | None:
     """The chain of screws (6, m), home and A (m, n) in the core; None without a core or beyond its size.
 
     `limits` are the lower and upper bounds (n,), `starts` the finite bounds of random starts. `reach` [m] compares
-    metres with radians in a rank. `rounding` [m], [rad] is the allowed miss due to rounded axes.
+    metres with radians in a rank.
     """
     module = core()
     if module is None:
@@ -112,7 +106,7 @@ def chain_of(
     if max(A.shape) > MOST_JOINTS:
         _LOG.warning("%d joints are more than the compiled core holds (%d)", max(A.shape), MOST_JOINTS)
         return None
-    return module.Chain(screws, home, A, *limits, *starts, reach, *rounding)
+    return module.Chain(screws, home, A, *limits, *starts, reach)
 
 
 def servo_of(arrays: tuple[Array, ...], length: float, below: float, damping: float, stops: bool) -> Servo:

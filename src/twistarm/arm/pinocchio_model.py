@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..description.coupling import Affine, coupling_matrix
+from ..description.chain import Affine, coupling_matrix
 from ..description.findings import refusal
 from ..description.tree import Description
 from ..support import wheels

@@ -11,7 +11,7 @@ import numpy as np
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, as_flag, as_positive, as_theta, require, require_choice
 from ..support.errors import InputError, listed, shown
-from ..support.unit_hints import theta_hint
+from ..support.units import theta_hint
 from ..theory.rotations import skew
 from .calibration import Calibration
 from .geometry import Geometry

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arm.arm import Arm
-from ..support.checks import Array, as_not_negative, as_positive, as_theta
+from ..support.checks import Array, as_number, as_positive, as_theta
 from ..support.display import Brief
 from ..support.errors import ComparisonError, InputError, listed
 from ..theory.screws import exp, inverse_of
@@ -146,7 +146,7 @@ def check_wiring(
     """
     motors = require_motors(arm)
     noises = {"base_position_noise": base_position_noise, "base_orientation_noise": base_orientation_noise}
-    given = [None if noise is None else as_not_negative(noise, name) for name, noise in noises.items()]
+    given = [None if noise is None else as_number(noise, name, 0.0) for name, noise in noises.items()]
     noise = as_positive(position_noise, "position_noise"), as_positive(orientation_noise, "orientation_noise")
     whole = log if isinstance(log, Measurements) else read_measurements(log, arm, counts=True)
     as_theta(whole.theta, len(motors.names), "counts", motors.names)

@@ -13,9 +13,9 @@ import numpy as np
 
 from ..arm.arm import Arm
 from ..arm.pinocchio_model import import_pinocchio, model_of
-from ..description.capsules import replace_capsules
 from ..description.source_text import SourceText
 from ..description.tree import Description
+from ..description.writing import replace_capsules
 from ..limits.joint_limits import slides
 from ..support.checks import Array
 from ..support.errors import InputError, missing_extra

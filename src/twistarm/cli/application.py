@@ -21,7 +21,6 @@ from .commands import (
     calibrating,
     checking,
     designing,
-    dh,
     driving,
     guide,
     init,
@@ -30,6 +29,7 @@ from .commands import (
     motion,
     viewing,
 )
+from .numbers import switch
 from .options import ArmCommand
 from .output import say
 from .wording import words_of
@@ -39,7 +39,7 @@ BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
 
 COMMANDS: dict[str, tuple[Callable[..., Any], ...]] = {
     "An arm": (viewing.demo, arms.arms, arms.info, init.init, checking.doctor, checking.check, checking.freeze,
-               checking.collisions, baking.bake, dh.dh),
+               checking.collisions, baking.bake, baking.dh),
     "Kinematics": (kinematics.fk, kinematics.jacobian, inverse.ik, designing.reach),
     "Motion": (motion.plan, viewing.view, driving.servo, driving.follow),
     "Design": (designing.payload, designing.designs, designing.panel),
@@ -68,10 +68,8 @@ def _print_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-Version = Annotated[
-    bool, typer.Option("--version", is_eager=True, callback=_print_version, help="Print twistarm's version.")
-]
-Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+Version = Annotated[bool, switch("Print twistarm's version.", "--version", is_eager=True, callback=_print_version)]
+Debug = Annotated[bool, switch("Show the traceback of an error.", "--debug")]
 
 
 @app.callback(invoke_without_command=True)

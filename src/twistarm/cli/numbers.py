@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from typer import Option
+from typer import Argument, Option
 
 from ..arm.arm import Arm
 from ..support.checks import Array
@@ -102,9 +102,24 @@ class Typed:
     read: Callable[[str, str, bool], Any]
 
 
+def option(metavar: str | None, told: str, *names: str, **more: Any) -> Any:
+    """An option with its value as `--help` calls it, and its help."""
+    return Option(*names, metavar=metavar, help=told, **more)
+
+
+def switch(told: str, *names: str, **more: Any) -> Any:
+    """An option without a value."""
+    return Option(*names, help=told, **more)
+
+
+def argument(metavar: str, told: str, **more: Any) -> Any:
+    """An argument as `--help` calls it, and its help."""
+    return Argument(metavar=metavar, help=told, **more)
+
+
 def typed_option(read: Callable[[str, str, bool], Any], metavar: str, told: str, *names: str) -> Any:
     """An option with the value that `read` makes of its text, its name and whether --rad was typed."""
-    return Option(*names, metavar=metavar, parser=lambda text: Typed(str(text), read), help=told)
+    return option(metavar, told, *names, parser=lambda text: Typed(str(text), read))
 
 
 def numbers(units: str, metavar: str, told: str, *names: str) -> Any:

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
-import typer
 
 from ..arm.arm import Arm
 from ..arm.loading.load import load_arm, read, specify
@@ -17,7 +16,7 @@ from ..description.catalog import model_arms, own_arms
 from ..limits.joint_limits import slides
 from ..support.errors import InputError
 from .command import Command, Group, Shared, params_of
-from .numbers import ANGLE, LENGTH, SUCH_AS, VALUES, JointValues, joint_values, typed_number
+from .numbers import ANGLE, LENGTH, SUCH_AS, VALUES, JointValues, argument, joint_values, option, switch, typed_number
 from .output import Kinds, Outputs, progress_bar
 from .wording import OPTIONS
 
@@ -32,17 +31,15 @@ Theta = Annotated[
         "as in ready, or a pose's name (ready, zero).",
     ),
 ]
-SceneFile = Annotated[
-    Path | None, typer.Option("--scene", "--avoid", metavar="FILE", help="Obstacles: a scene.toml, or MoveIt's scene.")
-]
+SceneFile = Annotated[Path | None, option("FILE", "Obstacles: a scene.toml, or MoveIt's scene.", "--scene", "--avoid")]
 SELF = "self"
 Avoid = Annotated[
     str | None,
-    typer.Option(
+    option(
+        "SCENE",
+        f"Collide with nothing: a scene.toml or MoveIt's scene, or {SELF} for the robot alone.",
         "--avoid",
         "--scene",
-        metavar="SCENE",
-        help=f"Collide with nothing: a scene.toml or MoveIt's scene, or {SELF} for the robot alone.",
     ),
 ]
 
@@ -61,16 +58,14 @@ def avoided(arm: Arm, typed: str | Path | None) -> Scene | None:
 
 def _answer(
     output: Annotated[
-        list[str] | None,
-        typer.Option("--output", "-o", metavar="FILE", help="Where to write it; - is standard output."),
+        list[str] | None, option("FILE", "Where to write it; - is standard output.", "--output", "-o")
     ] = None,
     form: Annotated[
-        str | None,
-        typer.Option("--format", metavar="KIND", help="The kind of what -o - writes, or a name without ending."),
+        str | None, option("KIND", "The kind of what -o - writes, or a name without ending.", "--format")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
-    rad: Annotated[bool, typer.Option("--rad", help="Angles are typed and shown in radians, not degrees.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print the answer as JSON, in SI units.")] = False,
+    force: Annotated[bool, switch("Replace files that are there.", "--force")] = False,
+    rad: Annotated[bool, switch("Angles are typed and shown in radians, not degrees.", "--rad")] = False,
+    json: Annotated[bool, switch("Print the answer as JSON, in SI units.", "--json")] = False,
 ) -> None:
     """The options of `answers`."""
 
@@ -123,28 +118,22 @@ def arms_like(typed: str) -> list[str]:
     return names + files if names else []
 
 
-ARM = typer.Argument(
-    metavar="ARM",
+ARM = argument(
+    "ARM",
+    "URDF, xacro, MJCF, arm.toml, arm.json, DH table (CSV), or catalogue name.",
     parser=Source,
-    help="URDF, xacro, MJCF, arm.toml, arm.json, DH table (CSV), or catalogue name.",
     autocompletion=arms_like,
 )
 ArmArgument = Annotated[Source, ARM]
 ArmOption = Annotated[
     Source | None,
-    typer.Option(
-        "--arm",
-        metavar="ARM",
-        parser=Source,
-        help="Your arm; the bundled rover arm without it.",
-        autocompletion=arms_like,
-    ),
+    option("ARM", "Your arm; the bundled rover arm without it.", "--arm", parser=Source, autocompletion=arms_like),
 ]
 
 
 def _loading(name: str, told: str) -> Any:
-    option, metavar = OPTIONS[name]
-    return typer.Option(option, metavar=metavar, help=told, rich_help_panel="Loading the arm")
+    typed, metavar = OPTIONS[name]
+    return option(metavar, told, typed, rich_help_panel="Loading the arm")
 
 
 def _keywords(

@@ -22,10 +22,9 @@ from rich.progress import Progress
 
 from ..arm.arm import Arm
 from ..description.findings import Finding
-from ..support.errors import InputError, printable
+from ..support.errors import InputError, printable, without_places
 from ..support.files import writable, write_whole
 from ..support.messages import Text
-from ..support.path_redaction import without_places
 from .tables import Table
 from .wording import words
 

@@ -7,8 +7,6 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from typing import Annotated, Any
 
-import typer
-
 from ..arm.arm import Arm
 from ..control.stream import (
     Feedback,
@@ -22,12 +20,12 @@ from ..control.stream import (
     UdpSink,
     read_key,
 )
-from ..control.stream.links.inbox import FEEDBACK_TIMEOUT
-from ..control.stream.links.serial_link import BAUDRATE
+from ..control.stream.protocols import FEEDBACK_TIMEOUT
+from ..control.stream.serial_link import BAUDRATE
 from ..support.checks import Array
 from ..support.errors import InputError
 from .command import Shared
-from .numbers import quantity
+from .numbers import option, quantity, switch
 from .output import Outputs
 
 Hertz = Annotated[float, quantity("Hz", "Cycles per second.")]
@@ -40,36 +38,28 @@ Tolerance = Annotated[
 class Robot:
     """The typed options for a robot, and the links to it. InputError where options do not go together."""
 
-    udp: Annotated[
-        str | None, typer.Option(metavar="HOST:PORT", help="Send setpoints to a robot there; needs --listen.")
-    ] = None
-    listen: Annotated[
-        str | None, typer.Option(metavar="HOST:PORT", help="Where the robot's joint states arrive, an address of ours.")
-    ] = None
+    udp: Annotated[str | None, option("HOST:PORT", "Send setpoints to a robot there; needs --listen.")] = None
+    listen: Annotated[str | None, option("HOST:PORT", "Where the robot's joint states arrive, an address of ours.")] = (
+        None
+    )
     serial: Annotated[
-        str | None,
-        typer.Option(metavar="PORT[:BAUD]", help="Drive a robot on a serial port by compact lines, both ways."),
+        str | None, option("PORT[:BAUD]", "Drive a robot on a serial port by compact lines, both ways.")
     ] = None
     units: Annotated[
-        str,
-        typer.Option(
-            metavar="joint|motor|counts", help="What the robot speaks; motors by [actuators] of the arm.toml."
-        ),
+        str, option("joint|motor|counts", "What the robot speaks; motors by [actuators] of the arm.toml.")
     ] = "joint"
     senders: Annotated[
-        list[str] | None,
-        typer.Option("--from", metavar="HOST", help="Take datagrams from this host alone; repeatable."),
+        list[str] | None, option("HOST", "Take datagrams from this host alone; repeatable.", "--from")
     ] = None
     key: Annotated[
-        str | None,
-        typer.Option(metavar="FILE", help="Sign datagrams, and take signed ones alone, by the key in this file."),
+        str | None, option("FILE", "Sign datagrams, and take signed ones alone, by the key in this file.")
     ] = None
     velocity_mode: Annotated[
-        bool, typer.Option("--velocity-mode", help="The robot takes rates alone: correct them by what is measured.")
+        bool, switch("The robot takes rates alone: correct them by what is measured.", "--velocity-mode")
     ] = False
     feedback_timeout: Annotated[float, quantity("s", "How long a joint state holds.")] = FEEDBACK_TIMEOUT
-    record: Annotated[str | None, typer.Option(metavar="FILE.mcap", help="Record the stream as ROS 2 messages.")] = None
-    force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False
+    record: Annotated[str | None, option("FILE.mcap", "Record the stream as ROS 2 messages.")] = None
+    force: Annotated[bool, switch("Replace files that are there.", "--force")] = False
     admitted: dict[str, Any] = field(init=False)
     """Hosts and key of the accepted datagrams, as arguments of the links."""
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-import typer
 
 from ..arm.arm import Arm
 from ..ik import Pose
@@ -17,14 +16,12 @@ from ..support.checks import Array
 from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows, is_number, lines_in
 from ..support.errors import InputError, listed, shown
 from ..support.fields import inside
-from ..support.unit_hints import angle_hint
-from ..support.units import column, factor
+from ..support.units import angle_hint, column, factor
+from .numbers import option
 from .output import note, warn
 from .targets import Orientation, Target
 
-Columns = Annotated[
-    str | None, typer.Option(metavar="A,B,…", help="Names of the CSV's columns, where its header has none or others.")
-]
+Columns = Annotated[str | None, option("A,B,…", "Names of the CSV's columns, where its header has none or others.")]
 
 BOUNDS = Bounds(bytes=15_000_000, lines=100_000)
 """A row of seven numbers with all their digits has 140 bytes."""

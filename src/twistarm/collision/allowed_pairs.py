@@ -14,7 +14,7 @@ from ..arm.arm import Arm
 from ..arm.bodies import Body, Pair, adjacent_pairs, sorted_pair
 from ..arm.checker import Checker
 from ..arm.pinocchio_model import PinocchioModel
-from ..description.coupling import coupling_matrix
+from ..description.chain import coupling_matrix
 from ..description.tree import Description
 from ..limits.joint_limits import slides
 from ..support.checks import Array

@@ -21,16 +21,7 @@ from ..arm.bodies import Body, Pair, Shapes, in_words, sorted_pair
 from ..arm.checker import Checker
 from ..arm.pinocchio_model import import_pinocchio
 from ..description.findings import Finding, finding
-from ..support.checks import (
-    Array,
-    Given,
-    as_floats,
-    as_not_negative,
-    as_whole,
-    require,
-    require_callback,
-    require_mapping,
-)
+from ..support.checks import Array, Given, as_floats, as_number, as_whole, require, require_callback, require_mapping
 from ..support.errors import InputError, TwistarmError, listed
 from ..support.files import as_path, writable, write_whole
 from .allowed_pairs import allowed_pairs
@@ -82,8 +73,8 @@ class Scene(Obstacles):
         self._shape = (arm.n,)
         if isinstance(margin, Mapping):
             given = require_mapping(margin, "margin", '{"forearm": 0.02}')
-            margin = {name: as_not_negative(value, f"margin[{name!r}]") for name, value in given.items()}
-        self._margin = margin if isinstance(margin, dict) else as_not_negative(margin, "margin")
+            margin = {name: as_number(value, f"margin[{name!r}]", 0.0) for name, value in given.items()}
+        self._margin = margin if isinstance(margin, dict) else as_number(margin, "margin", 0.0)
         self._progress = require_callback(progress, "progress", "(fraction)")
         shapes = Shapes(import_pinocchio().coal, exact=self.exact)
         self._links = tuple(shapes.of_links(self._description, arm.reach))

@@ -14,12 +14,11 @@ from typing import Any
 import numpy as np
 
 from ..arm.bodies import Triangles, along
-from ..description.companions.toml_entries import parse_toml, toml_key, toml_text
+from ..description.companions.data_files import parse_toml, parse_yaml, toml_key, toml_text
 from ..description.document import read_text
-from ..description.yaml_reading import parse_yaml
-from ..support.checks import Array, Given, as_floats, as_vector
+from ..support.checks import Array, Given, as_flag, as_floats, as_number, as_vector
 from ..support.errors import InputError, TwistarmError, listed
-from ..support.fields import Check, anything, fields, flag, inside, list_of, number, table_of, text, vector, word
+from ..support.fields import Check, anything, fields, inside, list_of, table_of, text, vector, word
 from ..support.files import read_bounded
 from ..theory.rotations import from_quaternion_wxyz, from_rpy, from_xyzw, to_rpy
 
@@ -28,9 +27,9 @@ MOST_BYTES = 4_000_000
 
 SIZES: dict[str, dict[str, Check]] = {
     "box": {"size": vector},
-    "sphere": {"radius": number},
-    "cylinder": {"radius": number, "length": number},
-    "capsule": {"radius": number, "length": number},
+    "sphere": {"radius": as_number},
+    "cylinder": {"radius": as_number, "length": as_number},
+    "capsule": {"radius": as_number, "length": as_number},
     "plane": {},
 }
 """The entries that give each solid its size [m]."""
@@ -39,11 +38,11 @@ FILE: dict[str, Check] = {"file": word}
 
 
 def _scale(value: Any, name: str) -> Array:
-    return vector(value, name) if isinstance(value, list) else np.full(3, number(value, name))
+    return vector(value, name) if isinstance(value, list) else np.full(3, as_number(value, name))
 
 
 def _margin(value: Any, name: str) -> Any:
-    return table_of(number)(value, name) if isinstance(value, dict) else number(value, name)
+    return table_of(as_number)(value, name) if isinstance(value, dict) else as_number(value, name)
 
 
 def _array(value: Any, name: str) -> Array:
@@ -59,11 +58,11 @@ PLACE: dict[str, Check] = {
 }
 TOP: dict[str, Check] = {
     "arm": text,
-    "degrees": flag,
-    "ground": flag,
+    "degrees": as_flag,
+    "ground": as_flag,
     "margin": _margin,
     "allow": list_of(list_of(text, 2, 2)),
-    "allow_only": flag,
+    "allow_only": as_flag,
     **dict.fromkeys((*SIZES, "mesh"), anything),
 }
 """The entries of a scene.toml and of the place of an object in it."""

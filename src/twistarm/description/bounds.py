@@ -7,8 +7,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from ..support.checks import Array
-from ..support.fields import number_in
+from ..support.checks import Array, number_in
 from .document import Reading, floats
 from .tree import Joint
 

@@ -11,13 +11,22 @@ from typing import Any
 
 import numpy as np
 
-from ..support.checks import Array, as_floats, as_number, as_pose, frozen, require_choice, require_names, require_one
+from ..support.checks import (
+    Array,
+    as_floats,
+    as_number,
+    as_pose,
+    frozen,
+    number_in,
+    require_choice,
+    require_names,
+    require_one,
+)
 from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows
 from ..support.errors import InputError, listed, shown
-from ..support.fields import fields, inside, number, number_in, one_of
+from ..support.fields import fields, inside, one_of
 from ..support.files import as_path
-from ..support.unit_hints import TURN, angle_hint
-from ..support.units import column, factor
+from ..support.units import TURN, angle_hint, column, factor
 from ..theory.rotations import exp
 from .bounds import LIMIT_NAMES
 from .document import LARGEST, note_file
@@ -87,7 +96,7 @@ class DhTable:
         if len(types) != n or not set(types) <= set(TYPES):
             raise InputError(f"types must be {n} words, each {' or '.join(TYPES)}; got {list(types)}")
         require_choice(self.convention, CONVENTIONS, "convention")
-        limits_of_one = partial(fields, needed={}, optional=dict.fromkeys(LIMITS, number))
+        limits_of_one = partial(fields, needed={}, optional=dict.fromkeys(LIMITS, as_number))
         fields(self.limits, "limits", {}, dict.fromkeys(names, limits_of_one))
         poses = {name: frozen(require_one(as_pose(getattr(self, name), name), name, 2)) for name in (BASE, TOOL)}
         read = {"rows": frozen(rows), "joints": tuple(names), "types": tuple(types)}
@@ -176,7 +185,7 @@ def _read(row: Mapping[str, Any], i: int) -> dict[str, Any]:
                 read[name] = cell
                 continue
             quantity = PARAMETERS.get(name) or LIMITS[name][kind == TYPES[1]]
-            value = number_in(cell, key) if isinstance(cell, str) else number(cell, key)
+            value = number_in(cell, key) if isinstance(cell, str) else as_number(cell, key)
             if quantity == "rad" and not unit and abs(value) > LONGEST[name]:
                 raise InputError(f"{angle_hint(np.array(value))}; name the column {name}_deg, or {name} [rad]")
             with inside(key):

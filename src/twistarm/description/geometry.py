@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from ..support.checks import Array
-from ..support.errors import listed
+from ..support.errors import listed, without_places
 from ..support.messages import plural
-from ..support.path_redaction import without_places
 from ..theory.rotations import from_rpy, from_xyzw
 from .document import Reading, floats
 from .mesh_paths import resolve_uri, why_missing

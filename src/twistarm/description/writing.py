@@ -1,15 +1,18 @@
-"""Elements of URDF, with numbers that read back as the same bits."""
+"""Elements of URDF, with numbers that read back as the same bits; capsules by shapes that every reader knows."""
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from copy import deepcopy
 
 import numpy as np
 
 from ..support.checks import Array
 from ..theory.rotations import to_rpy
 from .bounds import WIDE
+from .document import floats
+from .geometry import read_origin
 
 
 def number_text(numbers: Iterable[float]) -> str:
@@ -52,3 +55,31 @@ def add_joint(
 def add_mimic(joint: ET.Element, master: str, multiplier: float, offset: float = 0.0) -> None:
     """Let a joint follow another: value = multiplier · (value of `master`) + offset."""
     ET.SubElement(joint, "mimic", joint=master, multiplier=repr(float(multiplier)), offset=repr(float(offset)))
+
+
+def replace_capsules(robot: ET.Element) -> None:
+    """Put a cylinder and two spheres in place of each capsule, which most readers of URDF refuse.
+
+    ROS reads capsules from urdfdom 5.1 on, and only in a file of version 1.1 or more.
+    """
+    for link in robot.iter("link"):
+        link[:] = [
+            part for shape in link for part in ([shape] if shape.find("geometry/capsule") is None else _parts(shape))
+        ]
+
+
+def _parts(capsule: ET.Element) -> Iterator[ET.Element]:
+    """The cylinder and the spheres at its ends; one sphere if the capsule has no length."""
+    sizes = dict(capsule.findall("geometry/capsule")[0].attrib)
+    length = floats(sizes["length"], 1)[0]
+    ball = {"radius": sizes["radius"]}
+    for shape, size, z in (("cylinder", sizes, 0.0), ("sphere", ball, length / 2), ("sphere", ball, -length / 2)):
+        if length or (shape == "sphere" and not np.signbit(z)):
+            part, along = deepcopy(capsule), np.eye(4)
+            part.tail, along[2, 3] = None, z
+            g = read_origin(part) @ along
+            part[:] = [each for each in part if each.tag not in ("origin", "geometry")]
+            part.attrib.pop("name", None)  # names of shapes are unique
+            add_origin(part, g)
+            ET.SubElement(ET.SubElement(part, "geometry"), shape, size)
+            yield part

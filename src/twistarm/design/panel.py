@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from ..description.companions.toml_entries import parse_toml
+from ..description.companions.data_files import parse_toml
 from ..ik.targets import Approach
 from ..planning.segments import CONSTRAINED, ArcMove, Constrained, LineMove, Segment, as_label
-from ..support.checks import Array, as_direction
+from ..support.checks import Array, as_direction, as_flag, as_number, as_positive
 from ..support.display import Brief
 from ..support.errors import InputError, shown
-from ..support.fields import Check, anything, fields, flag, inside, list_of, number, one_of, positive, vector, word
+from ..support.fields import Check, anything, fields, inside, list_of, one_of, vector, word
 from ..support.files import as_path
 from ..theory import screws
 
@@ -117,11 +117,11 @@ def load_panel(path: str | os.PathLike[str]) -> Panel:
     file = as_path(path)
     content = parse_toml(file, "a panel.toml")
     with inside(file):
-        angle = partial(_angle, flag(content.get("degrees", False), "degrees"))
+        angle = partial(_angle, as_flag(content.get("degrees", False), "degrees"))
         stand = {"x": _range(_length), "y": _range(_length), "yaw": _range(angle), "z": _length}
         optional: dict[str, Check] = {
-            "degrees": flag, "clearance": _positive(LONGEST), "position_tol": _positive(LEAD),
-            "orientation_tol": lambda value, name: positive(angle(value, name, 0.25), name),
+            "degrees": as_flag, "clearance": _positive(LONGEST), "position_tol": _positive(LEAD),
+            "orientation_tol": lambda value, name: as_positive(angle(value, name, 0.25), name),
             "panel": partial(fields, needed={}, optional=PLACED), "parking": partial(fields, needed={}, optional=stand),
         }  # fmt: skip
         top = fields(content, "", {"task": list_of(anything, 1, MOST_TASKS)}, optional)
@@ -148,7 +148,7 @@ def _task(value: Any, angle: Callable[..., float]) -> PanelTask:
     kind = one_of(tuple(KINDS))(value.get("kind") if isinstance(value, dict) else value, "kind")
     sense, hold, back = KINDS[kind]
     needed: dict[str, Check] = {"name": word, "kind": word, "xyz": _three(_length)}
-    optional: dict[str, Check] = {"direction": _direction, "hold": one_of(CONSTRAINED), "back": flag}
+    optional: dict[str, Check] = {"direction": _direction, "hold": one_of(CONSTRAINED), "back": as_flag}
     if sense:
         needed["travel"] = _positive(LONGEST)
     else:
@@ -176,13 +176,13 @@ def _task(value: Any, angle: Callable[..., float]) -> PanelTask:
 
 
 def _length(value: Any, name: str, most: float = FAR) -> float:
-    if abs(metres := number(value, name)) > most:
+    if abs(metres := as_number(value, name)) > most:
         raise InputError(f"{name} is {metres:g} m, and at most {most:g} m are allowed: lengths are in metres")
     return metres
 
 
 def _positive(most: float) -> Check:
-    return lambda value, name: positive(_length(value, name, most), name)
+    return lambda value, name: as_positive(_length(value, name, most), name)
 
 
 def _three(check: Check) -> Check:
@@ -212,7 +212,7 @@ def _range(check: Check) -> Check:
 
 
 def _angle(degrees: bool, value: Any, name: str, turns: float = 1.0) -> float:
-    angle = number(value, name) * (np.pi / 180.0 if degrees else 1.0)
+    angle = as_number(value, name) * (np.pi / 180.0 if degrees else 1.0)
     if abs(angle) > turns * 2.0 * np.pi * (1.0 + 1e-9):
         given, help_ = ("°", "") if degrees else (" radians", "; for degrees write degrees = true at the top")
         raise InputError(f"{name} is {value:g}{given}, and at most {turns:g} turns are allowed{help_}")

@@ -14,7 +14,7 @@ from ..arm.arm import Arm, require_arm
 from ..checking.doctor.numbers import check_inertias
 from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED
 from ..planning import Trajectory
-from ..support.checks import LARGEST_ARRAY, Array, as_not_negative, as_whole
+from ..support.checks import LARGEST_ARRAY, Array, as_number, as_whole
 from ..support.display import Brief
 from ..support.errors import InputError, listed
 
@@ -77,7 +77,7 @@ class Payload(Brief):
 
         Power is |effort · speed| at one instant. Raises InputError for a mass below 0.
         """
-        efforts = self.own + as_not_negative(mass, "mass") * self.per_kg
+        efforts = self.own + as_number(mass, "mass", 0.0) * self.per_kg
         values = np.abs([efforts, self.speeds, efforts * self.speeds])
         effort, speed, power = values.reshape(3, -1, len(self.names)).max(axis=1)
         return Needs(self.names, effort, speed, power, effort / self.limits)

@@ -11,7 +11,7 @@ import numpy as np
 from ..arm.arm import Arm
 from ..arm.baking import digest_of
 from ..control.servo import ServoSettings
-from ..control.servo.bounds import bounds_of
+from ..control.servo.settings import bounds_of
 from ..ik import AnyTarget, Approach, Pose, Position
 from ..ik.closed_form.compiled import ClosedFormParameters
 from ..ik.closed_form.methods import method_for
@@ -90,7 +90,7 @@ def _servo(arm: Arm) -> Mapping[str, str | int]:
     """The members of `twistarm::servo_bounds` and its `motion_limits`, with the default settings."""
     bounds = bounds_of(arm, ServoSettings())
     motion = bounds.motion
-    motors = len(motion.names) - bounds.n
+    motors = len(motion.names) - arm.n
     return {
         "motors": motors,
         "rows": len(motion.names),

@@ -11,13 +11,12 @@ from ..arm.arm import Arm, require_arm
 from ..arm.loading.arm_builder import builder_of
 from ..checking.doctor.repair import COPY, repaired
 from ..description.bounds import LIMIT_NAMES, WIDE
-from ..description.capsules import replace_capsules
 from ..description.geometry import read_origin
 from ..description.mesh_paths import resolve_uri
 from ..description.packages import package_index
 from ..description.source_text import SourceText
 from ..description.tree import Description
-from ..description.writing import add_joint, add_origin
+from ..description.writing import add_joint, add_origin, replace_capsules
 from ..limits.joint_limits import slides
 from ..support.errors import InputError
 from ..support.files import WRITTEN_XML, as_path, writable

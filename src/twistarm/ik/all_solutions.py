@@ -17,7 +17,7 @@ from ..support.errors import printable
 from ..support.messages import plural
 from .closed_form.methods import Method
 from .ranges import holding, joint_ranges
-from .solution import missed_by_rounding, reached, why_not
+from .solution import reached, why_not
 from .solve import solve_ik
 from .targets import AnyTarget, target_of
 from .task_space import Tolerances
@@ -49,6 +49,8 @@ class AllAnswers:
 class AllSolutions:
     """Configurations inside the limits that meet the target, each verified by forward kinematics. It cannot be changed.
 
+    They meet it exactly. Where none does, they miss it by no more than the tolerances, one for each branch.
+
     Nearest to theta0 first, by the largest joint difference relative to the joint's range (else 2π or 1 m).
     `solutions[i]` is theta[i]. Where a wrist is singular, or an arm redundant, configurations form continuous families.
     A family counts once: by a member with a free joint at theta0's value, or else the nearest. `given` chooses another.
@@ -62,7 +64,6 @@ class AllSolutions:
     _target: AnyTarget | None
     _tolerances: Tolerances
     _timed_out: bool = False
-    _rounded: bool = False
     _colliding: NDArray[np.bool_] | None = None
 
     @property
@@ -113,7 +114,7 @@ class AllSolutions:
     def complete(self) -> bool:
         """Whether there are no other configurations, except others of the same families.
 
-        False for sampled joints, axes that miss the family, a search, and after a timeout.
+        False for sampled joints, axes that miss the family, a search, inexact ones, and after a timeout.
         """
         return self._complete
 
@@ -121,11 +122,6 @@ class AllSolutions:
     def timed_out(self) -> bool:
         """Whether the time was up before everything had been tried."""
         return self._timed_out
-
-    @property
-    def rounded(self) -> bool:
-        """Whether only the rounding of the arm's axes allows these. `explain()` gives the miss."""
-        return self._rounded and len(self) > 0
 
     @property
     def method(self) -> str:
@@ -169,8 +165,6 @@ class AllSolutions:
             nearest = solve_ik(held, self.target, self.theta0, **self._tolerances.keywords)
             lines.append(f"the nearest configuration: {reached(nearest)}")
             lines += [] if nearest.converged else why_not(nearest)
-        if self.rounded:
-            lines.append(f"note: {missed_by_rounding(self.position_error.max(), self.orientation_error.max())}")
         return "\n".join(map(printable, lines))
 
     def _counted(self) -> str:

@@ -15,12 +15,12 @@ from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, RealArray, as_flag, as_whole
 from .all_solutions import AllAnswers, AllSolutions
 from .batch import MAX_THREADS, targets_for
-from .certainty import is_exact
 from .closed_form.methods import Method, method_for
+from .reached import reachable
 from .request import checked
-from .solve_all import DEFAULT_SAMPLES, checked_fixed_joints, solve_ik_all
+from .solve_all import DEFAULT_SAMPLES, ROUNDING, checked_fixed_joints, solve_ik_all
 from .targets import AnyTarget, Approach, Pose, TargetLike
-from .task_space import Tolerances
+from .task_space import ORIENTATION_TOL, POSITION_TOL, Tolerances
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -114,8 +114,8 @@ def solve_ik_all_batch(
     fixed_joints: Mapping[str, float] | None = None,
     redundancy_samples: int = DEFAULT_SAMPLES,
     include_turns: bool = False,
-    position_tol: float = 1e-9,
-    orientation_tol: float = 1e-9,
+    position_tol: float = POSITION_TOL,
+    orientation_tol: float = ORIENTATION_TOL,
     threads: int = 1,
 ) -> AllSolutionsBatch:
     """Every configuration of N targets: `solve_ik_all` of each, at the core's speed for families.
@@ -157,14 +157,13 @@ def solve_ik_all_batch(
     if isinstance(targets, np.ndarray) and fixed_joints is None and not include_turns:
         # Poses that are plainly right go straight to the core, which looks at each of them much faster.
         method = method_for(arm, Pose(np.eye(4)))
-        plain = method.compiled is not None and not method.swept
+        plain = method.compiled is not None and not method.swept and all(type(each) is float for each in met)
         start = arm.ready if theta0 is None else theta0
-        found = _by_core(arm, method, targets, start, (*met, threads), one) if plain else None
+        found = _by_core(arm, method, targets, start, Tolerances(*met), threads, one) if plain else None
         if found is not None:
             return found
     asked = targets_for(arm, targets)
     request = checked(arm, theta0, None, *met, 1, 0, None, count=len(asked))
-    exact = request.tolerances
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
     stands = checked_fixed_joints(arm, fixed_joints)
     near = np.array(request.theta0)
@@ -172,11 +171,11 @@ def solve_ik_all_batch(
     kinds = {(type(target), target.axis.tobytes() if isinstance(target, Approach) else b"") for target in asked}
     method = method_for(arm, asked[0] if asked else Pose(np.eye(4)), tuple(stands))
     if len(kinds) <= 1 and not include_turns and method.compiled is not None and not method.swept:
-        found = _by_core(arm, method, asked, near, (exact.position, exact.orientation, workers), one)
+        found = _by_core(arm, method, asked, near, request.tolerances, workers, one)
         assert found is not None, "what was checked is plain"
         return found
     starts = np.broadcast_to(near, (len(asked), arm.n))
-    return _gathered(arm, asked, near, exact, [one(*each) for each in zip(asked, starts, strict=True)])
+    return _gathered(arm, asked, near, request.tolerances, [one(*each) for each in zip(asked, starts, strict=True)])
 
 
 def _by_core(
@@ -184,26 +183,30 @@ def _by_core(
     method: Method,
     targets: RealArray | tuple[AnyTarget, ...],
     near: ArrayLike,
-    how: tuple[float, float, int],
+    tolerances: Tolerances,
+    threads: int,
     one: Callable[[TargetLike, Array], AllSolutions],
 ) -> AllSolutionsBatch | None:
     """The core's answer. None where an argument is not plainly right.
 
-    `one` solves a target if the core cannot tell families apart or allow for rounded axes.
+    `one` solves a target if the core cannot tell families apart, or if it is met within the tolerances alone.
     """
     assert method.compiled is not None
     numbers = targets
     if isinstance(targets, tuple):
         numbers = np.array([target.numbers for target in targets]) if targets else np.zeros((0, 4, 4))
-    found = method.compiled.solve_batch(numbers, near, *how)
+    exact = tolerances.at_most(ROUNDING)
+    found = method.compiled.solve_batch(numbers, near, exact.position, exact.orientation, threads)
     if found is None:
         return None
     kept = targets if isinstance(targets, tuple) else np.array(targets, dtype=np.float64)
     start = np.array(near, dtype=np.float64)
-    tolerances = Tolerances(*how[:2])
-    known = ((method, is_exact(tolerances)),)
-    wider = any(arm.rounding) or not known[0][1]
-    left = (found.families > 0) | ((found.inside == 0) & wider)
+    known = ((method, method.exact),)
+    left = found.families > 0
+    missed = np.flatnonzero((found.inside == 0) & ~left)
+    if len(missed) and exact != tolerances:
+        asked = kept[missed] if isinstance(kept, np.ndarray) else [kept[i] for i in missed]
+        left[missed] = reachable(arm, asked, **tolerances.keywords, threads=threads).met
     beyond = found.count - found.inside
     batch = AllSolutionsBatch(arm, found.inside, beyond, kept, start, found.theta, found.moves, known, tolerances)
     if not left.any():

@@ -24,6 +24,7 @@ from .request import Request, checked, named
 from .solution import IKResult
 from .solve import solve_ik
 from .targets import AnyTarget, Pose, TargetLike, checked_target, shape_hint, target_for, target_of
+from .task_space import ORIENTATION_TOL, POSITION_TOL
 
 if TYPE_CHECKING:
     from ..collision import Contact, Scene
@@ -124,8 +125,8 @@ def solve_ik_batch(
     targets: RealArray | Sequence[TargetLike],
     theta0: ArrayLike | None = None,
     *,
-    position_tol: float = 1e-6,
-    orientation_tol: float = 1e-6,
+    position_tol: float = POSITION_TOL,
+    orientation_tol: float = ORIENTATION_TOL,
     restarts: int = 100,
     max_time: float | None = None,
     rng: int | np.random.Generator = 0,

@@ -24,36 +24,33 @@ TIMED_OUT = STOPS.index(StopReason.TIMED_OUT)
 SAMPLES = 5
 """Values tried for a joint that the target does not determine, its bounds included."""
 
-EXACT_TOLERANCE = 1e-5
-"""Greatest tolerances [m, rad] for which the closed form decides. It finds only exact configurations."""
+EXACT = 1e-6
+"""Greatest errors [m, rad] of what the closed form finds, which is exact whatever the tolerances are."""
 
-FAR_MISS = 10.0
-"""Tolerances by which the nearest configuration must miss for certainty that no configuration meets the target."""
+FAR = 1e-5
+"""Error [m, rad] of the nearest configuration for certainty that no configuration meets the target exactly."""
 
 BARELY_OUTSIDE = 1e-4
 """A configuration outside the limits by less than this [rad, m] proves nothing."""
-
-
-def is_exact(tolerances: Tolerances) -> bool:
-    """Whether the closed form knows everything that meets a target within these."""
-    return max(tolerances.position, tolerances.orientation) <= EXACT_TOLERANCE
 
 
 def settled(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
     """The answer, corrected by the closed form.
 
     It may give a configuration after all. If that lies outside the limits, these are the reason. The answer is
-    `certain` if the closed form proves that nothing inside the limits meets the target. An answer that is met, or was
-    not finished in time, comes back unchanged. So does that of one search: a caller of one search wants its result.
+    `certain` if the closed form proves that nothing inside the limits meets the target exactly. An answer that is met,
+    or was not finished in time, comes back unchanged. So does that of one search: its caller wants its result.
     """
     if answer.stop in (0, TIMED_OUT, NOT_FINISHED) or answer.restarts <= 1:
         return answer
     method = family_for(arm, target)
     if method is None or method.compiled is None:
         return answer
-    tolerances = float(answer.position_tol), float(answer.orientation_tol)
+    exact = Tolerances(float(answer.position_tol), float(answer.orientation_tol)).at_most(EXACT)
     start = np.array(answer.theta0)
-    found = method.compiled.solve(target.numbers, start, _held_values(arm, method, start), *tolerances)
+    found = method.compiled.solve(
+        target.numbers, start, _held_values(arm, method, start), exact.position, exact.orientation
+    )
     if found is None:
         return answer
     revised = answer_from(partial(getattr, answer))
@@ -64,12 +61,9 @@ def settled(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
         beyond = np.abs(outside - np.clip(outside, arm.limits.lower, arm.limits.upper))
         if len(outside):
             revised = _with_limits_blamed(arm, target, revised, outside[np.argmin(np.square(beyond).sum(axis=1))])
-        exact = method.exact and not method.swept and not found.left
-        if (
-            exact
-            and beyond.max(axis=1, initial=0.0).min(initial=np.inf) > BARELY_OUTSIDE
-            and _is_far_miss(arm, target, revised)
-        ):
+        proves = method.exact and not method.swept and not found.left
+        nearly = beyond.max(axis=1, initial=0.0).min(initial=np.inf) <= BARELY_OUTSIDE
+        if proves and not nearly and max(revised.position_error, revised.orientation_error) > FAR:
             revised = replace(revised, certain=True)
     return revised
 
@@ -102,12 +96,3 @@ def _with_limits_blamed(arm: Arm, target: AnyTarget, answer: Answer, theta: Arra
     if answer.has_unlimited and tolerances.met(target.position_error(known), target.orientation_error(known)):
         return answer
     return replace(answer, unlimited=theta, stop=STOPS.index(StopReason.BLOCKED_BY_LIMITS), has_unlimited=True)
-
-
-def _is_far_miss(arm: Arm, target: AnyTarget, answer: Answer) -> bool:
-    """Whether the nearest misses by many tolerances, which are tight. Rounded axes never have tight ones."""
-    position, orientation = np.maximum((answer.position_tol, answer.orientation_tol), arm.rounding)
-    free = not len(target._rotation_tolerance)
-    tight = is_exact(Tolerances(position, 0.0 if free else orientation))
-    far = answer.position_error > FAR_MISS * position or answer.orientation_error > FAR_MISS * orientation
-    return bool(tight and far)

@@ -14,15 +14,16 @@ from numpy.typing import NDArray
 from ..support.checks import Array, frozen
 from .all_solutions import AllAnswers, AllSolutions
 from .batch import Progress
-from .certainty import is_exact
+from .certainty import EXACT
 from .closed_form.methods import Method
-from .closed_form.roots import DEPENDENT, ROUNDED_DIRECTION, ROUNDED_LIMIT, Asked, Root, copies_inside
+from .closed_form.roots import DEPENDENT, ROUNDED_LIMIT, Asked, Root, apart, copies_inside
 from .deadline import Deadline
 from .ranges import holding, joint_ranges
 from .searches import searched
 from .self_motions import SelfMotions
 from .solution import IKResult
 from .solve import solve_ik
+from .task_space import Tolerances
 
 if TYPE_CHECKING:
     from .._core import AllAnswers as CoreAllAnswers
@@ -36,6 +37,9 @@ EXTRA_SEARCHES = 64
 IN_FAMILY = 32
 """Searches along a continuous family whose configuration nearest to theta0 lies outside the limits."""
 
+BETWEEN = np.linspace(0.0, 1.0, 9)[1:-1]
+"""Shares of the way from one configuration to another at which the target must be met if both are of one branch."""
+
 SAME_VALUE = 1e-9
 """A joint within this [rad, m] of theta0's value has that value."""
 
@@ -47,15 +51,13 @@ MOST_COMBINATIONS = 4096
 class Gathering(Asked):
     """One task: a target, tolerances, the configuration to be near, the method and the deadline.
 
-    `progress` gets the fraction of values and searches done. `rounded`: the tolerances are those of
-    rounded axes. Such axes may miss the target in directions in which exact ones need not move.
+    `progress` gets the fraction of values and searches done.
     """
 
     near: Array
     method: Method
     deadline: Deadline
     progress: Progress | None
-    rounded: bool = False
 
     def compiled(self, values: Array) -> CoreAllAnswers:
         """What the core finds with the held joints at each of the values (k, h)."""
@@ -68,40 +70,28 @@ class Gathering(Asked):
     @property
     def complete(self) -> bool:
         """Whether the method finds everything."""
-        return self.method.exact and not self.method.swept and not self.rounded and is_exact(self.tolerances)
+        return self.method.exact and not self.method.swept
 
     @property
     def searches(self) -> int:
         """The number of searches beside the method, or instead of one."""
         if not self.method.there:
             return STARTS
-        lossy = self.method.rooted is not None or not self.method.exact or self.rounded
+        lossy = self.method.rooted is not None or not self.method.exact
         return EXTRA_SEARCHES if lossy and not self.method.swept else 0
 
     def new_roots(self, candidates: Iterable[Array], held: tuple[int, ...], known: list[Root]) -> list[Root]:
         """New different answers among the candidates, until the time is up."""
-        until = self.deadline.until(candidates)
-        if not self.rounded:
-            return self.roots(until, held, known)
-        return self.roots(map(self.as_near, until), held, known, ROUNDED_DIRECTION)
-
-    @property
-    def dependent(self) -> float:
-        """Singular values below this part of the largest belong to directions without first-order motion."""
-        return ROUNDED_DIRECTION if self.rounded else DEPENDENT
-
-    def as_near(self, theta: Array) -> Array:
-        """theta (n,) with theta0's value for joints that move the tool by rounding only."""
-        size = np.linalg.norm(self.rows(theta)[1], axis=0)
-        return np.where(size < ROUNDED_DIRECTION * size.max(initial=0.0), self.stand, theta)
+        return self.roots(self.deadline.until(candidates), held, known)
 
     def solved(self, values: Array) -> tuple[list[Root], int, int]:
         """Roots with the held joints at each of the values (k, h), and how many values have any."""
         method, found = self.method, list[Root]()
         tries = hits = 0
         for each in self.deadline.until(values if method.there else ()):
-            exact = method.exact and not self.rounded
-            new = self.new_roots(method.candidates(self.arm, self.target, self.near, each, exact), method.held, [])
+            new = self.new_roots(
+                method.candidates(self.arm, self.target, self.near, each, method.exact), method.held, []
+            )
             held = {*method.idle, *method.swept}
             found += [replace(root, free=tuple(sorted({*root.free, *held}))) for root in new]
             hits += bool(new)
@@ -114,10 +104,24 @@ class Gathering(Asked):
         found = self.one_search()
         return found.theta[None, list(self.method.held)][: int(found.converged)]
 
-    def within(self) -> list[Root]:
-        """A search's answer within loose tolerances: the closed form solves for exact answers alone."""
-        found = self.one_search()
-        return [Root(found.theta, self.method.idle)] if found.converged else []
+    def within(self, tolerances: Tolerances) -> tuple[list[Root], int, int]:
+        """One configuration of each branch that meets the target within these, where none does exactly.
+
+        Also the number of searches and how many met the target. Branches are apart if the target is not met all along
+        the straight way between them.
+        """
+        task = replace(self, tolerances=tolerances, progress=None)
+        first = task.one_search()
+        if not first.converged:
+            return [], 0, 0
+        arm, starts = holding(self.arm, self.method.given, self.near), self.arm.random_theta(0, EXTRA_SEARCHES)
+        done = searched(arm, [self.target] * len(starts), starts, tolerances, max_time=self.deadline.left)
+        kept: list[Array] = []
+        for theta in sorted([first.theta, *done.met], key=self.distance):
+            left = [apart(self.arm, other, theta) for other in kept]
+            if not any(all(task.met(theta + share * way) for share in BETWEEN) for way in left):
+                kept.append(theta)
+        return [Root(theta, self.method.idle) for theta in kept], done.run, int(done.converged.sum())
 
     def one_search(self) -> IKResult:
         """The solution of `solve_ik` from theta0, with the given joints held."""
@@ -171,9 +175,8 @@ class Gathering(Asked):
             return [], 0, 0
         targets = [self.target] * len(starts)
         arm = holding(self.arm, self.method.given, self.near)
-        done = searched(arm, targets, starts, max_time=self.deadline.left, progress=progress)
-        counted = done.converged & (done.exact | self.rounded)
-        return self.new_roots(done.met, self.method.given, known), done.run, int(counted.sum())
+        done = searched(arm, targets, starts, Tolerances(EXACT, EXACT), max_time=self.deadline.left, progress=progress)
+        return self.new_roots(done.met, self.method.given, known), done.run, int(done.converged.sum())
 
     @cached_property
     def stand(self) -> Array:
@@ -184,7 +187,7 @@ class Gathering(Asked):
     def motions(self) -> SelfMotions:
         """The self-motions of the answers. Idle joints do not tell answers apart."""
         still = (*self.method.given, *self.method.idle)
-        return SelfMotions(self.arm, self.target, self.tolerances, still, self.deadline, self.dependent)
+        return SelfMotions(self.arm, self.target, self.tolerances, still, self.deadline)
 
     def alone(self, root: Root) -> bool:
         """Whether a root belongs to no continuous family, apart from the motions of idle joints."""
@@ -227,7 +230,7 @@ class Gathering(Asked):
             begin = known[int(np.argmin(np.abs(known[:, i] - self.stand[i])))]
             theta = np.array(begin)
             theta[i] = self.stand[i]
-            theta = self.corrected(theta, (*self.motions.still, i), self.dependent)
+            theta = self.corrected(theta, (*self.motions.still, i), DEPENDENT)
             root = Root(theta, members[0].free)
             if self.met(theta) and self.inside(root) is not None and self.motions.together(theta, begin):
                 return [root]
@@ -264,7 +267,7 @@ class Gathering(Asked):
         there.sort(key=lambda theta: (-self.at_start(theta, own), self.distance(theta)))
         first = there[0] if there else members[0].theta
         if swept and not self.deadline.passed:
-            free |= {*self.self_motion(first, self.motions.still, self.dependent)}
+            free |= {*self.self_motion(first, self.motions.still)}
         moving = np.array([i in free for i in range(self.arm.n)])
         return Entry(first, moving, there, self.distance(first))
 
@@ -293,7 +296,7 @@ class Gathering(Asked):
         members = tuple(frozen(np.array(entry.inside)) for entry in within)
         return AllSolutions(
             arm, found, members, self.method,
-            all_seen and not late and self.complete, self.target, self.tolerances, late, self.rounded,
+            all_seen and not late and self.complete, self.target, self.tolerances, late,
         )  # fmt: skip
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,14 +14,18 @@ from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, RealArray, as_direction, as_floats, as_pose, as_whole, require_callback
 from ..support.errors import InputError
 from .batch import MAX_THREADS, Progress, targets_for
-from .certainty import is_exact
+from .certainty import EXACT
 from .closed_form.methods import family_for
 from .reach_ball import reach_ball
 from .request import Request, checked
 from .targets import FARTHEST, AnyTarget, Approach, Pose, Position, TargetLike, TolerancedPose, checked_target
+from .task_space import ORIENTATION_TOL, POSITION_TOL
 
 CHUNK = 4096
 """Targets after which a search begins at theta0 again, not at the answer before."""
+
+NEARLY = 4
+"""Searches for a target that the closed form excludes. The nearest configuration may still be within the tolerances."""
 
 AT_ONCE = 16 * CHUNK
 """Targets whose closed forms are in memory at once: six configurations of each take 40 MB."""
@@ -51,18 +56,19 @@ def reachable(
     theta0: ArrayLike | None = None,
     *,
     direction: ArrayLike | None = None,
-    position_tol: float = 1e-6,
-    orientation_tol: float = 1e-6,
+    position_tol: float = POSITION_TOL,
+    orientation_tol: float = ORIENTATION_TOL,
     restarts: int = 32,
     threads: int = 1,
     progress: Progress | None = None,
 ) -> Reached:
     """Which of N targets the arm meets inside its limits, without the nearest configuration and the reason.
 
-    A target outside the tool's ball (`reach_ball`) is not met. The arm's closed form decides the others, if it has one
-    for these targets. Without one, `restarts` searches decide, and may miss a configuration: on a grid of voxels one in
-    10,000. The first search begins at the answer before, so put neighbours one after the other. It begins at theta0
-    again after each 4096 targets. So the parts of a call that is divided there give the same bits, as do any `threads`.
+    A target outside the tool's ball (`reach_ball`) is not met. The arm's closed form decides which others are met
+    exactly, if it has one for these targets; a few searches decide which of the rest are met within the tolerances.
+    Without one, `restarts` searches decide, and may miss a configuration: on a grid of voxels one in 10,000. The first
+    search begins at the answer before, so put neighbours one after the other. It begins at theta0 again after each 4096
+    targets. So the parts of a call that is divided there give the same bits, as do any `threads`.
 
     Args:
         arm: The arm.
@@ -90,21 +96,22 @@ def reachable(
     count = sum(len(group.places) for group in groups)
     found, decided = Reached(np.zeros(count, dtype=np.bool_), np.full((count, arm.n), np.nan)), 0
 
-    def tell(done: int, _: int = 0) -> None:
+    def tell(searched: int, _: int = 0) -> None:
         if progress is not None:
-            progress((decided + done) / count)
+            progress((decided + searched) / count)
 
     for group in groups:
-        left = _left_by_closed_form(arm, group, _in_ball(arm, group, request), request, workers, found)
-        decided += len(group.places) - len(left)
+        rest = _left_by_closed_form(arm, group, _in_ball(arm, group, request), request, workers, found)
+        decided += len(group.places) - sum(len(left) for left, _ in rest)
         tell(0)
-        at = group.places[left]
-        chunks = np.searchsorted(at, np.arange(0, count + CHUNK, CHUNK))
-        how = *request.for_core[:5], chunks, workers, progress and tell
-        answers = chain.reachable(group.like.kind, group.numbers[left], *how)
-        assert answers is not None, "what was checked is plain"
-        found.met[at], found.theta[at] = answers
-        decided += len(left)
+        for left, searches in rest:
+            at = group.places[left]
+            chunks = np.searchsorted(at, np.arange(0, count + CHUNK, CHUNK))
+            how = *replace(request, restarts=searches).for_core[:5], chunks, workers, progress and tell
+            answers = chain.reachable(group.like.kind, group.numbers[left], *how)
+            assert answers is not None, "what was checked is plain"
+            found.met[at], found.theta[at] = answers
+            decided += len(left)
     return found
 
 
@@ -153,26 +160,32 @@ def _in_ball(arm: Arm, group: _Group, request: Request) -> NDArray[np.int64]:
         x = numbers[:, :3, :3] @ ball.x + numbers[:, :3, 3]
     else:
         x = numbers[:, :3] + (ball.x @ group.like.axis * numbers[:, 3:6] if isinstance(group.like, Approach) else 0.0)
-    met = request.tolerances.or_rounding(arm.rounding)
+    met = request.tolerances
     slack = met.position + met.orientation * float(np.linalg.norm(ball.x))
     return np.flatnonzero(np.linalg.norm(x - ball.centre, axis=1) <= ball.radius + slack)
 
 
 def _left_by_closed_form(
     arm: Arm, group: _Group, some: NDArray[np.int64], request: Request, threads: int, found: Reached
-) -> NDArray[np.int64]:
-    """Write what the closed form decides into `found`. The answer is the rest of `some` of the group's targets."""
+) -> list[tuple[NDArray[np.int64], int]]:
+    """Write what the closed form decides into `found`. Returns the rest of `some`, and the searches for each of them.
+
+    A target that no configuration meets exactly may still be met within tolerances that are not tight.
+    """
     method, met = family_for(arm, group.like) if group.own else None, request.tolerances
     if method is None or method.compiled is None or method.swept or not method.exact:
-        return some
-    proves, left = is_exact(met) and not any(arm.rounding), [some[:0]]
+        return [(some, request.restarts)]
+    open_, excluded, exact = [some[:0]], [some[:0]], met.at_most(EXACT)
     for begin in range(0, len(some), AT_ONCE):
         part = some[begin : begin + AT_ONCE]
-        every = method.compiled.solve_batch(group.numbers[part], request.theta0, met.position, met.orientation, threads)
+        how = request.theta0, exact.position, exact.orientation, threads
+        every = method.compiled.solve_batch(group.numbers[part], *how)
         assert every is not None, "what was checked is plain"
         inside = every.inside > 0
         at = group.places[part[inside]]
         found.met[at] = True
         found.theta[at] = every.theta[(np.cumsum(every.count) - every.count)[inside]]
-        left.append(part[~inside & ((every.families > 0) | (not proves))])
-    return np.concatenate(left)
+        open_.append(part[~inside & (every.families > 0)])
+        excluded.append(part[~inside & (every.families == 0)])
+    left = [(np.concatenate(open_), request.restarts)]
+    return left if exact == met else [*left, (np.concatenate(excluded), min(request.restarts, NEARLY))]

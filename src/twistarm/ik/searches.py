@@ -14,18 +14,14 @@ from .batch import Progress, solve_ik_batch
 from .deadline import Deadline
 from .solve import solve_ik
 from .targets import AnyTarget
-from .task_space import Tolerances
-
-USUAL = Tolerances(1e-6, 1e-6)
-"""Of these searches and of motions that name none [m, rad]. What only the rounding of axes allows is not `exact`."""
+from .task_space import USUAL, Tolerances
 
 
 class Searched(NamedTuple):
-    """Ends of searches (k, n) that meet their targets, which exactly (k,), and their number."""
+    """Ends of searches (k, n), which meet their targets (k,), and their number."""
 
     theta: Array
     converged: NDArray[np.bool_]
-    exact: NDArray[np.bool_]
     run: int
 
     @property
@@ -51,15 +47,13 @@ def searched(
             arm, targets, starts, **met.keywords, restarts=restarts, posture=posture, max_time=max_time,
             progress=progress,
         )  # fmt: skip
-        exact = (batch.position_error <= met.position) & (batch.orientation_error <= met.orientation)
-        return Searched(batch.theta, batch.converged, exact, int((batch.restarts > 0).sum()))
+        return Searched(batch.theta, batch.converged, int((batch.restarts > 0).sum()))
     deadline = Deadline.after(max_time)
-    theta, run = np.array(starts), 0
-    converged, exact = np.zeros((2, len(starts)), dtype=np.bool_)
+    theta, converged, run = np.array(starts), np.zeros(len(starts), dtype=np.bool_), 0
     for target, start in deadline.until(zip(targets, starts, strict=True)):
         found = solve_ik(arm, target, start, **met.keywords, restarts=restarts, posture=posture, max_time=deadline.left)
-        theta[run], converged[run], exact[run] = found.theta, found.converged, found.converged and not found.rounded
+        theta[run], converged[run] = found.theta, found.converged
         run += 1
         if progress is not None:
             progress(run / len(starts))
-    return Searched(theta, converged, exact, run)
+    return Searched(theta, converged, run)

@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arm.abilities import abilities_of, cannot_move, cannot_turn, position_limit
-from ..arm.almost_exact import angle_in_words, length_in_words
 from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.directions import value_in_words
 from ..support.display import told
 from ..support.errors import NotConvergedError, printable
 from ..support.messages import Argument, Quantity, Text, joined
-from ..support.unit_hints import length_hint, theta_hint
+from ..support.units import length_hint, theta_hint
 from .answer import CLOSED_FORM, DAMPED, FIELDS, NEAREST, STOPS, Answer, StopReason
 from .ranges import joint_ranges
 from .targets import AnyTarget, Approach, Pose, TolerancedPose, target_of
@@ -24,10 +23,6 @@ from .task_space import Tolerances
 
 if TYPE_CHECKING:
     from ..collision import Contact
-
-NEGLIGIBLE_LENGTH = 1e-8
-"""Shorter lengths [m] are not mentioned."""
-
 
 OFF_BY = {
     Pose: "as one turn about one axis",
@@ -50,17 +45,6 @@ WIDER = (2.0, 4.0, NARROW_MISS)
 
 SEARCHES = 100
 """So many, at most, each time."""
-
-
-def missed_by_rounding(position_error: float, orientation_error: float) -> str:
-    """The note on a target that rounded axes miss by these errors [m], [rad]."""
-    missed = [length_in_words(position_error)] if position_error >= NEGLIGIBLE_LENGTH else []
-    missed += [angle_in_words(orientation_error)] if orientation_error > 0 else []
-    return (
-        f"the rounding of the arm's axes makes it miss the target by {' and '.join(missed)}: "
-        "the doctor's finding axes-almost-exact names them"
-    )
-
 
 ANOTHER_BRANCH = "the target is near the pose of theta0, but the answer is not near theta0"
 NEAREST_ELSEWHERE = "the nearest configuration is not near theta0, where the arm stays farther from the target"
@@ -100,7 +84,7 @@ class IKResult:
 
     @property
     def tolerances(self) -> Tolerances:
-        """The tolerances of the call; a `rounded` answer may miss by the arm's `rounding` instead."""
+        """The tolerances of the call."""
         return Tolerances(float(self._answer.position_tol), float(self._answer.orientation_tol))
 
     @property
@@ -151,7 +135,7 @@ class IKResult:
 
     @property
     def certain(self) -> bool:
-        """Whether the closed form proves that nothing inside the limits meets the target within tolerance."""
+        """Whether the closed form proves that nothing inside the limits meets the target exactly."""
         return bool(self._answer.certain)
 
     @property
@@ -161,7 +145,7 @@ class IKResult:
 
     @property
     def converged(self) -> bool:
-        """Whether theta is free and meets the target, to the tolerances or to the axes' rounding (`rounded`)."""
+        """Whether theta meets the target to the tolerances, and is free of collisions with the scene."""
         return bool(self._answer.stop == 0) and not self._contacts
 
     @property
@@ -170,17 +154,11 @@ class IKResult:
         return self._contacts
 
     @property
-    def rounded(self) -> bool:
-        """Whether only the rounding of the arm's axes allows the answer: `notes` has its miss."""
-        return self.converged and not self.tolerances.met(self.position_error, self.orientation_error)
-
-    @property
     def notes(self) -> tuple[str, ...]:
-        """Notes on the answer: rounded axes, joints of theta0 brought inside, another branch, no core."""
+        """Notes on the answer: joints of theta0 brought inside, another branch, no core."""
         notes = self._moved_starts() if self._answer.start_moved else []
         notes += [self._other_branch()] if self._answer.other_branch else []
         notes += [self._avoided] if self._avoided else []
-        notes += [missed_by_rounding(self.position_error, self.orientation_error)] if self.rounded else []
         if self._answer.nearest and not self.converged and self._arm.n > MANY_JOINTS:
             notes.append(PERHAPS_NEARER)
         return tuple(notes if self.converged or self._arm.compiled is not None else [*notes, WITHOUT_CORE])
@@ -271,9 +249,7 @@ def reached(solution: IKResult) -> str:
     if math.isinf(solution.position_error):
         return "nothing yet"
     parts: list[str] = []
-    met = solution.tolerances.or_rounding(solution.arm.rounding)
-    if solution.rounded:
-        return "met to within the rounding of the arm's axes"
+    met = solution.tolerances
     if len(solution.target._position_tolerance):
         wider = _wider(solution.position_error, met.position, "position_tol", "m")
         hint = length_hint(solution.target.position_error(np.eye(4)), solution.arm.reach)
@@ -354,7 +330,7 @@ def _blocked(solution: IKResult) -> list[str]:
             needs.append(f"{name} {value} ({side} bound {bound})")
     where = f"for one with {', '.join(needs)}" if needs else "a hair beyond them"
     turned = solution.target.orientation_error(arm.fk(theta))
-    if turned <= solution.tolerances.or_rounding(arm.rounding).orientation:
+    if turned <= solution.tolerances.orientation:
         return [f"without limits it could be met, {where}"]
     if solution.position_error > solution.tolerances.position:
         return [f"without limits its position could be met, {where}", *_impossible(solution, theta)]

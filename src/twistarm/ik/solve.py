@@ -15,6 +15,7 @@ from .deadline import Deadline
 from .request import checked, named
 from .solution import IKResult
 from .targets import KINDS, AnyTarget, Approach, Pose, TargetLike, checked_target
+from .task_space import ORIENTATION_TOL, POSITION_TOL
 
 if TYPE_CHECKING:
     from ..collision import Scene
@@ -25,8 +26,8 @@ def solve_ik(
     target: TargetLike,
     theta0: ArrayLike | None = None,
     *,
-    position_tol: float = 1e-6,
-    orientation_tol: float = 1e-6,
+    position_tol: float = POSITION_TOL,
+    orientation_tol: float = ORIENTATION_TOL,
     restarts: int = 100,
     max_time: float | None = None,
     rng: int | np.random.Generator = 0,
@@ -41,8 +42,8 @@ def solve_ik(
     target is the answer, if a search finds one. Otherwise, for a target within 2 cm and 3° of theta0's pose, the
     nearest found is the answer. `notes` says so.
 
-    The searches look for a configuration within both tolerances, not for an exact one. An arm with axes rounded by a
-    CAD export may also miss by up to `arm.rounding`. `rounded` and `notes` say so.
+    Every search aims at the target itself. A configuration that misses by no more than the tolerances is the answer
+    where no search finds an exact one.
 
     A redundant arm moves in the null space toward `posture`, to a minimum of ‖θ − posture‖².
 

@@ -15,7 +15,6 @@ from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
 from ..support.messages import Quantity, Text
 from .all_solutions import AllSolutions
 from .batch import Progress
-from .certainty import is_exact
 from .closed_form.methods import closest_miss_of, known_method, method_for
 from .closed_form.roots import Root
 from .deadline import Deadline
@@ -24,12 +23,15 @@ from .ranges import standing
 from .request import checked
 from .solve import as_target
 from .targets import Approach, Pose, TargetLike, checked_target
-from .task_space import Tolerances
+from .task_space import ORIENTATION_TOL, POSITION_TOL, Tolerances
 
 if TYPE_CHECKING:
     from ..collision import Scene
 
 DEFAULT_SAMPLES = 32
+
+ROUNDING = 1e-9
+"""Greatest errors [m, rad] of an exact answer, whatever the tolerances are."""
 
 
 def solve_ik_all(
@@ -41,8 +43,8 @@ def solve_ik_all(
     redundancy_samples: int = DEFAULT_SAMPLES,
     include_turns: bool = False,
     closed_form: bool = False,
-    position_tol: float = 1e-9,
-    orientation_tol: float = 1e-9,
+    position_tol: float = POSITION_TOL,
+    orientation_tol: float = ORIENTATION_TOL,
     max_time: float | None = None,
     scene: Scene | None = None,
     progress: Progress | None = None,
@@ -54,7 +56,8 @@ def solve_ik_all(
     The closed form solves an arm's family: joints with parallel or intersecting axes, and at most three others.
     Elimination, an eigenvalue problem, solves five or six joints that turn, whatever their axes. Newton's method
     corrects each answer until forward kinematics meets the target to rounding. Answers that do not meet it are dropped.
-    Where neither applies, searches from many starts are tried, and `complete` is False.
+    Where neither applies, searches from many starts are tried, and `complete` is False. Tolerances count where no
+    configuration meets the target exactly: one of each branch that searches find within them is then listed.
 
     A `Pose` takes up to six joints, an `Approach` up to five, a `Position` up to three. Arms with fewer joints meet the
     targets that fit them. `explain()` says how far off another is. Of too many joints some are held: at the values in
@@ -110,7 +113,7 @@ def solve_ik_all(
     )
     if usual and type(closed_form) is bool:
         answer = _at_once(require_arm(arm), target, theta0, position_tol, orientation_tol)
-        if answer is not None and (len(answer) or (answer.complete and not any(arm.rounding))):
+        if answer is not None and len(answer):
             return answer
     require_arm(arm).require_core("solve_ik_all")
     asked = checked_target(arm, target)
@@ -127,31 +130,24 @@ def solve_ik_all(
     near = np.array(request.theta0)
     near[list(stands)] = list(stands.values())
     deadline = Deadline.after(request.max_time)
-    task = Gathering(arm, asked, request.tolerances, near, method, deadline, progress)
-    return _in_two_passes(task, count, include_turns) if any(arm.rounding) else _answered(task, count, include_turns)
-
-
-def _in_two_passes(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
-    """The exact answers, or else those that only rounded axes allow. Each pass is half of the progress."""
-    tell = task.progress or (lambda _: None)
-    exact = replace(task, progress=lambda done: tell(0.5 * done))
-    answer = _answered(exact, count, include_turns)
-    if len(answer) or answer.timed_out:
-        tell(1.0)
-        return answer
-    met = task.tolerances.or_rounding(task.arm.rounding)
-    rounded = replace(task, tolerances=met, rounded=True, progress=lambda done: tell(0.5 + 0.5 * done))
-    return _answered(rounded, count, include_turns)
+    met = request.tolerances
+    task = Gathering(arm, asked, met.at_most(ROUNDING), near, method, deadline, progress)
+    answer = _answered(task, count, include_turns)
+    if not (len(answer) or answer.timed_out or met == task.tolerances):
+        roots, *tries = task.within(met)
+        if roots:
+            answer = task.told([[root] for root in roots], include_turns, (tries[0], tries[1]), False)
+    return replace(answer, _tolerances=met)
 
 
 def _answered(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
     """The answers of the method, with `count` values of each sampled joint."""
     method, values = task.method, task.held_values(count)
-    known = None if method.compiled is None or task.rounded else task.compiled(values)
+    known = None if method.compiled is None else task.compiled(values)
     if known is not None and not method.swept:
         if known.families:
             known = None  # the core keeps one of all families that move the same joints
-        elif not include_turns and (known.inside or is_exact(task.tolerances)):
+        elif not include_turns:
             return AllSolutions(task.arm, known, (), method, task.complete, task.target, task.tolerances)
     if known is None:
         found, starts, hits = task.solved(values)
@@ -159,8 +155,6 @@ def _answered(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
         pairs = zip(known.theta, known.moves, strict=True)
         found = [Root(theta, tuple(np.flatnonzero(moves).tolist())) for theta, moves in pairs]
         starts, hits = known.tries, known.hits
-    if not found and not is_exact(task.tolerances):
-        found = task.within()
     if method.there and method.swept and all(task.inside(root) is None for root in found) and not task.deadline.passed:
         members, tried, met = replace(task, progress=None).solved(task.values_met())
         found, starts, hits = found + members, starts + tried, hits + met
@@ -171,7 +165,7 @@ def _answered(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
         beside, run, met = task.searched(more, found, int(method.there))
         before, families = len(families), task.families(found + beside) if beside else families
         missed = len(families) > before
-        if missed or not method.exact or task.rounded:
+        if missed or not method.exact:
             starts, hits = starts + run, hits + met
     all_seen = task.brought_inside(families)
     return task.told(families, include_turns, (starts, hits), all_seen and not missed)
@@ -187,11 +181,14 @@ def _at_once(
     if method is None or method.compiled is None or method.swept:
         return None
     start = arm.ready if theta0 is None else theta0
-    found = method.compiled.solve(numbers, start, None, position_tol, orientation_tol)
-    if found is None or found.families:
+    if not (type(position_tol) is type(orientation_tol) is float):
         return None
     tolerances = Tolerances(position_tol, orientation_tol)
-    return AllSolutions(arm, found, (), method, is_exact(tolerances), asked, tolerances)
+    exact = tolerances.at_most(ROUNDING)
+    found = method.compiled.solve(numbers, start, None, exact.position, exact.orientation)
+    if found is None or found.families:
+        return None
+    return AllSolutions(arm, found, (), method, method.exact, asked, tolerances)
 
 
 def checked_fixed_joints(arm: Arm, fixed_joints: Mapping[str, float] | None) -> dict[int, float]:

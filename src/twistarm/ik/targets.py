@@ -34,7 +34,7 @@ from ..support.checks import (
 from ..support.directions import direction_in_words, metres, numbers
 from ..support.display import Brief
 from ..support.errors import InputError
-from ..support.unit_hints import angle_hint
+from ..support.units import angle_hint
 from ..theory.rotations import from_rpy, from_xyzw
 from . import rotation_errors
 from .task_space import Rows, excess, offset_rows

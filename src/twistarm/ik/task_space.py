@@ -12,6 +12,9 @@ from ..support.checks import Array
 Rows = tuple[Array, Array]
 """(error (k,), rows (k, n))."""
 
+POSITION_TOL, ORIENTATION_TOL = 1e-6, 1e-6
+"""What every call tolerates unless it says otherwise [m, rad]: finer than a drive, coarser than what CAD rounds."""
+
 
 @dataclass(frozen=True)
 class Tolerances:
@@ -29,9 +32,12 @@ class Tolerances:
         """Whether both errors are within the tolerances."""
         return position_error <= self.position and orientation_error <= self.orientation
 
-    def or_rounding(self, rounding: tuple[float, float]) -> Tolerances:
-        """The larger of these and of an arm's `rounding`."""
-        return Tolerances(max(self.position, rounding[0]), max(self.orientation, rounding[1]))
+    def at_most(self, error: float) -> Tolerances:
+        """The smaller of these and of an error [m, rad]."""
+        return Tolerances(min(self.position, error), min(self.orientation, error))
+
+
+USUAL = Tolerances(POSITION_TOL, ORIENTATION_TOL)
 
 
 def excess(error: Array, tolerance: Array) -> Array:

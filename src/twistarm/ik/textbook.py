@@ -17,8 +17,8 @@ from .answer import STOPS, Answer, StopReason
 from .deadline import Deadline
 from .ranges import JointRanges, joint_ranges
 from .request import Request
-from .targets import AnyTarget, TolerancedPose
-from .task_space import Rows, Tolerances, excess_rows
+from .targets import AnyTarget
+from .task_space import Tolerances, excess_rows
 
 ROTATION_WEIGHT = 0.2
 """Weight of a squared radian relative to a squared metre in the error E, which is 0 at an answer."""
@@ -26,11 +26,8 @@ ROTATION_WEIGHT = 0.2
 DAMPING, LEAST_DAMPING = 0.03, 1e-9
 """λ = DAMPING · E + LEAST_DAMPING: strong far from the target, vanishing with the error (Chan & Lawrence)."""
 
-LOOSE, ALLOWED = 1e-5, 0.999
-"""A tolerance wider than LOOSE [m, rad] is loose. An error below ALLOWED times a loose tolerance counts as 0."""
-
-PAST_ROUNDED = 24
-"""Searches after one has met its target up to the rounding of the axes. They may still meet it."""
+EXACT, POLISHED = 1e-6, 1e-9
+"""Errors [m, rad] below which a search has met its target, and below which it also stops."""
 
 ITERATIONS = 30
 PROGRESS, STALLS = 0.8, 4
@@ -42,7 +39,7 @@ NEAR_POSITION, NEAR_ORIENTATION = 0.02, math.radians(3.0)
 OTHER_BRANCH = 0.2
 """... and an answer that moves a coordinate by more than this [rad, m] is on another branch."""
 
-MOST_POSTURE_STEPS, SHARES, SETTLED_STEP = 100, 0.5 ** np.arange(10), 1e-7
+MOST_POSTURE_STEPS, SHARES, SETTLED_STEP = 200, 0.5 ** np.arange(10), 1e-7
 """Most steps toward a posture, the shares of a step to try, and the least length of a step [rad, m]."""
 
 RANK_TOL = 1e-6
@@ -70,17 +67,16 @@ class Problem(NamedTuple):
 def solve(arm: Arm, target: AnyTarget, request: Request) -> Answer:
     """At most `request.restarts` searches, the first from theta0, the others from random configurations.
 
-    The first search within the tolerances answers, or one within the rounding of the axes. Otherwise the best of them
-    answers: the position counts first, then the rotation.
+    The first search that meets the target exactly answers. Otherwise the best of them answers: one within the
+    tolerances first, then the position counts, then the rotation.
     """
     problem = Problem(arm, joint_ranges(arm), target, request.tolerances)
     deadline, rng = Deadline.after(request.max_time), np.random.default_rng(request.seed)
     start = problem.ranges.inside(request.theta0)
     found = best = search(problem, start, start)
-    searches, steps, most = 1, found.iterations, request.restarts
-    while not problem.tolerances.met(*found.errors) and searches < most and not deadline.passed:
-        if found is best and found.converged:
-            most = min(most, searches + PAST_ROUNDED)
+    searches, steps = 1, found.iterations
+    exact = problem.tolerances.at_most(EXACT)
+    while not exact.met(*found.errors) and searches < request.restarts and not deadline.passed:
         found = search(problem, arm.random_theta(rng), start)
         best = min(best, found, key=lambda end: _rank(problem, end))
         searches, steps = searches + 1, steps + found.iterations
@@ -109,6 +105,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
     ranges = problem.ranges
     lower, upper = np.where(ranges.turns, [[-np.inf], [np.inf]], [ranges.lower, ranges.upper])
     theta, best, stalls, iterations = np.clip(theta, lower, upper), math.inf, 0, 0
+    polished = problem.tolerances.at_most(POLISHED)
     while True:
         g, J_b = problem.arm.fk_and_body_jacobian(theta)
         errors = problem.target.position_error(g), problem.target.orientation_error(g)
@@ -116,7 +113,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
         E = float(error @ error)
         stalls += PROGRESS * best < E
         best = min(best, E)
-        if problem.tolerances.met(*errors) or stalls == STALLS or iterations == ITERATIONS:
+        if polished.met(*errors) or stalls == STALLS or iterations == ITERATIONS:
             break
         slope = J.T @ error
         free = ~((theta <= lower) & (slope > 0) | (theta >= upper) & (slope < 0))
@@ -128,7 +125,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
     theta = ranges.wrapped(theta, near)
     g = problem.arm.fk(theta)
     errors = problem.target.position_error(g), problem.target.orientation_error(g)
-    return Search(theta, errors, iterations, problem.tolerances.or_rounding(problem.arm.rounding).met(*errors))
+    return Search(theta, errors, iterations, problem.tolerances.met(*errors))
 
 
 def toward_posture(problem: Problem, found: Search, posture: Array, deadline: Deadline) -> Search:
@@ -165,34 +162,19 @@ def _null_space_step(problem: Problem, theta: Array, posture: Array) -> Array:
 
 
 def _error_and_rows(problem: Problem, g: Array, J_b: Array) -> tuple[Array, Array]:
-    """e (k,) and J (k, n) of the target's constraints beyond loose tolerances, rotations weighed."""
-    target, met = problem.target, problem.tolerances
-    e_p, J_p = _beyond(excess_rows(target._position_rows(g, J_b), target._position_tolerance), met.position)
-    turned = (
-        met.orientation if isinstance(target, TolerancedPose) else 2.0 * math.sin(0.5 * min(met.orientation, math.pi))
-    )
-    e_r, J_r = _beyond(excess_rows(target._rotation_rows(g, J_b), target._rotation_tolerance), turned)
+    """e (k,) and J (k, n) of the target's constraints, rotations weighed."""
+    target = problem.target
+    e_p, J_p = excess_rows(target._position_rows(g, J_b), target._position_tolerance)
+    e_r, J_r = excess_rows(target._rotation_rows(g, J_b), target._rotation_tolerance)
     scale = math.sqrt(ROTATION_WEIGHT)
     return np.concatenate([e_p, scale * e_r]), np.concatenate([J_p, scale * J_r])
 
 
-def _beyond(rows: Rows, tolerance: float) -> Rows:
-    """The part of an error e beyond a loose tolerance ρ: (1 − ρ/‖e‖) e, and its derivative."""
-    error, J = rows
-    size, radius = float(np.linalg.norm(error)), ALLOWED * tolerance
-    if tolerance <= LOOSE:
-        return rows
-    if size <= radius:
-        return np.zeros_like(error), np.zeros_like(J)
-    kept, u = 1.0 - radius / size, error / size
-    return kept * error, kept * J + (1.0 - kept) * np.outer(u, u @ J)
-
-
 def _rank(problem: Problem, end: Search) -> tuple[bool, bool, float, float]:
-    """A key that sorts ends: tolerances met, met to rounding, the position missed, the rotation."""
+    """A key that sorts ends: met exactly, met within the tolerances, the position missed, the rotation."""
     position, orientation = end.errors
     missed = 0.0 if position <= problem.tolerances.position else position
-    return not problem.tolerances.met(*end.errors), not end.converged, missed, orientation
+    return not problem.tolerances.at_most(EXACT).met(*end.errors), not end.converged, missed, orientation
 
 
 def _leaves_branch(problem: Problem, start: Array, theta: Array) -> bool:

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from ..support.checks import LARGEST_ARRAY, Array, as_number, as_reals, as_theta, as_whole, frozen, require_names
 from ..support.display import told
 from ..support.errors import InputError, shown, unknown_name
-from ..support.fields import number
 
 FIELDS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 RATES = FIELDS[2:]
@@ -166,12 +165,12 @@ def _merged(values: Array, change: Any, field: str, names: Sequence[str]) -> Arr
         for name, value in change.items():
             if name not in names:
                 raise unknown_name("joint", str(name), names, within=f"limits['{field}']", listing="base to tip")
-            values[list(names).index(name)] = number(value, f"limits['{field}']", -np.inf, np.inf)
+            values[list(names).index(name)] = as_number(value, f"limits['{field}']", -np.inf, np.inf)
         return values
     stacked = isinstance(change, np.ndarray) and change.ndim > 0
     if not stacked and (isinstance(change, str) or not isinstance(change, Sequence)):
-        return np.full(len(names), number(change, f"limits['{field}']", -np.inf, np.inf))
-    listed = np.array([number(value, f"limits['{field}']", -np.inf, np.inf) for value in change])
+        return np.full(len(names), as_number(change, f"limits['{field}']", -np.inf, np.inf))
+    listed = np.array([as_number(value, f"limits['{field}']", -np.inf, np.inf) for value in change])
     if listed.shape != (len(names),):
         raise InputError(f"limits['{field}'] must be one number, {len(names)} numbers or a mapping by joint name")
     return listed

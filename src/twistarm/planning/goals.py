@@ -20,7 +20,7 @@ from ..support.messages import joined
 from ..theory import rotations, screws
 from .cartesian.curves import Curve, MovingTarget, arc, line, screw
 from .segments import CONSTRAINED, ArcMove, Constrained, JointMove, LineMove, ScrewMove
-from .tolerances import decided
+from .tolerances import are_wide, decided
 from .within import require_waypoints
 
 Curved = LineMove | ScrewMove | ArcMove
@@ -31,16 +31,18 @@ CURVED = (LineMove, ScrewMove, ArcMove)
 class Goals:
     """The ends of an arm's moves. `where` names a segment in errors.
 
-    With `unwrap`, joints go to configurations by the shorter way, by whole turns.
+    With `unwrap`, joints go to configurations by the shorter way, by whole turns. `exactly`: curves are met exactly
+    where they can be, unless the tolerances are wide.
     """
 
     arm: Arm
     limits: JointLimits
     unwrap: bool = False
+    exactly: bool = True
 
     def tolerances(self, move: JointMove | Curved) -> Tolerances:
         """Return how far off the targets of a move still count as met."""
-        return decided(self.arm, move.position_tol, move.orientation_tol)
+        return decided(move.position_tol, move.orientation_tol)
 
     def configuration(self, move: JointMove | Curved, theta: Array, where: str) -> Array:
         """Return the end of a move from theta (n,). Joints that a mapping leaves out stay."""
@@ -65,12 +67,13 @@ class Goals:
     def moving(self, move: Curved, start: Array, where: str) -> list[MovingTarget]:
         """Return what to follow from start (n,), best first; nothing if the move ends there."""
         g0, met = self.arm.fk(start), self.tolerances(move)
+        leeway = None if self.exactly and not are_wide(met) else met
         if move.to is None:
-            found = [MovingTarget(_free_curve(move, g0), like, met) for like in self._likes(move.constrain, g0)]
+            found = [MovingTarget(_free_curve(move, g0), like, met, leeway) for like in self._likes(move.constrain, g0)]
         else:
             likes, g1 = self._goal_pose(move, g0, start, where)
             try:
-                found = [MovingTarget(_curve_to(move, g0, g1), like, met) for like in likes]
+                found = [MovingTarget(_curve_to(move, g0, g1), like, met, leeway) for like in likes]
             except InputError as error:
                 raise InputError(joined(": ", [where, error.message])) from error
         return [each for each in found if not each.is_still]

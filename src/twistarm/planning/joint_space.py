@@ -98,8 +98,8 @@ def plan_joint(
         times: Times of the waypoints (k,) [s], increasing from 0. None: as short as the limits allow.
         stop_at_waypoints: Whether the motion goes straight and rests at every waypoint. Without it a spline may swing
             beyond its waypoints, inside the limits.
-        position_tol: Tolerance of a target [m]; 1e-6 by default.
-        orientation_tol: Tolerance of its rotation [rad], likewise.
+        position_tol: Tolerance of a target [m]; 1e-5 by default.
+        orientation_tol: Tolerance of its rotation [rad]; 5e-5 by default.
         unwrap: Whether these joints go to configurations by the shorter way too.
         smooth: How far [rad, m] each joint may deviate from recorded waypoints: 0.01 for two decimals. They become as
             smooth as that allows. The first and the last waypoint are kept. None: all are passed exactly.
@@ -121,7 +121,7 @@ def plan_joint(
     as_flag(stop_at_waypoints, "stop_at_waypoints")
     require_callback(progress, "progress", "(fraction)")
     as_flag(unwrap, "unwrap")
-    points, said = as_waypoints(require_arm(arm), waypoints, decided(arm, position_tol, orientation_tol), unwrap)
+    points, said = as_waypoints(require_arm(arm), waypoints, decided(position_tol, orientation_tol), unwrap)
     bounds, notes = completed(arm, limits) if times is None else (as_limits(arm, limits), ())
     require_waypoints(points, bounds, arm.joint_names, arm.units)
     if smooth is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import pairwise
@@ -13,7 +14,7 @@ import numpy as np
 from ..arm.arm import Arm, require_arm
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, Row, as_flag, as_positive, require_callback, require_choice
-from ..support.errors import InputError
+from ..support.errors import InputError, NotConvergedError
 from ..support.messages import Argument, Text
 from .cartesian.refusal import PathError
 from .goals import Goals
@@ -27,7 +28,6 @@ from .time_laws.law import PathBounds, TimeLaw, quintic
 from .time_laws.s_curve import s_curve
 from .time_laws.straight import double_s
 from .time_laws.time_optimal import time_optimal
-from .tolerances import ROUNDED, but_for_rounding
 from .trajectory import Progress, Trajectory
 from .waypoint_motion import best_stops
 from .within import require_waypoints
@@ -81,8 +81,8 @@ def plan(
         kind: "s_curve", "time_optimal" or "quintic".
         linear_speed: Greatest speed of the tool's origin [m/s] where a segment gives none.
         angular_speed: Greatest angular speed of the tool [rad/s] where a segment gives none.
-        position_tol: Tolerance of a target [m] where a segment gives none; 1e-6 by default.
-        orientation_tol: Tolerance of its rotation [rad], likewise.
+        position_tol: Tolerance of a target [m] where a segment gives none; 1e-5 by default.
+        orientation_tol: Tolerance of its rotation [rad]; 5e-5 by default.
         unwrap: Whether joints that can turn by 2π go to configurations by the shorter way, from 3.1 to −3.1 by 0.08
             rad. To targets they always do.
         scene: A `Scene` of the arm, or None. The motion is then proven free without gaps, and a `FreeMove` goes round.
@@ -119,26 +119,30 @@ def plan(
             progress(0.9 * done / len(moves))
 
     goals = Goals(ranged, bounds, as_flag(unwrap, "unwrap"))
-    router = Router(ranged, moves, goals, report, around, free_path)
-    try:
-        parts = router.parts(origin)
-    except PathError:
-        wider = but_for_rounding(arm, moves)
-        if not wider:
-            raise
-        router = Router(ranged, wider, goals, report, around, free_path)
-        parts = router.parts(origin)
-        router.notes.append(ROUNDED)
-    motion = _in_time(ranged, origin, parts, bounds, kind, (*notes, *router.notes))
+    parts, said = _route(Router(ranged, moves, goals, report, around, free_path), origin)
+    motion = _in_time(ranged, origin, parts, bounds, kind, (*notes, *said))
     if around is not None:
         sharp = [part if part.last else replace(part, blend=0.0) for part in parts]
-        again = partial(_in_time, ranged, origin, sharp, bounds, kind, (*notes, *router.notes))
+        again = partial(_in_time, ranged, origin, sharp, bounds, kind, (*notes, *said))
         motion = _free(around, motion, again, moves)
         if scene is not None and around is not scene and (contacts := scene.contacts(motion.waypoints[-1])):
             raise PathError(f"the motion ends in collision, as it began: {contacts[0]}", reason="collision")
     if progress is not None:
         progress(1.0)
     return motion
+
+
+def _route(router: Router, origin: Array) -> tuple[list[PathPart], list[str]]:
+    """Return the parts from `origin` (n,) on, and notes. What cannot be followed exactly is within the tolerances."""
+    try:
+        return router.parts(origin), router.notes
+    except PathError as error:
+        if error.reason == "collision":
+            raise
+        loose = replace(router, goals=replace(router.goals, exactly=False), notes=[])
+        with suppress(PathError, NotConvergedError):
+            return loose.parts(origin), loose.notes
+        raise error from None
 
 
 def _obstacles(

@@ -12,27 +12,12 @@ from typing import Any
 import numpy as np
 
 from ..arm.arm import Arm
-from ..description.companions.toml_entries import parse_toml, toml_key
+from ..description.companions.data_files import parse_toml, toml_key
 from ..ik.targets import Approach, Pose, Position, TolerancedPose
-from ..support.checks import Array, as_theta
+from ..support.checks import Array, as_flag, as_number, as_positive, as_theta
 from ..support.code_text import filled
 from ..support.errors import InputError, listed, shown
-from ..support.fields import (
-    Check,
-    anything,
-    fields,
-    flag,
-    inside,
-    list_of,
-    number,
-    numbers,
-    one_of,
-    only,
-    positive,
-    table_of,
-    vector,
-    word,
-)
+from ..support.fields import Check, anything, fields, inside, list_of, numbers, one_of, only, table_of, vector, word
 from ..support.files import as_path
 from ..theory.rotations import from_quaternion_wxyz, from_rpy
 from .motion import LAWS
@@ -91,7 +76,7 @@ def load_motion(path: str | os.PathLike[str], arm: Arm) -> MotionFile:
     file = as_path(path)
     content = parse_toml(file, "a motion.toml")
     with inside(file, "at the top"):
-        angle = np.pi / 180.0 if flag(content.get("degrees", False), "degrees") else 1.0
+        angle = np.pi / 180.0 if as_flag(content.get("degrees", False), "degrees") else 1.0
         reader = _Reader(arm, angle)
         top = fields(content, "", {"segment": list_of(anything, 1)}, reader.top)
         arm.limits.with_(top.get("limits", {}), arm.joint_names)  # says what is wrong with them
@@ -111,27 +96,32 @@ class _Reader:
     def __init__(self, arm: Arm, angle: float) -> None:
         self.arm, self.angle = arm, angle
         speeds: dict[str, Check] = {
-            "linear_speed": positive,
-            "angular_speed": lambda value, name: angle * positive(value, name),
-            "position_tol": positive,
-            "orientation_tol": lambda value, name: angle * positive(value, name),
+            "linear_speed": as_positive,
+            "angular_speed": lambda value, name: angle * as_positive(value, name),
+            "position_tol": as_positive,
+            "orientation_tol": lambda value, name: angle * as_positive(value, name),
         }
         self.top: dict[str, Check] = {
-            "degrees": flag,
+            "degrees": as_flag,
             "start": self._start,
             "kind": one_of(tuple(LAWS)),
             "limits": table_of(anything),
-            "unwrap": flag,
+            "unwrap": as_flag,
             "scene": word,
             **speeds,
         }
-        self.options: dict[str, Check] = {"blend": number, "velocity_scaling": number, "label": anything, **speeds}
-        about: dict[str, Check] = {"axis": vector, "angle": lambda value, name: angle * number(value, name)}
+        self.options: dict[str, Check] = {
+            "blend": as_number,
+            "velocity_scaling": as_number,
+            "label": anything,
+            **speeds,
+        }
+        about: dict[str, Check] = {"axis": vector, "angle": lambda value, name: angle * as_number(value, name)}
         constrain: dict[str, Check] = {"constrain": anything}
         # The moves without a goal: what makes them, what they need and what they may have.
         self.ways: dict[str, list[tuple[Callable[..., Segment], dict[str, Check], dict[str, Check]]]] = {
             "line": [(LineMove.by, {"by": vector}, {"frame": anything, **constrain})],
-            "screw": [(ScrewMove.about, about | {"point": vector}, {"pitch": number, **constrain})],
+            "screw": [(ScrewMove.about, about | {"point": vector}, {"pitch": as_number, **constrain})],
             "arc": [
                 (ArcMove.about, about | {"centre": vector}, {"turn": anything, **constrain}),
                 (ArcMove, {"via": self._via, "to": self._goal}, {}),
@@ -155,7 +145,7 @@ class _Reader:
         value = table.pop(kind)
         if kind == "dwell":
             only(table, ("label",))
-            return Dwell(number(value, kind, least=0.0), **table)
+            return Dwell(as_number(value, kind, least=0.0), **table)
         for make, needed, others in self.ways.get(kind, ()):
             if isinstance(value, dict) and value.keys() & {*needed, *others}:
                 way = fields(value, kind, needed, others)
@@ -190,7 +180,7 @@ class _Reader:
         if "xyz" in value or not value.keys() & {*names}:
             return self._target(value, name)
         only(value, names)
-        return {joint: number(each, joint) * sizes[names.index(joint)] for joint, each in value.items()}
+        return {joint: as_number(each, joint) * sizes[names.index(joint)] for joint, each in value.items()}
 
     def _target(self, value: Any, name: str) -> Pose | Position | Approach | TolerancedPose:
         table = fields(value, name, {"xyz": vector}, self.target)

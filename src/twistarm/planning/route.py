@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import groupby, pairwise
 from typing import TYPE_CHECKING
 
@@ -24,7 +24,6 @@ from .cartesian.refusal import PathError, refusal
 from .goals import CURVED, Goals
 from .joint_path import JointPath
 from .segments import Dwell, FreeMove, JointMove, Move, Segment, place
-from .tolerances import rounding_note
 from .waypoints import UNWRAP, unwrapped
 
 if TYPE_CHECKING:
@@ -83,24 +82,20 @@ class _BlockedError(Exception):
         return self.index + self.blocked.node.s
 
 
+@dataclass(frozen=True, eq=False)
 class Router:
     """Finds the parts of a motion's path. It calls `report(k)` when k segments have theirs.
 
     A `FreeMove` goes along `free_path`, and to a target to the configuration that `scene` leaves free.
     """
 
-    def __init__(
-        self,
-        arm: Arm,
-        segments: Sequence[Segment],
-        goals: Goals,
-        report: Callable[[int], object],
-        scene: Scene | None = None,
-        free_path: FreePath | None = None,
-    ) -> None:
-        self.arm, self.segments, self.goals, self.report = arm, segments, goals, report
-        self.limits, self.scene, self.free_path = goals.limits, scene, free_path
-        self.notes: list[str] = []
+    arm: Arm
+    segments: Sequence[Segment]
+    goals: Goals
+    report: Callable[[int], object]
+    scene: Scene | None = None
+    free_path: FreePath | None = None
+    notes: list[str] = field(default_factory=list)
 
     def parts(self, origin: Array) -> list[PathPart]:
         """Return the parts from `origin` (n,) on. Raises PathError, LimitError or NotConvergedError if none exist."""
@@ -111,7 +106,7 @@ class Router:
             theta, i = parts[-1].end, parts[-1].index + 1
             self.report(i)
         still = (part for part in parts if part.path is None and isinstance(part.segment, CURVED))
-        self.notes += [f"{self._place(part.index)}: it ends where it begins, and the arm stays" for part in still]
+        self.notes.extend([f"{self._place(part.index)}: it ends where it begins, and the arm stays" for part in still])
         return parts
 
     def _next(self, i: int, theta: Array) -> list[PathPart]:
@@ -131,14 +126,12 @@ class Router:
             if len(starts):
                 start, parts = self._run(range(i + 1, after), starts, theta)
                 return [self._straight(i, theta, start), *parts]
-        end = self._unwrapped_goal(i, segment, theta)
-        self.notes += rounding_note(self.arm, segment.to, end, self._place(i), self.goals.tolerances(segment))
-        return [self._straight(i, theta, end)]
+        return [self._straight(i, theta, self._unwrapped_goal(i, segment, theta))]
 
     def _unwrapped_goal(self, i: int, segment: JointMove, theta: Array) -> Array:
         end = self.goals.configuration(segment, theta, self._place(i))
         end, notes = unwrapped(self.arm, end, theta, self._place(i), self.goals.unwrap)
-        self.notes += notes
+        self.notes.extend(notes)
         return end
 
     def _around(self, i: int, segment: FreeMove, theta: Array) -> list[PathPart]:
@@ -186,7 +179,7 @@ class Router:
             farthest = max(errors, key=lambda error: error.reached)
             tried = len(starts) > 1 and farthest.index == run[0]
             where = farthest.index, self._place(farthest.index)
-            raise refusal(self.arm, self.limits, farthest.blocked, *where, others=not tried)
+            raise refusal(self.arm, self.goals.limits, farthest.blocked, *where, others=not tried)
 
     def _by_start(
         self, run: range, starts: Array, theta: Array, options: dict[int, int]
@@ -207,7 +200,7 @@ class Router:
         self, run: range, starts: Array, theta: Array, options: dict[int, int]
     ) -> tuple[Array, list[PathPart]]:
         """Do the same by stacked ladders, with the least joint motion."""
-        moved = efforts(theta, starts, self.limits.velocity)
+        moved = efforts(theta, starts, self.goals.limits.velocity)
         ends: list[_End] = [(start, float(effort), None) for start, effort in zip(starts, moved, strict=True)]
         more: dict[int, bool] = {}
         for k in run:
@@ -217,7 +210,7 @@ class Router:
             if not roots:
                 continue
             more[k] = has_more
-            nodes = climb(self.arm, self.limits, roots)
+            nodes = climb(self.arm, self.goals.limits, roots)
             if isinstance(nodes, Blocked):
                 raise _BlockedError(k, nodes, more[k])
             ends = [(node.theta, node.cost, node) for node in nodes]

@@ -10,17 +10,7 @@ import numpy as np
 
 from ..ik.request import as_tolerance
 from ..ik.targets import KINDS, AnyTarget, Pose, one_direction, one_vector
-from ..support.checks import (
-    Array,
-    Row,
-    as_flag,
-    as_floats,
-    as_not_negative,
-    as_number,
-    as_positive,
-    frozen,
-    require_choice,
-)
+from ..support.checks import Array, Row, as_flag, as_floats, as_number, as_positive, frozen, require_choice
 from ..support.display import Brief
 from ..support.errors import InputError, shown
 
@@ -63,7 +53,7 @@ class Move(Segment):
     label: str = ""
 
     def __post_init__(self) -> None:
-        kept: dict[str, Any] = {"blend": as_not_negative(self.blend, "blend"), "label": as_label(self.label)}
+        kept: dict[str, Any] = {"blend": as_number(self.blend, "blend", 0.0), "label": as_label(self.label)}
         kept["velocity_scaling"] = as_positive(self.velocity_scaling, "velocity_scaling")
         if kept["velocity_scaling"] > 1.0:
             raise InputError(
@@ -265,7 +255,7 @@ class Dwell(Segment):
     label: str = field(default="", kw_only=True)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "seconds", as_not_negative(self.seconds, "seconds"))
+        object.__setattr__(self, "seconds", as_number(self.seconds, "seconds", 0.0))
         object.__setattr__(self, "label", as_label(self.label))
 
 

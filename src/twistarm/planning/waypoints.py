@@ -20,7 +20,6 @@ from ..support.checks import Array, RealArray, Row, as_floats, as_reals
 from ..support.errors import InputError, NotConvergedError, shown
 from ..support.messages import Argument, Quantity, Text, joined
 from .spline import scipy
-from .tolerances import rounding_note
 from .within import LONGEST, SHORTEST
 
 MERGE_TOL = 1e-6
@@ -61,7 +60,6 @@ def as_waypoints(arm: Arm, waypoints: Waypoints, met: Tolerances, unwrap: bool) 
     notes: list[str] = []
     for i, waypoint in enumerate(waypoints):
         theta = _configuration(arm, waypoint, i, points[-1] if points else arm.ready, met)
-        notes += rounding_note(arm, waypoint, theta, f"waypoint {i} (counted from 0)", met)
         if points:
             theta, said = unwrapped(arm, theta, points[-1], f"waypoint {i} (counted from 0)", unwrap)
             notes += said

@@ -10,7 +10,7 @@ from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.errors import InputError, LimitError
 from ..support.messages import Argument, Quantity, Text
-from ..support.unit_hints import theta_hint
+from ..support.units import theta_hint
 from .piecewise import derivative, extremes, largest
 from .trajectory import RATE_UNITS, Trajectory
 

@@ -1,9 +1,10 @@
-"""Checks of a caller's arguments: shape, finite numbers, orthonormal rotations."""
+"""Checks of arguments and fields: numbers, choices, names; arrays by shape; orthonormal rotations."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
+from math import inf, nan
 from typing import Any, TypeVar
 
 import numpy as np
@@ -28,6 +29,15 @@ SEEDS = 2**64
 
 NO_NUMBERS = {"c": "complex numbers", "U": "text", "S": "text"}
 """Kinds of NumPy's types, in words."""
+
+LARGEST = 1e300
+"""Numbers beyond are no quantity of this world, and sums of them overflow."""
+
+LARGEST_WHOLE = 2**53 - 1
+"""Up to here every reader's numbers are whole."""
+
+LONGEST_NUMBER = 400
+"""Characters of a written number."""
 
 LARGEST_ARRAY = 10**9
 """More along one axis is a mistake."""
@@ -72,33 +82,48 @@ def as_reals(value: Given, name: str, what: str = "an array of real numbers") ->
         raise InputError(f"{name} must be {what}; got {shown(value)} ({why})") from error
 
 
-def as_number(value: ArrayLike, name: str) -> float:
-    """`value` as one finite number."""
-    array = as_floats(value, name, "one number")
-    if array.ndim:
-        raise InputError(f"{name} must be one number; got shape {array.shape}")
-    return float(array)
+def as_number(value: Any, name: str, least: float = -LARGEST, most: float = LARGEST, unit: str = "") -> float:
+    """`value` as one number in [least, most], infinite only where these are. NaN, booleans and texts are refused."""
+    one = value.item() if isinstance(value, (np.ndarray, np.generic)) and not value.ndim else value
+    real = nan
+    if isinstance(one, (int, float)) and not isinstance(one, bool):
+        with suppress(OverflowError):  # an integer may be beyond the floats
+            real = float(one)
+    return _within(real, value, name, least, most, unit)
 
 
-def as_positive(value: ArrayLike, name: str) -> float:
-    """`value` as one finite number above 0."""
-    number = 0.0
-    with suppress(InputError):
-        number = as_number(value, name)
-    if not number > 0.0:
-        raise InputError(f"{name} must be a positive number; got {shown(value)}")
-    return number
+def number_in(text: str, name: str, least: float = -LARGEST, most: float = LARGEST, unit: str = "") -> float:
+    """The number that a text of XML or CSV holds, as `as_number`.
+
+    Python's 1_000 and digits of other scripts, which other readers refuse, are refused.
+    """
+    real = nan
+    if text.isascii() and "_" not in text and len(text) <= LONGEST_NUMBER:
+        with suppress(ValueError):
+            real = float(text)
+    return _within(real, text, name, least, most, unit)
 
 
-def as_not_negative(value: ArrayLike, name: str) -> float:
-    """`value` as one finite number, 0 or more."""
-    number = as_number(value, name)
-    if number < 0.0:
-        raise InputError(f"{name} must be 0 or more; got {shown(value)}")
-    return number
+def _within(real: float, given: Any, name: str, least: float, most: float, unit: str) -> float:
+    if least <= real <= most:  # False for NaN
+        return real
+    low, high = least > -LARGEST, most < LARGEST
+    size = f" from {least:g} to {most:g}" if low and high else f", {least:g} or more" if low else ""
+    size = f", {most:g} or less" if high and not low else size
+    kind = "a number" if least == -inf or most == inf else "a finite number"
+    point = "; decimals have a point" if isinstance(given, str) and given.count(",") == 1 else ""
+    raise InputError(f"{name} must be {kind}{size}{unit and f' [{unit}]'}; got {shown(given)}{point}")
 
 
-def as_whole(value: Any, name: str, least: int, most: int) -> int:
+def as_positive(value: Any, name: str, most: float = LARGEST, unit: str = "") -> float:
+    """`value` as one number above 0."""
+    real = as_number(value, name, -LARGEST, most, unit)
+    if real <= 0.0:
+        raise InputError(f"{name} must be above 0; got {shown(value)}")
+    return real
+
+
+def as_whole(value: Any, name: str, least: int = 0, most: int = LARGEST_WHOLE) -> int:
     """`value` as a whole number in [least, most]."""
     if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or not least <= value <= most:
         raise InputError(f"{name} must be a whole number, at least {least}, at most {most}; got {shown(value)}")
@@ -143,8 +168,8 @@ def require(value: Any, kind: type[T], name: str, how: str) -> T:
 def require_choice(value: Any, choices: Collection[str], name: str) -> str:
     """`value`, or InputError if it is not one of the texts `choices`."""
     if not isinstance(value, str) or value not in choices:
-        *others, last = map(repr, choices)
-        raise InputError(f"{name} must be {', '.join(others)} or {last}; got {shown(value)}{closest(value, choices)}")
+        allowed = " or ".join(", ".join(map(repr, choices)).rsplit(", ", 1))
+        raise InputError(f"{name} must be {allowed}; got {shown(value)}{closest(value, choices)}")
     return value
 
 

@@ -12,8 +12,8 @@ from itertools import chain
 from math import isfinite
 from typing import BinaryIO, NamedTuple
 
+from .checks import number_in
 from .errors import InputError
-from .fields import number_in
 from .files import as_path, open_regular, why_no_file
 
 MAX_LINE = 100_000

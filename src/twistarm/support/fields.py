@@ -7,26 +7,18 @@ is allowed and what was given. `inside` adds the file and the place in it.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
-from math import inf, nan
+from contextlib import contextmanager
+from math import inf
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .checks import as_number, require_choice
 from .errors import InputError, TwistarmError, closest, listed, shown
 
 Check = Callable[[Any, str], Any]
 """What a field may hold: it makes of the value, and the field's name for errors, what the field means."""
-
-LARGEST = 1e300
-"""Numbers beyond are no quantity of this world, and sums of them overflow."""
-
-LARGEST_WHOLE = 2**53 - 1
-"""Up to here every reader's numbers are whole."""
-
-LONGEST_NUMBER = 400
-"""Characters of a written number."""
 
 
 @contextmanager
@@ -85,79 +77,19 @@ def list_of(check: Check, least: int = 0, most: float = inf) -> Check:
 
 def one_of(words: Sequence[str]) -> Check:
     """The check of a choice."""
-
-    def choice(value: Any, name: str) -> str:
-        if not isinstance(value, str) or value not in words:
-            raise InputError(f"{name} must be one of {listed(words)}; got {shown(value)}{closest(value, words)}")
-        return value
-
-    return choice
-
-
-def number(value: Any, name: str, least: float = -LARGEST, most: float = LARGEST, unit: str = "") -> float:
-    """A number in [least, most], which is infinite only where these are. NaN, booleans and texts are refused."""
-    real = nan
-    if isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool):
-        with suppress(OverflowError):  # an integer may be beyond the floats
-            real = float(value)
-    return _within(real, value, name, least, most, unit)
-
-
-def number_in(text: str, name: str, least: float = -LARGEST, most: float = LARGEST, unit: str = "") -> float:
-    """The number that a text of XML or CSV holds, as `number`.
-
-    Python's 1_000 and digits of other scripts, which other readers refuse, are refused.
-    """
-    real = nan
-    if text.isascii() and "_" not in text and len(text) <= LONGEST_NUMBER:
-        with suppress(ValueError):
-            real = float(text)
-    return _within(real, text, name, least, most, unit)
-
-
-def _within(real: float, given: Any, name: str, least: float, most: float, unit: str) -> float:
-    if least <= real <= most:  # False for NaN
-        return real
-    low, high = least > -LARGEST, most < LARGEST
-    size = f" from {least:g} to {most:g}" if low and high else f", {least:g} or more" if low else ""
-    size = f", {most:g} or less" if high and not low else size
-    kind = "a number" if least == -inf or most == inf else "a finite number"
-    point = "; decimals have a point" if isinstance(given, str) and given.count(",") == 1 else ""
-    raise InputError(f"{name} must be {kind}{size}{unit and f' [{unit}]'}; got {shown(given)}{point}")
-
-
-def positive(value: Any, name: str, most: float = LARGEST, unit: str = "") -> float:
-    """A number above 0."""
-    real = number(value, name, 0.0, most, unit)
-    if real == 0.0:
-        raise InputError(f"{name} must be above 0; got {shown(value)}")
-    return real
+    return lambda value, name: require_choice(value, words, name)
 
 
 def numbers(value: Any, name: str, size: int | None = None, **bounds: Any) -> list[float]:
     """A list of numbers, `size` of them if given, each as `number` with these bounds."""
     if not isinstance(value, (list, tuple)) or (size is not None and len(value) != size):
         raise InputError(f"{name} must be a list of {'' if size is None else f'{size} '}numbers; got {shown(value)}")
-    return [number(each, f"{name}[{k}]", **bounds) for k, each in enumerate(value)]
+    return [as_number(each, f"{name}[{k}]", **bounds) for k, each in enumerate(value)]
 
 
 def vector(value: Any, name: str, size: int = 3) -> NDArray[np.float64]:
     """A list of `size` numbers as an array (size,)."""
     return np.array(numbers(value, name, size))
-
-
-def whole(value: Any, name: str, least: int = 0, most: int = LARGEST_WHOLE) -> int:
-    """A whole number in [least, most]."""
-    if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
-        raise InputError(f"{name} must be a whole number from {least} to {most}; got {shown(value)}")
-    return value
-
-
-def flag(value: Any, name: str) -> bool:
-    """True or false."""
-    if not isinstance(value, bool):
-        raise InputError(f"{name} must be true or false; got {shown(value)}")
-    return value
 
 
 def text(value: Any, name: str) -> str:

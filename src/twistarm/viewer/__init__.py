@@ -1,8 +1,7 @@
 """The view: an arm in the browser, live, in a saved page or a picture. Meshcat draws it."""
 
 from .draw import Draw
-from .files.inline import Inline
-from .files.page_export import page_html, save_html
+from .files.page_export import Inline, page_html, save_html
 from .files.screenshot import save_png
 from .parts.controls import Control
 from .viewer import Viewer

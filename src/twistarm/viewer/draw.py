@@ -13,8 +13,7 @@ from ..support.checks import Array, as_floats, as_pose, as_positive, require_one
 from ..support.errors import InputError, shown
 from .protocol.messages import LARGEST_VALUE, Message, as_name
 from .scene import drawing
-from .scene.drawing import BLUE, Colour
-from .scene.nodes import drawn_path
+from .scene.drawing import BLUE, Colour, drawn_path
 
 MOST_ROWS = 200_000
 """Most points or triangles of one drawing. More would hold up the pages."""

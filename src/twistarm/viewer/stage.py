@@ -13,27 +13,22 @@ from ..arm.arm import Arm
 from ..collision import Scene
 from ..limits.joint_limits import unit_of
 from ..support.errors import unknown_name
+from .parts.arm_data import checked_theta, describe_arm, extra_joints, require_all_inside, require_inside, rest
 from .parts.collisions import Collisions
 from .parts.controls import Controls
 from .parts.findings import loaded
-from .parts.gauge import Gauge
 from .parts.keeping import Keeping
-from .parts.limit_checks import checked_theta, require_all_inside, require_inside
-from .parts.part import Part, Route, Show
 from .parts.player import Player
 from .parts.pose_list import LeftOut
 from .parts.program import Program
 from .parts.reach import Reach
-from .parts.servo_words import SILENT
-from .parts.solutions import Choices, Solutions
-from .parts.summary import describe_arm, extra_joints, rest
-from .parts.target import TargetPart
+from .parts.servo import Gauge
+from .parts.show import NO_REPORT, Part, Route, Show
+from .parts.target import Choices, Solutions, TargetPart
 from .parts.theory import Theory
-from .protocol.change_publisher import Source
 from .protocol.jobs import Job
-from .protocol.messages import Message, PageRequest
-from .scene.kinematics import kinematics
-from .scene.placement import Placement
+from .protocol.messages import Message, PageRequest, Source
+from .scene.kinematics import Placement, kinematics
 
 
 class Stage(Show):
@@ -68,7 +63,7 @@ class Stage(Show):
         )
         self.left: tuple[LeftOut, ...] = ()
         self.jogging = False
-        self.report: dict[str, Any] = SILENT
+        self.report: dict[str, Any] = NO_REPORT
         self._routes = {
             "theta": Route(_show_theta, moves=True),
             "joint": Route(_move_joint),
@@ -121,7 +116,7 @@ class Stage(Show):
         """Keep the servo's report. None: the servo has ended."""
         self.driven = report is not None
         self.jogging = self.jogging and self.driven
-        self.report = SILENT if report is None else dict(report)
+        self.report = NO_REPORT if report is None else dict(report)
 
     def set_visible(self, what: str, visible: bool) -> None:
         """Switch a layer of every page, which may then switch its own."""

@@ -12,10 +12,8 @@ from ..planning.within import require_within
 from ..support.checks import Array
 from ..support.errors import LimitError, listed
 from ..sweeps.voxel_map import digest_of
-from .parts.limit_checks import LIMIT_TOL
+from .parts.arm_data import LIMIT_TOL, extra_joints, tool_path
 from .parts.pose_list import LeftOut, collecting_refusals
-from .parts.summary import extra_joints
-from .parts.tool_path import tool_path
 from .stage import Stage
 
 

@@ -25,16 +25,14 @@ from ..support.files import writable, write_whole
 from ..support.interrupts import Closeable
 from ..sweeps import ReachMap
 from .draw import Draw
-from .files.inline import HEIGHT, Inline
-from .files.page_export import stand_alone
+from .files.page_export import HEIGHT, Inline, stand_alone
 from .files.scene_snapshot import SceneSnapshot, on_show
 from .files.screenshot import write_picture
+from .parts.arm_data import NO_PATH, check_trajectory, checked_theta, tool_path
 from .parts.controls import Control, V
-from .parts.limit_checks import check_trajectory, checked_theta
 from .parts.reach import drawing
-from .parts.servo_words import servo_words
-from .parts.solutions import choices_of
-from .parts.tool_path import NO_PATH, tool_path
+from .parts.servo import servo_words
+from .parts.target import choices_of
 from .protocol.messages import LARGEST_VALUE, Message, as_name
 from .scene.arm_drawing import Drawing
 from .scene.drawing import require_meshcat

@@ -38,10 +38,10 @@ template <class T, int N> struct servo_bounds {
 };
 
 /// Tool rates by levels: which components of the twist, in tool or in base axes, go before which others. Of those
-/// that are held the first level consists.
+/// that are held the first level consists; `holds` says whether there are any.
 struct servo_levels {
     int count, size[3], component[3][6];
-    bool firm, held[6];
+    bool holds, held[6];
 };
 
 namespace servo_detail {
@@ -59,14 +59,14 @@ template <class T> constexpr T missed = T(0.1);                // of the twist: 
 template <class T> constexpr T tilt = T(0.1);                  // leads toward the ready pose off any singularity
 template <class T> constexpr T nothing = T(sizeof(T) == 8 ? 1e-12 : 1e-6);   // slower scaled rates are rounding
 template <class T> constexpr T rounded_off = T(sizeof(T) == 8 ? 1e-4 : 1e-3);   // of the twist: a norm's tip
-template <class T> constexpr T settled = T(sizeof(T) == 8 ? 1e-6 : 1e-4);    // of the rates: a smaller change is none
+template <class T> constexpr T unchanged = T(sizeof(T) == 8 ? 1e-6 : 1e-4);    // of the rates: a smaller change is none
 template <class T> constexpr T left_behind = T(0.055);        // what a singular value on its way up counts as: √(τ V) for V = 0.1
 template <class T> constexpr T equally = T(1e-6);             // of a unit motion: joints that move so nearly alike move alike
 template <class T> constexpr T firmness = T(sizeof(T) == 8 ? 1e6 : 1e3);      // the weight of what is held, [s]
 template <class T> constexpr T as_good_as_none = T(2e-4);     // a smaller singular value may be left to either side
 template <class T> constexpr T more_room = T(0.1);            // [scaled rad]: a way out is taken for its room where it ends so much farther off
 template <class T> constexpr T no_share = T(1e-3);            // of a unit motion: a joint that moves less does not count
-template <class T> constexpr T calm_below = T(0.1);          // what turns a held direction is damped by τ times the square of this over σ
+template <class T> constexpr T held_damping_below = T(0.1);  // what turns a held direction is damped by τ times the square of this over σ
 template <class T> constexpr T no_way = T(1e-5);              // of the rows beside a posture: what is shorter is none
 constexpr int most_rounds = 50;
 constexpr int five = 5;  // joints from which on singularities are the whole twist's
@@ -98,27 +98,29 @@ template <class T, int N, int M> struct rate_solver {
     const held_rows<T>& held;
     bool base_axes;
     T damping, posture[most];
-    six_rows<T, N> J, led, firm;  // led: J as it will be; firm, if `turned`: J where held directions count as whole
-    direction<T, N> found[6];
-    T calm[most][most];  // what is damped beside τ, where `turned`
-    bool turned;   // whether any held direction is nearly lost
-    int rank;     // how many of them
-    T turning;    // 0 … 1: how far the tool may turn as it will, on its course out of a singular position
-    bool placed;  // whether they are those of the position
+    six_rows<T, N> J, rows_leaving;  // rows_leaving: J as it will be, on the way out of a singularity
+    direction<T, N> found[6];        // the tool's directions, the strongest first
+    int rank = 0;                    // how many of them
+    bool of_position = false;        // whether they are those of the position alone
+    T turning = T(0);                // 0 … 1: how far the tool may turn as it will, on its course out of a singular position
+    bool held_nearly_lost = false;   // whether any held direction is nearly lost, which gives the next two a meaning
+    six_rows<T, N> rows_held;        // J where held directions count as whole
+    T held_damping[most][most];      // what is damped beside τ
 
     int n() const { return arm.coordinates(); }
 
     rate_solver(const chain<T, N, M>& arm_, const servo_bounds<T, N>& bounds_, const servo_levels& levels_,
                 const held_rows<T>& held_, bool base, const T* theta, T period)
-        : arm(arm_), bounds(bounds_), levels(levels_), held(held_), base_axes(base), damping(greatest(bounds_.damping, steps_damped<T> * period)), turned(false), rank(0), turning(T(0)), placed(false) {
+        : arm(arm_), bounds(bounds_), levels(levels_), held(held_), base_axes(base),
+          damping(greatest(bounds_.damping, steps_damped<T> * period)) {
         for (int k = 0; k < n(); ++k) posture[k] = theta[k];
         jacobian(posture, J);
-        copy(J, led);
-        if (levels.firm) hold_firmly();
+        copy(J, rows_leaving);
+        if (levels.holds) hold_nearly_lost();
     }
 
     /// Held directions that this posture nearly lacks count as whole: what moves them is as good as fixed, here and beside.
-    void hold_firmly() {
+    void hold_nearly_lost() {
         six_rows<T, N> rows;
         const int count = levels.size[0];
         for (int i = 0; i < count; ++i)
@@ -128,7 +130,7 @@ template <class T, int N, int M> struct rate_solver {
         for (int d = 0; d < rank; ++d)
             if (found[d].sigma < left_behind<T>) fix(found[d]);
         rank = 0;
-        if (turned) copy(led, firm);
+        if (held_nearly_lost) copy(rows_leaving, rows_held);
     }
 
     /// Fixes a held direction. Its joint motion v turns by (∂J/∂x)ᵀ u / σ: by the square of what is left that is
@@ -136,7 +138,7 @@ template <class T, int N, int M> struct rate_solver {
     void fix(const direction<T, N>& held) {
         if (!(norm(held.v, n()) > T(0))) return;
         for (int i = 0; i < 6; ++i)
-            for (int k = 0; k < n(); ++k) led[i][k] += (left_behind<T> - held.sigma) * held.u[i] * held.v[k];
+            for (int k = 0; k < n(); ++k) rows_leaving[i][k] += (left_behind<T> - held.sigma) * held.u[i] * held.v[k];
         T turns[most][most];
         for (int j = 0; j < n(); ++j) {
             six_rows<T, N> there;
@@ -148,14 +150,14 @@ template <class T, int N, int M> struct rate_solver {
                 for (int i = 0; i < 6; ++i) turns[k][j] += held.u[i] * (there[i][k] - J[i][k]) / difference<T>;
             }
         }
-        const T here = calm_below<T> / greatest(held.sigma, difference<T>), whole = calm_below<T> / left_behind<T>;
+        const T here = held_damping_below<T> / greatest(held.sigma, difference<T>), whole = held_damping_below<T> / left_behind<T>;
         const T heavy = damping * (here * here - whole * whole);
         for (int a = 0; a < n(); ++a)
             for (int b = 0; b <= a; ++b) {
-                if (!turned) calm[a][b] = T(0);
-                for (int k = 0; k < n(); ++k) calm[a][b] += heavy * turns[k][a] * turns[k][b];
+                if (!held_nearly_lost) held_damping[a][b] = T(0);
+                for (int k = 0; k < n(); ++k) held_damping[a][b] += heavy * turns[k][a] * turns[k][b];
             }
-        turned = true;
+        held_nearly_lost = true;
     }
 
     void copy(const six_rows<T, N>& from, six_rows<T, N>& to) const {
@@ -278,7 +280,7 @@ template <class T, int N, int M> struct rate_solver {
         const T enough = greatest(bounds.below, left_behind<T>), size = norm(asked, 6);
         if (!position && !(smallest_about<T, N>(J, 6, n()) < enough)) return false;
         decompose({true, true, true, !position, !position, !position}, position ? 3 : 6);
-        placed = position;
+        of_position = position;
         const T much = clamped(lost / missed<T> - T(1), T(0), T(1));
         for (int d = 0; d < rank; ++d) {
             direction<T, N>& along = found[d];
@@ -393,13 +395,13 @@ template <class T, int N, int M> struct rate_solver {
 
     /// The rows as they will be.
     void lead() {
-        copy(turned ? firm : J, led);
+        copy(held_nearly_lost ? rows_held : J, rows_leaving);
         turning = T(0);
-        for (int d = 0; bounds.stops && placed && d < rank; ++d) turning = greatest(turning, found[d].leaving);
+        for (int d = 0; bounds.stops && of_position && d < rank; ++d) turning = greatest(turning, found[d].leaving);
         for (int d = 0; d < rank; ++d)
             for (int i = 0; i < 6; ++i)
                 for (int k = 0; k < n() && !levels.held[i]; ++k)
-                    led[i][k] += found[d].leaving * (found[d].edge - found[d].sigma) * found[d].u[i] * found[d].v[k];
+                    rows_leaving[i][k] += found[d].leaving * (found[d].edge - found[d].sigma) * found[d].u[i] * found[d].v[k];
     }
 
     /// Of what is lost (6,) the square of the part along singular directions, and the first of the joints that move most
@@ -459,7 +461,7 @@ template <class T, int N, int M> struct rate_solver {
         T done[6], along = T(0);
         const T size = norm(asked, count);
         for (int i = 0; i < count; ++i) {
-            done[i] = times(led, i, x);
+            done[i] = times(rows_leaving, i, x);
             along += done[i] * asked[i];
         }
         along = clamped(along / greatest(size * size, nothing<T> * nothing<T>), T(0), T(1));
@@ -494,7 +496,7 @@ template <class T, int N, int M> struct rate_solver {
                 change = greatest(change, absolute(x[k] - before[k]));
                 size = greatest(size, absolute(x[k]));
             }
-            if (change <= settled<T> * size) return;
+            if (change <= unchanged<T> * size) return;
         }
     }
 
@@ -512,7 +514,7 @@ template <class T, int N, int M> struct rate_solver {
     void begin(T (&H)[most][most], T* r) const {
         for (int a = 0; a < n(); ++a) {
             r[a] = T(0);
-            for (int b = 0; b <= a; ++b) H[a][b] = (a == b ? damping : T(0)) + (turned ? calm[a][b] : T(0));
+            for (int b = 0; b <= a; ++b) H[a][b] = (a == b ? damping : T(0)) + (held_nearly_lost ? held_damping[a][b] : T(0));
         }
     }
     /// Adds what a level that counts so much wants.
@@ -520,9 +522,9 @@ template <class T, int N, int M> struct rate_solver {
         for (int i = 0; i < levels.size[level]; ++i) {
             const int c = levels.component[level][i];
             for (int a = 0; a < n(); ++a) {
-                const T heavy = counts * led[c][a];
+                const T heavy = counts * rows_leaving[c][a];
                 r[a] += heavy * asked[c];
-                for (int b = 0; b <= a; ++b) H[a][b] += heavy * led[c][b];
+                for (int b = 0; b <= a; ++b) H[a][b] += heavy * rows_leaving[c][b];
             }
         }
     }
@@ -543,14 +545,14 @@ template <class T, int N, int M> struct rate_solver {
         begin(H, r);
         if (bounds.stops) undamp(H);
         T left[6];
-        rest(led, asked, x, left);
+        rest(rows_leaving, asked, x, left);
         for (int level = 0; level < levels.count; ++level) {
             T square = tip * tip;
             for (int i = 0; i < levels.size[level]; ++i) {
                 const T part = left[levels.component[level][i]];
                 square += part * part;
             }
-            T counts = level == 0 && levels.firm ? firmness<T> : weight_of(level) / sqrt(square);
+            T counts = level == 0 && levels.holds ? firmness<T> : weight_of(level) / sqrt(square);
             if (level > 0 && levels.component[level][0] >= 3) counts *= T(1) - turning;
             press(level, counts, asked, H, r);
         }

@@ -158,7 +158,7 @@ inline servo_levels levels_of(const bool* held) {
     };
     for (int k = 0; k < 6; ++k) levels.held[k] = held[k];
     add(0, 6, true);
-    levels.firm = levels.count > 0;
+    levels.holds = levels.count > 0;
     add(0, 3, false);
     add(3, 6, false);
     return levels;
@@ -447,7 +447,7 @@ template <class T, int N, int M> struct servo {
         free_rates(solver, asked, x);
         solver.rest(solver.J, asked, x, left);
         const T size = greatest(norm(asked, 6), nothing<T>), lost = norm(left, 6) / size;
-        const bool steady = command.kind == servo_kind::twist && command.base_axes && !solver.levels.firm;
+        const bool steady = command.kind == servo_kind::twist && command.base_axes && !solver.levels.holds;
         if (lost > missed<T> && solver.look_beside(asked, left, lost, steady)) {
             int joint = -1;
             if (solver.singular_part(left, joint) > T(noticed) * size * size) blame(servo_cause::singularity, joint);
@@ -456,15 +456,15 @@ template <class T, int N, int M> struct servo {
         }
         for (int k = 0; k < n(); ++k) rates[k] = x[k] * bounds.unit[k];
         T share = velocity_share(bounds.motion, rates, row);
-        T calm = T(1), lower[capacity(N)], upper[capacity(N)];
+        T followable = T(1), lower[capacity(N)], upper[capacity(N)];
         unbounded(lower, upper);
-        if (solver.levels.firm && may_bend(solver, x, rates)) calm = followed(solver, asked, lower, upper, x);
-        if (calm < share) {
-            share = calm;
+        if (solver.levels.holds && may_bend(solver, x, rates)) followable = followable_share(solver, asked, lower, upper, x);
+        if (followable < share) {
+            share = followable;
             if (out.cause == servo_cause::none && share < T(1 - noticed)) blame(servo_cause::singularity, -1);
         } else if (share < T(1)) blame(servo_cause::velocity, row);
         for (int k = 0; k < n(); ++k) rates[k] *= share;
-        const position_bounds<T, N> room(bounds.motion, state.theta, rates, dt, state.period, solver.levels.firm);
+        const position_bounds<T, N> room(bounds.motion, state.theta, rates, dt, state.period, solver.levels.holds);
         if (!(share < T(1)) && !bounds.stops && !(room.over(rates, n(), worst) > nothing<T>) &&
             !(too_close(room, rates, worst) > nothing<T>))
             return share;
@@ -529,7 +529,7 @@ template <class T, int N, int M> struct servo {
 
     /// The share of what is asked at which the joints can keep to its course: with x the rates for all of it and x' how
     /// they change on the way, s² x' takes at most a quarter of the accelerations; a twelfth where something is held.
-    T followed(const rate_solver<T, N, M>& solver, const T* asked, const T* lower, const T* upper, const T* x) {
+    T followable_share(const rate_solver<T, N, M>& solver, const T* asked, const T* lower, const T* upper, const T* x) {
         const T size = norm(x, n());
         if (!(size > nothing<T>)) return T(1);
         T farther[capacity(N)], then[capacity(N)];
@@ -540,7 +540,7 @@ template <class T, int N, int M> struct servo {
         }
         rate_solver<T, N, M> ahead(arm, bounds, solver.levels, solver.held, solver.base_axes, farther, state.period);
         ahead.leave_as(solver);
-        const auto taken = [&] { return (solver.levels.firm ? T(12) : T(4)) * time_to_change(x, then, size); };
+        const auto taken = [&] { return (solver.levels.holds ? T(12) : T(4)) * time_to_change(x, then, size); };
         ahead.go_on(asked, lower, upper, 1, at, then);
         if (!(one_round<T> * taken() > T(1))) return T(1);
         ahead.go_on(asked, lower, upper, most_rounds, at, then);
@@ -566,7 +566,7 @@ template <class T, int N, int M> struct servo {
     /// Slows what is asked until the rates x do it without leaving its course: by halves, the largest share that does.
     void hold_course(const rate_solver<T, N, M>& solver, const T* asked, const T* lower, const T* upper,
                      sides<capacity(N)>& at, T* x, half_spaces<T, capacity(N)>* apart) {
-        T kept = T(0), slower[6], step = followed(solver, asked, lower, upper, x);
+        T kept = T(0), slower[6], step = followable_share(solver, asked, lower, upper, x);
         for (bool first = true; step > T(1e-6); first = false) {
             for (int i = 0; i < 6; ++i) slower[i] = (kept + step) * asked[i];
             solver(slower, lower, upper, at, x, apart);

@@ -10,7 +10,7 @@ from twistarm import Arm, InputError
 from twistarm.arm.usual_limits import usually_limited
 from twistarm.control.servo import AnyCommand
 from twistarm.control.stream import Cycle, Ending, Setpoint, command_of
-from twistarm.control.stream.links.messages import values_by_name
+from twistarm.control.stream.messages import values_by_name
 from twistarm.control.stream.report import Tally
 from twistarm.support.checks import Array
 from twistarm.support.errors import listed

@@ -1,11 +1,12 @@
-"""Arms built joint by joint in Python from the six lower pairs. They are read and proven like an arm from a file."""
+"""Arms made in Python: from their screws, or joint by joint from the six lower pairs."""
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +20,14 @@ from ...description.packages import PackageIndex
 from ...description.urdf import build_description
 from ...description.writing import add_joint, add_mimic
 from ...limits.joint_limits import JointLimits
-from ...support.checks import Array, as_pose, frozen, require_one
+from ...support.checks import Array, as_floats, as_number, as_pose, as_positive, frozen, require_names, require_one
 from ...support.errors import InputError, shown
-from ...support.fields import fields, inside, number, positive
+from ...support.fields import fields, inside
 from ...theory import joints
+from ...theory.lower_pairs import lower_pairs
 from ...theory.screws import inverse, to_screw
 from ..arm import Arm
+from ..arm_data import Coupling
 from .load import assemble, proven
 
 BASE = "base"
@@ -33,7 +36,7 @@ BASE = "base"
 UNIT = 1e-12
 """Largest rounding of a unit twist, and of the pitch of a revolute one for each metre of reach."""
 
-_BOUND, _RATE = partial(number, least=-np.inf, most=np.inf), partial(positive, most=np.inf)
+_BOUND, _RATE = partial(as_number, least=-np.inf, most=np.inf), partial(as_positive, most=np.inf)
 LIMITS = {"lower": _BOUND, "upper": _BOUND, "velocity": _RATE, "effort": _RATE}
 """The limits of a joint and their checks."""
 
@@ -60,7 +63,7 @@ class _Row:
         with inside(f"joint {self.name!r}"):
             object.__setattr__(self, "axis", joints.revolute(self.axis, self.point)[3:, 0])
             self.frame[:3, :3], self.frame[:3, 3] = self.turned, self.point
-            number(float(np.abs(self.frame[:3, 3]).max()), "point", most=LARGEST, unit="m")
+            as_number(float(np.abs(self.frame[:3, 3]).max()), "point", most=LARGEST, unit="m")
             given = {name: limit for name, limit in self.limits.items() if limit is not None}
             limits = dict.fromkeys(LIMITS, np.inf) | {"lower": -np.inf} | fields(given, "", {}, LIMITS)
             lower, upper = limits["lower"], limits["upper"]
@@ -130,7 +133,7 @@ class ArmBuilder:
             **limits: Some of `lower`, `upper`, `velocity` and `effort`, in SI units.
         """
         with inside(f"joint {_checked(name)!r}"):
-            advance = number(pitch, "pitch", -LARGEST, LARGEST)
+            advance = as_number(pitch, "pitch", -LARGEST, LARGEST)
         slide = _Row(f"{name}_z", "prismatic", axis, point, master=name, multiplier=advance)
         return self._with(_Row(name, "revolute", axis, point, limits), slide)
 
@@ -192,7 +195,7 @@ class ArmBuilder:
         if self._home is not None:
             raise InputError(f"the tool {self._tool!r} is given already; give it once")
         g = require_one(as_pose(home, "home"), "home", 2)
-        number(float(np.abs(g[:3, 3]).max()), "home", most=LARGEST, unit="m")
+        as_number(float(np.abs(g[:3, 3]).max()), "home", most=LARGEST, unit="m")
         return replace(self, _home=frozen(g), _tool=name)
 
     def urdf(self) -> str:
@@ -267,3 +270,66 @@ def _checked(name: object, what: str = "a joint's name") -> str:
     if not isinstance(name, str) or not name.strip() or not name.isprintable():
         raise InputError(f"{what} must be a text of printable characters; got {shown(name)}")
     return name
+
+
+def arm_from_screws(
+    screws: ArrayLike,
+    home: ArrayLike,
+    *,
+    joints: Sequence[str] | None = None,
+    limits: JointLimits | Mapping[str, Any] | None = None,
+    name: str = "arm",
+) -> Arm:
+    """An arm from its space twists (6, n) and home pose (4, 4), both at theta = 0; MLS §3.2.2.
+
+    Columns with w = 0 are prismatic [m]. The others turn [rad]: revolute, or helical with a pitch.
+
+    Args:
+        screws: Space twists (6, n), (v, w) in each column, linear part first.
+        home: The tool's pose g_st(0) (4, 4), seen from the base.
+        joints: The n joint names; by default joint1, joint2 and so on.
+        limits: A `JointLimits`, or a mapping as in `load_arm`; by default unbounded.
+        name: The arm's name.
+
+    Returns:
+        The `Arm`, without a description and so without a Pinocchio model.
+
+    Raises:
+        InputError: A wrong shape, a zero column, a pose that is not in SE(3), or names that do not fit.
+    """
+    xi = as_floats(screws, "screws")
+    if xi.ndim != 2 or xi.shape[0] != 6 or xi.shape[1] == 0:
+        raise InputError(f"screws must have shape (6, n), one column per joint; got {xi.shape}")
+    n = xi.shape[1]
+    names = tuple(f"joint{i + 1}" for i in range(n)) if joints is None else require_names(joints, "joints")
+    if len(names) != n or len(set(names)) != n:
+        raise InputError(f"joints must be {n} different names, one per column of screws; got {list(names)}")
+    if not (np.abs(xi).max(axis=0) > 0).all():
+        raise InputError("screws must not have a zero column: it moves nothing")
+    g = require_one(as_pose(home, "home"), "home", 2)
+    limits = {} if limits is None else limits
+    if isinstance(limits, JointLimits) and limits.lower.size != n:
+        raise InputError(f"limits must be those of {n} joints; got {limits.lower.size}")
+    return Arm(
+        name=name,
+        source="screws",
+        base="base",
+        tip="tool",
+        joint_names=names,
+        joint_types=tuple(lower_pairs(twist[:, None], np.eye(1))[0].kind for twist in xi.T),
+        screws=xi,
+        home=g,
+        coupling=Coupling(np.eye(n), np.zeros(n)),
+        limits=limits if isinstance(limits, JointLimits) else JointLimits.unbounded(n).with_(limits, names),
+        reach=_reach(xi, g[:3, 3]) or 1.0,
+    )
+
+
+def _reach(xi: Array, tool: Array) -> float:
+    """Distances between successive axes of turns, each point nearest to the one before, out to the tool's origin."""
+    path: list[Array] = []
+    for screw in map(to_screw, xi.T):
+        if np.isfinite(screw.pitch):
+            near = path[-1] if path else tool
+            path.append(screw.point + screw.axis * (screw.axis @ (near - screw.point)))
+    return float(sum(np.linalg.norm(b - a) for a, b in pairwise([*path, tool])))

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from ...description.companions.data_files import toml_key, toml_text
 from ...description.companions.srdf import files_beside
-from ...description.companions.toml_entries import toml_key, toml_text
 from ...description.document import existing_file
 from ...description.expansion.expand import expand_xacro, is_xacro
 from ...description.packages import package_index

@@ -14,8 +14,7 @@ import numpy as np
 from ...description import catalog
 from ...description.chain import walk_chain
 from ...description.companions.arm_file import ArmSpecification, Tool, read_arm_file, read_table_file
-from ...description.companions.arm_group import ArmGroup, arm_groups
-from ...description.companions.srdf import note_names, path_from, read_srdf, srdf_beside
+from ...description.companions.srdf import ArmGroup, arm_groups, note_names, path_from, read_srdf, srdf_beside
 from ...description.document import Reading
 from ...description.findings import Finding, Place, finding, refusal
 from ...description.packages import PackageIndex, package_names, variable_names

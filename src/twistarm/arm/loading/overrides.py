@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from ...description.chain import Affine
 from ...description.companions.arm_file import ArmSpecification, Motor
 from ...description.companions.joint_limits import read_joint_limits
-from ...description.coupling import Affine
 from ...description.findings import Finding, Place, finding, refusal
 from ...description.semantics import Semantics
 from ...limits.actuators import Actuators

@@ -10,12 +10,11 @@ from typing import Any
 from ...arm.abilities import Abilities, abilities_of
 from ...arm.arm import Arm
 from ...arm.loading.load import assemble, proven, read, specify
-from ...description.coupling import resolve_couplings
+from ...description.chain import resolve_couplings
 from ...description.findings import Finding, Place, finding
 from ...description.tree import Description
 from ...support.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
 from ...support.files import as_path
-from .meshes import check_meshes
 from .motions import (
     check_abilities,
     check_axes,
@@ -27,7 +26,7 @@ from .motions import (
     check_without_effect,
     check_zero,
 )
-from .numbers import check_inertias, check_limits, check_mimics
+from .numbers import check_inertias, check_limits, check_meshes, check_mimics
 
 _ORDER = ("error", "warning", "info")
 

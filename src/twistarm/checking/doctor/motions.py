@@ -8,20 +8,13 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from ...arm.abilities import Abilities
-from ...arm.almost_exact import (
-    ALMOST_ANGLE,
-    EXACT_ANGLE,
-    ORIENTATION_ROUNDING,
-    POSITION_ROUNDING,
-    almost_exact,
-    length_in_words,
-)
+from ...arm.almost_exact import ALMOST_ANGLE, EXACT_ANGLE, almost_exact, length_in_words
 from ...arm.arm import Arm
 from ...arm.pinocchio_model import why_no_pinocchio
 from ...collision import Scene
 from ...collision.allowed_pairs import ALWAYS
 from ...collision.survey import collision_shares
-from ...description.companions.toml_entries import toml_key
+from ...description.companions.data_files import toml_key
 from ...description.findings import Finding, Place, finding
 from ...description.source_text import SourceText
 from ...description.tips.link_names import tool_rank
@@ -33,10 +26,7 @@ from ...support.directions import axis_in_words, direction_in_words
 from ...support.errors import listed, one_line
 from ...support.messages import Argument, Text, plural
 from ...theory.manipulability import scaled_jacobian
-from .numbers import OTHER, SHOWN, grouped
-
-LONGEST_REACH = 20.0
-"""[m]; in millimetres every arm is longer."""
+from .numbers import LONGEST_REACH, OTHER, SHOWN, grouped
 
 SINGULAR = 1e3
 """A condition number beyond which a configuration is singular in practice: one direction a thousand times slower."""
@@ -236,11 +226,8 @@ def check_axes(arm: Arm) -> Iterator[Finding]:
         for near in found:
             joints.setdefault(near.what, []).append(near.joints)
         kinds = _first([f"{', '.join(names)} {what}" for what, names in joints.items()], KINDS)
-        what = (
-            f"{kinds}; taken as exact, the tool is off by some {length_in_words(sum(near.moves for near in found))}; "
-            f"inverse kinematics allows for up to {length_in_words(POSITION_ROUNDING)} and "
-            f"{math.degrees(ORIENTATION_ROUNDING):.1g}° of it, and says so"
-        )
+        off = length_in_words(sum(near.moves for near in found))
+        what = f"{kinds}; taken as exact, the tool is off by some {off}"
         yield finding("axes-almost-exact", place_of(arm), what, _rewriting(arm))
     report = closed_form_of(arm)
     if report.nearly and not report.held:

@@ -16,7 +16,7 @@ from ...description import catalog
 from ...description.companions.arm_file import MOTOR_LIMITS
 from ...ik import closed_form_of
 from ...limits.actuators import Actuators
-from ...support.path_redaction import without_places
+from ...support.errors import without_places
 from ..options import ARM, Answer, Json, Source
 from ..output import Outputs, entries
 from ..tables import Column, Table, number

@@ -1,4 +1,4 @@
-"""`bake`: the arm as a file of numbers, for Python without Pinocchio, C++, MATLAB and MoveIt, and as a URDF."""
+"""`bake`: the arm as numbers, for Python without Pinocchio, C++, MATLAB and MoveIt, and as a URDF; `dh`: its table."""
 
 from __future__ import annotations
 
@@ -6,11 +6,15 @@ from pathlib import Path
 from typing import Annotated
 
 from ...arm.baking import SUFFIX, digest_of, text_of
+from ...arm.loading.from_dh import PARALLEL, dh_csv, dh_rows, to_dh
+from ...description.dh import PARAMETERS
 from ...export import limits_yaml, matlab, urdf
 from ...export.cpp_header import SUFFIXES, core_headers, cpp_header, namespace_of
 from ...support.messages import plural
-from ..options import ArmArgument, answers
-from ..output import STDOUT, Outputs
+from ..numbers import option, quantity
+from ..options import ArmArgument, CsvAnswer, answers
+from ..output import STDOUT, Outputs, entries
+from ..tables import Column, Table
 
 KINDS = {
     "json": (SUFFIX,),
@@ -60,3 +64,32 @@ def bake(source: ArmArgument, outputs: Written) -> None:
         lines.append(f"{name}: {described[kind]}")
     data = {"arm": arm, "digest": digest_of(arm), "include": include and str(include), "meshes_not_found": lost}
     outputs.show(data | {"written": written}, *lines)
+
+
+ROWS = {"standard": "R_z(θ) T_z(d) T_x(a) R_x(α)", "modified": "R_x(α) T_x(a) R_z(θ) T_z(d)"}
+
+Convention = Annotated[str, option("standard|modified", "That of Paul, Spong and Siciliano, or of Craig.")]
+Parallel = Annotated[
+    float | None,
+    quantity("rad", "Axes within this count as parallel; others meet far away [°, or rad with --rad]; 1e-7 rad."),
+]
+
+
+def dh(source: ArmArgument, out: CsvAnswer, convention: Convention = "standard", parallel: Parallel = None) -> None:
+    """Show the arm's Denavit–Hartenberg table, or write it as a *.csv that is an ARM too."""
+    arm = source.load()
+    found = to_dh(arm, convention, PARALLEL if parallel is None else parallel)
+    rows = dh_rows(found)
+    columns = [
+        Column("joint", [row["joint"] for row in rows]),
+        Column("type", [row["type"] for row in rows]),
+        *(Column(name, [row[name] for row in rows], unit, digits=6, key=name) for name, unit in PARAMETERS.items()),
+    ]
+    caption = f"a row is {ROWS[found.convention]}; a joint adds its coordinate to theta, or to d if it is prismatic"
+    out.show(
+        {"arm": arm, **entries(found, "convention base tool residual")},
+        Table(f"{arm.name}: {found.convention} convention", columns, "rows"),
+        caption,
+        f"the table differs from the arm by {found.residual:.1g} m or rad at most",
+        files={"csv": lambda: dh_csv(found)},
+    )

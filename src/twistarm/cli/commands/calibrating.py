@@ -8,21 +8,18 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import typer
 
 from ...arm.arm import Arm
 from ...calibration import Calibration, Residual, WiringReport, check_wiring, corrected_urdf
 from ...calibration import calibrate as fit
 from ...calibration.calibration import amount
 from ...support.errors import InputError
-from ..numbers import LENGTH, quantity, typed_number, whole
+from ..numbers import LENGTH, argument, option, quantity, switch, typed_number, whole
 from ..options import ArmArgument, Avoid, Json, answers, avoided
 from ..output import Outputs, entries, plain
 from ..tables import Column, Table, number
 
-Log = Annotated[
-    Path, typer.Argument(metavar="LOG", help="CSV: a column per motor, x, y, z [m], and qx, qy, qz, qw if measured.")
-]
+Log = Annotated[Path, argument("LOG", "CSV: a column per motor, x, y, z [m], and qx, qy, qz, qw if measured.")]
 PositionNoise = Annotated[float, quantity("m", "Standard deviation of the measured positions.")]
 OrientationNoise = Annotated[float, quantity("rad", "Standard deviation of the measured orientations [°].")]
 BasePositionNoise = Annotated[
@@ -33,16 +30,13 @@ BaseOrientationNoise = Annotated[
     quantity("rad", "Standard deviation of the base's own orientation [°]; 0 if exactly known.", zero=True),
 ]
 Logs = Annotated[
-    list[Path],
-    typer.Argument(metavar="LOG…", help="CSV: a column per joint, then x, y, z, or point, plane, wire and length."),
+    list[Path], argument("LOG…", "CSV: a column per joint, then x, y, z, or point, plane, wire and length.")
 ]
-HeldBase = Annotated[bool, typer.Option("--base-held", help="Positions are in the base frame; do not fit it.")]
-HeldTool = Annotated[bool, typer.Option("--tool-held", help="The measured point is the tip; do not fit it.")]
-Distance = Annotated[
-    list[str] | None, typer.Option(metavar="A=B=LENGTH", help="A known distance of two points; may be repeated.")
-]
+HeldBase = Annotated[bool, switch("Positions are in the base frame; do not fit it.", "--base-held")]
+HeldTool = Annotated[bool, switch("The measured point is the tip; do not fit it.", "--tool-held")]
+Distance = Annotated[list[str] | None, option("A=B=LENGTH", "A known distance of two points; may be repeated.")]
 DistanceNoise = Annotated[float, quantity("m", "Standard deviation of the known distances.")]
-Scales = Annotated[bool, typer.Option("--scales", help="Fit a scale of each joint too.")]
+Scales = Annotated[bool, switch("Fit a scale of each joint too.", "--scales")]
 Next = Annotated[int, whole(0, 1000, "Name N configurations to measure next.", "--next")]
 Written = Annotated[
     Outputs,

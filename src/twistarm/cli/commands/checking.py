@@ -21,10 +21,9 @@ from ...collision import Scene
 from ...collision.survey import srdf_text, survey
 from ...description.findings import CODES, Finding, codes_page
 from ...description.findings import refused as refusal_of
-from ...support.errors import InputError, printable
+from ...support.errors import InputError, printable, without_places
 from ...support.messages import plural
-from ...support.path_redaction import without_places
-from ..numbers import quantity, whole
+from ..numbers import option, quantity, switch, whole
 from ..options import ArmArgument, Json, SceneFile, answers
 from ..output import STDOUT, Outputs, entries, note, plain, progress_bar, say
 from ..tables import Column, Table, joint_heads, theta_values
@@ -37,13 +36,10 @@ def _print_codes(wanted: bool) -> None:
         raise typer.Exit
 
 
-Strict = Annotated[bool, typer.Option("--strict", help="Exit with 1 for warnings too.")]
-Fix = Annotated[
-    bool, typer.Option("--fix", help="Write a copy with the safe repairs made, to -o FILE.urdf; the original stays.")
-]
+Strict = Annotated[bool, switch("Exit with 1 for warnings too.", "--strict")]
+Fix = Annotated[bool, switch("Write a copy with the safe repairs made, to -o FILE.urdf; the original stays.", "--fix")]
 Codes = Annotated[
-    bool,
-    typer.Option("--codes", is_eager=True, callback=_print_codes, help="List the codes of all findings, in Markdown."),
+    bool, switch("List the codes of all findings, in Markdown.", "--codes", is_eager=True, callback=_print_codes)
 ]
 
 
@@ -112,10 +108,7 @@ def _counted(findings: Sequence[Finding]) -> str:
 
 
 Samples = Annotated[int, whole(1, 1_000_000, "Random configurations to look at.")]
-Against = Annotated[
-    str | None,
-    typer.Option(metavar="FILE", help="A golden file, a baked arm or another ARM: say what differs from it."),
-]
+Against = Annotated[str | None, option("FILE", "A golden file, a baked arm or another ARM: say what differs from it.")]
 
 
 def check(source: ArmArgument, out: Json, samples: Samples = 1000, against: Against = None) -> int:

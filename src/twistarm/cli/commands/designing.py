@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import typer
 
 from ...design import Needs, PanelReport, Payload, best_parking, check_panel, compare_designs, load_panel
 from ...design import payload as payload_of
@@ -15,17 +14,16 @@ from ...support.csv_lines import csv_text
 from ...support.errors import InputError
 from ...sweeps import ReachMap, reach_map
 from ...theory.rotations import to_rpy
-from ..asked_motion import motion_of_file
-from ..numbers import PLACE, numbers, parse_numbers, quantity, whole
+from ..numbers import PLACE, argument, numbers, option, parse_numbers, quantity, whole
 from ..options import Answer, ArmArgument, Avoid, CsvAnswer, Source, Theta, answers, avoided
 from ..output import STDOUT, Outputs, note, plain, progress_bar
 from ..tables import Column, Table, joint_heads, number, quantity_text, theta_typed, unit_text
 from ..targets import Directions, Positions, Rpys, typed_targets
 from .arms import joints_table
-from .motion import MOTION_KINDS, MaxTime, Step, Unwrap, motion_texts
+from .motion import MOTION_KINDS, MaxTime, Step, Unwrap, motion_of_file, motion_texts
 
-Motion = Annotated[Path | None, typer.Option(metavar="FILE", help="Along a motion: *.csv, *.json, *.yaml or *.toml.")]
-PanelOption = Annotated[Path | None, typer.Option(metavar="FILE", help="Which share of a panel.toml each arm does.")]
+Motion = Annotated[Path | None, option("FILE", "Along a motion: *.csv, *.json, *.yaml or *.toml.")]
+PanelOption = Annotated[Path | None, option("FILE", "Which share of a panel.toml each arm does.")]
 Mass = Annotated[float, quantity("kg", "A wanted payload: what each joint and motor needs for it.", zero=True)]
 
 KINDS = {"npz": (".npz",), "png": (".png",)}
@@ -33,17 +31,15 @@ KINDS = {"npz": (".npz",), "png": (".png",)}
 WORDS: dict[str, Any] = {"down": "down", "position": "position", "26": 26}
 
 MapFiles = Annotated[
-    Outputs, answers("output force json", KINDS, output="The map to *.npz, slices to *.png; repeat it."),
-]  # fmt: skip
-Voxel = Annotated[float, quantity("m", "Side of a cube.")]
-Towards = Annotated[
-    str, typer.Option(metavar="WHICH", help="down, position (in any orientation), 26 (all around) or 'X Y Z'.")
+    Outputs, answers("output force json", KINDS, output="The map to *.npz, slices to *.png; repeat it.")
 ]
-Method = Annotated[str, typer.Option(metavar="ik|fk", help="ik is exact; fk, by random configurations, a first look.")]
-Resume = Annotated[Path | None, typer.Option(metavar="FOLDER", help="Keep what is done there, and go on from it.")]
+Voxel = Annotated[float, quantity("m", "Side of a cube.")]
+Towards = Annotated[str, option("WHICH", "down, position (in any orientation), 26 (all around) or 'X Y Z'.")]
+Method = Annotated[str, option("ik|fk", "ik is exact; fk, by random configurations, a first look.")]
+Resume = Annotated[Path | None, option("FOLDER", "Keep what is done there, and go on from it.")]
 Workers = Annotated[int | None, whole(1, 1024, "Threads; else one per processor.")]
 
-PanelFile = Annotated[Path, typer.Argument(metavar="PANEL", help="A panel.toml with tasks, and where to park.")]
+PanelFile = Annotated[Path, argument("PANEL", "A panel.toml with tasks, and where to park.")]
 BasePose = Annotated[
     Any, numbers("m m rad", PLACE, "Check x, y [m] and yaw [°, or rad with --rad] instead of a search.")
 ]
@@ -134,7 +130,7 @@ NUMBERS = {
 
 def designs(
     source: ArmArgument,
-    others: Annotated[list[Source], typer.Argument(metavar="ARM...", parser=Source, help="The arms to compare with.")],
+    others: Annotated[list[Source], argument("ARM...", "The arms to compare with.", parser=Source)],
     out: Answer,
     xyz: Positions = None,
     rpy: Rpys = None,

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import typer
 
 from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line, usually_limited
@@ -21,28 +20,24 @@ from ...control.servo.settings import ON_UNREACHABLE, SLIDE
 from ...control.stream import Cycle, FollowControl, FollowCycle, Interlock, StreamReport, UdpSource, run
 from ...control.stream import follow as follow_on
 from ...control.stream.cycles import checked_rate
-from ...control.stream.following.beginning import motion_of
-from ...control.stream.following.cycle import START_TOLERANCE, TRACKING_TOLERANCE
-from ...control.stream.links.inbox import COMMAND_TIMEOUT
+from ...control.stream.following import START_TOLERANCE, TRACKING_TOLERANCE
+from ...control.stream.motion_clock import motion_of
+from ...control.stream.protocols import COMMAND_TIMEOUT
 from ...control.stream.streaming import TOLERANCE
 from ...support.checks import Array, require_choice
 from ...support.errors import InputError, LimitError
-from ..asked_motion import Acceleration, Velocity, capped, motion_of_file
-from ..numbers import JointValues, of_joints, quantity
+from ..numbers import JointValues, argument, of_joints, option, quantity, switch
 from ..options import Answer, ArmArgument, Avoid, Theta, avoided
 from ..output import entries, progress_bar, say
 from ..robot import Hertz, RobotOptions, Tolerance, address
 from ..tables import outside
+from .motion import Acceleration, Velocity, capped, motion_of_file
 from .viewing import PageOptions
 
-Commands = Annotated[
-    str | None, typer.Option(metavar="HOST:PORT", help="Take commands as datagrams to there, not from the page.")
-]
+Commands = Annotated[str | None, option("HOST:PORT", "Take commands as datagrams to there, not from the page.")]
 CommandTimeout = Annotated[float, quantity("s", "How long a command holds.")]
 Margin = Annotated[Any, quantity("rad m", "Distance kept from position limits; rad and m without a unit.", zero=True)]
-OnUnreachable = Annotated[
-    str, typer.Option(metavar="slide|stop", help="Where the arm cannot follow: slide along, or stop on the course.")
-]
+OnUnreachable = Annotated[str, option("slide|stop", "Where the arm cannot follow: slide along, or stop on the course.")]
 Duration = Annotated[float | None, quantity("s", "End after so long; else Ctrl-C ends it.")]
 
 
@@ -113,14 +108,10 @@ def _loop(arm: Arm, report: StreamReport) -> dict[str, Any]:
 
 
 Motion = Annotated[
-    Path,
-    typer.Argument(
-        metavar="MOTION", help="A *.csv, *.json, *.yaml or *.mcap of `twistarm plan -o`, or a motion.toml to plan."
-    ),
+    Path, argument("MOTION", "A *.csv, *.json, *.yaml or *.mcap of `twistarm plan -o`, or a motion.toml to plan.")
 ]
 Approach = Annotated[
-    bool,
-    typer.Option("--approach", help="Where the arm is elsewhere, move to the start first, straight in joint space."),
+    bool, switch("Where the arm is elsewhere, move to the start first, straight in joint space.", "--approach")
 ]
 Speed = Annotated[float, quantity("1", "Share of the motion's own speed, above 0 and at most 1.")]
 StartTolerance = Annotated[

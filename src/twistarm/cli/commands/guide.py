@@ -25,7 +25,7 @@ from ...guide.grading import check_file
 from ...guide.teaching.arm import arm as arm_of_the_lessons
 from ...support.errors import DescriptionError, InputError
 from ...support.files import as_path
-from ..numbers import whole
+from ..numbers import argument, option, switch, whole
 from ..options import ArmCommand, ArmGroup, ArmOption, Json, Source, answers
 from ..output import Outputs, progress_bar, say, warn
 
@@ -39,12 +39,10 @@ guide = typer.Typer(
 
 Folder = Annotated[
     Path | None,
-    typer.Option(
-        "--output", "-o", metavar="DIR", help="Write the site into this folder, new or empty or built before, and end."
-    ),
+    option("DIR", "Write the site into this folder, new or empty or built before, and end.", "--output", "-o"),
 ]
 Port = Annotated[int, whole(0, 65535, "Port to serve on, on this machine alone; 0: a free one.")]
-Browser = Annotated[bool, typer.Option("--browser/--no-browser", help="Open the course in a browser.")]
+Browser = Annotated[bool, switch("Open the course in a browser.", "--browser/--no-browser")]
 
 
 def lessons_like(typed: str) -> list[str]:
@@ -52,7 +50,7 @@ def lessons_like(typed: str) -> list[str]:
     return [name for name in lessons() if name.startswith(typed)]
 
 
-Lesson = Annotated[str, typer.Argument(metavar="LESSON", help="A lesson by its name.", autocompletion=lessons_like)]
+Lesson = Annotated[str, argument("LESSON", "A lesson by its name.", autocompletion=lessons_like)]
 
 
 @guide.callback(invoke_without_command=True)
@@ -92,7 +90,7 @@ def print_lesson(
     out: Printed,
     source: ArmOption = None,
     solutions: Annotated[
-        bool, typer.Option("--solutions/--without-solutions", help="Whether the exercises have their solutions.")
+        bool, switch("Whether the exercises have their solutions.", "--solutions/--without-solutions")
     ] = True,
 ) -> None:
     """Print one lesson as a PDF, its answers unfolded; needs Chromium, Chrome or Edge."""
@@ -105,9 +103,7 @@ def print_lesson(
 
 @guide.command(cls=ArmCommand)
 def exercises(
-    folder: Annotated[
-        Path, typer.Option("--output", "-o", metavar="DIR", help="The folder to write them into.")
-    ] = HERE,
+    folder: Annotated[Path, option("DIR", "The folder to write them into.", "--output", "-o")] = HERE,
     source: ArmOption = None,
 ) -> None:
     """Write the files to fill in: Python for each lesson, and Octave and MATLAB. No file is replaced."""
@@ -119,7 +115,7 @@ def exercises(
 
 @guide.command(cls=ArmCommand)
 def check(
-    file: Annotated[str, typer.Argument(metavar="FILE", help="A Python file, or a results file of Octave or MATLAB.")],
+    file: Annotated[str, argument("FILE", "A Python file, or a results file of Octave or MATLAB.")],
     out: Json,
     source: ArmOption = None,
     seed: Annotated[int, whole(0, 2**32, "Of the random instances.")] = 0,

@@ -7,26 +7,20 @@ import shlex
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from ...arm.loading.arm_file_draft import draft_arm_file
 from ...arm.loading.load import load_arm
 from ...planning.motion_file import draft_motion_file
 from ...support.errors import InputError
 from ...support.messages import Argument
+from ..numbers import argument, switch
 from ..options import Source, answers
 from ..output import STDOUT, Outputs, say
 from ..wording import written
 
 Motion = Annotated[
-    bool,
-    typer.Option(
-        "--motion", help="Write a first motion.toml for the arm, as `twistarm plan ARM motion.toml` takes it."
-    ),
+    bool, switch("Write a first motion.toml for the arm, as `twistarm plan ARM motion.toml` takes it.", "--motion")
 ]
-File = Annotated[
-    Source, typer.Argument(metavar="FILE", parser=Source, help="URDF or xacro file; with --motion any ARM.")
-]
+File = Annotated[Source, argument("FILE", "URDF or xacro file; with --motion any ARM.", parser=Source)]
 Written = Annotated[
     Outputs,
     answers(

@@ -6,24 +6,19 @@ import os
 from collections.abc import Sequence
 from typing import Annotated, Any
 
-import typer
-
 from ...arm.arm import Arm
 from ...ik import POSTURES, AllSolutions, IKBatch, IKResult, StopReason, solve_ik, solve_ik_all, solve_ik_batch
-from ...ik.solution import missed_by_rounding
 from ...support.csv_lines import csv_text
 from ...support.errors import InputError
 from ...support.messages import plural
-from ..numbers import VALUES, JointValues, joint_values, quantity
+from ..numbers import VALUES, JointValues, joint_values, option, quantity, switch
 from ..options import ArmArgument, Avoid, CsvAnswer, Theta, avoided
 from ..output import Outputs, entries, progress_bar
 from ..rows import ROWS_SHOWN, TARGET_COLUMNS, Columns, few, targets_in
 from ..tables import Column, Table, joint_heads, pose_entries, theta_typed
 from ..targets import Axis, Direction, Orientation, OrientationTol, PositionTol, Quaternion, QuaternionXyzw, Rpy, Xyz
 
-Targets = Annotated[
-    str | None, typer.Option(metavar="CSV", help=f"A target in each row: {TARGET_COLUMNS}; - is standard input.")
-]
+Targets = Annotated[str | None, option("CSV", f"A target in each row: {TARGET_COLUMNS}; - is standard input.")]
 Posture = Annotated[
     JointValues | None,
     joint_values(
@@ -33,9 +28,7 @@ Posture = Annotated[
     ),
 ]
 MaxTime = Annotated[float | None, quantity("s", "Give up after so many seconds; with --all what is found by then.")]
-All = Annotated[
-    bool, typer.Option("--all", help="Every configuration that meets the target, the one nearest to --start first.")
-]
+All = Annotated[bool, switch("Every configuration that meets the target, the one nearest to --start first.", "--all")]
 FixedJoints = Annotated[
     JointValues | None,
     joint_values(
@@ -46,10 +39,8 @@ FixedJoints = Annotated[
     ),
 ]
 Turns = Annotated[
-    bool, typer.Option("--include-turns", help="With --all: what differs by whole turns of joints counts as different.")
+    bool, switch("With --all: what differs by whole turns of joints counts as different.", "--include-turns")
 ]
-
-ERRORS = ("position_error", "orientation_error")
 
 
 def ik(
@@ -79,12 +70,12 @@ def ik(
         raise InputError("give one position by --xyz, or a file of targets by --targets")
     if columns is not None and targets is None:
         raise InputError("--columns names the columns of a file: it goes with --targets")
-    for option, value in {"--fixed-joint": fixed_joints, "--include-turns": include_turns}.items():
+    for name, value in {"--fixed-joint": fixed_joints, "--include-turns": include_turns}.items():
         if value and not all_:
-            raise InputError(f"{option} is about all configurations: it goes with --all")
-    for option, given in {"--posture": posture, "--targets": targets}.items():
+            raise InputError(f"{name} is about all configurations: it goes with --all")
+    for name, given in {"--posture": posture, "--targets": targets}.items():
         if given is not None and all_:
-            raise InputError(f"--all takes no {option}: it gives every configuration for the one target of --xyz")
+            raise InputError(f"--all takes no {name}: it gives every configuration for the one target of --xyz")
     orientation = Orientation(rpy, quaternion, quaternion_xyzw, direction, axis)
     how: dict[str, Any] = {
         "theta0": arm.ready if start is None else start.of(arm),
@@ -140,7 +131,7 @@ def show_solution(out: Outputs, arm: Arm, solution: IKResult) -> None:
 def _show_batch(out: Outputs, file: str, lines: list[int], batch: IKBatch) -> None:
     """The answers to a file's targets: those that people see can be typed."""
     arm, answers = batch.arm, list(batch)
-    names = "stop converged rounded theta position_error orientation_error"
+    names = "stop converged theta position_error orientation_error"
     records = [{"line": line, **entries(answer, names)} for line, answer in zip(lines, answers, strict=True)]
     columns = [
         Column("line", lines),
@@ -154,9 +145,6 @@ def _show_batch(out: Outputs, file: str, lines: list[int], batch: IKBatch) -> No
     met = len(by_reason.pop(StopReason.CONVERGED, ()))
     more = " (-o FILE.csv has them all)" if len(answers) > ROWS_SHOWN else ""
     counted = [f"{met} of {len(answers)} targets of {file} met{more}"]
-    if rounded := [line for line, answer in zip(lines, answers, strict=True) if answer.rounded]:
-        worst = [max(getattr(answer, error) for answer in answers if answer.rounded) for error in ERRORS]
-        counted.append(f"note: line {few(rounded)}: {missed_by_rounding(*worst)}")
     out.show(
         {"arm": arm, "joint_names": arm.joint_names, "met": met, "answers": records},
         *([] if out.files else [table]),

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from typing import Annotated, Literal
 
 import numpy as np
-import typer
 
 from ...support.checks import Array
 from ...support.csv_lines import csv_text
 from ...support.errors import InputError
 from ...theory.rotations import to_xyzw
+from ..numbers import option
 from ..options import Answer, ArmArgument, CsvAnswer, Theta
 from ..output import entries
 from ..rows import ROWS_SHOWN, Columns, configurations_in
@@ -19,9 +19,9 @@ from ..tables import Column, Table, jacobian_table, number, pose_entries, pose_p
 
 Configurations = Annotated[
     str | None,
-    typer.Option(
-        metavar="CSV",
-        help="A configuration in each row, a column for each joint [rad, m], `elbow [deg]` for degrees; - is standard "
+    option(
+        "CSV",
+        "A configuration in each row, a column for each joint [rad, m], `elbow [deg]` for degrees; - is standard "
         "input.",
     ),
 ]
@@ -33,7 +33,7 @@ def fk(
     theta: Theta = None,
     configurations: Configurations = None,
     columns: Columns = None,
-    frame: Annotated[str | None, typer.Option(metavar="LINK", help="Another frame than the tip.")] = None,
+    frame: Annotated[str | None, option("LINK", "Another frame than the tip.")] = None,
 ) -> None:
     """Forward kinematics: the pose of the tip, or of another frame, seen from the base."""
     arm = source.load()
@@ -80,7 +80,7 @@ def jacobian(
     source: ArmArgument,
     out: Answer,
     theta: Theta = None,
-    kind: Annotated[Literal["spatial", "body", "hybrid"] | None, typer.Option(help="Only one of them.")] = None,
+    kind: Annotated[Literal["spatial", "body", "hybrid"] | None, option(None, "Only one of them.")] = None,
 ) -> None:
     """The spatial and body Jacobians (rows v, ω) and the singular values of the body Jacobian."""
     arm = source.load()

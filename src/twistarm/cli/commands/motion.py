@@ -1,16 +1,17 @@
-"""`plan`: a trajectory through poses or targets, or of a motion.toml, to a table and to files."""
+"""Motions of a file or to typed goals, and `plan`, which writes them to a table and to files."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import typer
 
 from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line, with_defaults
+from ...collision import Scene
 from ...limits.joint_limits import JointLimits
 from ...planning import (
     ActiveLimit,
@@ -22,6 +23,7 @@ from ...planning import (
     Trajectory,
     active_limits,
     load_motion,
+    load_trajectory,
     plan_joint,
 )
 from ...planning.files.c_header import SUFFIXES, header_text
@@ -29,13 +31,60 @@ from ...planning.files.csv_file import csv_text
 from ...planning.files.joint_trajectory import json_text
 from ...planning.files.mcap_file import mcap_bytes
 from ...planning.motion import MotionKind
+from ...planning.motion import plan as plan_segments
+from ...planning.segments import as_segments
+from ...planning.trajectory import Progress
 from ...support.errors import InputError
-from ..asked_motion import MAX_TIME, Acceleration, Velocity, capped, planned
-from ..numbers import POSE, JointValues, joint_values, quantity
+from ..numbers import POSE, JointValues, OfJoints, argument, joint_values, of_joints, option, quantity, switch
 from ..options import ArmArgument, Avoid, answers, avoided
 from ..output import STDOUT, Contents, Outputs, note, progress_bar
 from ..tables import Column, Table, number, theta_values
 from ..targets import Axis, Directions, OrientationTol, Positions, PositionTol, Rpys, typed_targets
+
+CAP = "At most this for every joint, or for those in its unit; the arm's own limits hold as well."
+Velocity = Annotated[OfJoints | None, quantity("rad/s m/s", CAP)]
+Acceleration = Annotated[OfJoints | None, quantity("rad/s² m/s²", CAP)]
+
+MAX_TIME = 5.0
+"""Seconds for the way of a free move."""
+
+
+def planned(
+    arm: Arm, asked: MotionFile, limits: JointLimits, scene: Scene | None, max_time: float, progress: Progress
+) -> tuple[Trajectory, list[Segment]]:
+    """The motion of a motion.toml, or of typed goals in its place, and the segments with what holds for all of them."""
+    segments = as_segments(
+        asked.segments, asked.linear_speed, asked.angular_speed, asked.position_tol, asked.orientation_tol
+    )
+    how: dict[str, Any] = {"kind": asked.kind or "s_curve", "unwrap": asked.unwrap, "scene": scene}
+    how |= {"max_time": max_time, "limits": limits, "start": asked.start, "progress": progress}
+    return plan_segments(arm, segments, **how), segments
+
+
+def motion_of_file(
+    arm: Arm, path: Path, velocity: OfJoints | None = None, acceleration: OfJoints | None = None
+) -> tuple[Arm, Trajectory]:
+    """The motion of a file, or of the segments of a *.toml, and the arm with its limits."""
+    if path.suffix.lower() != ".toml":
+        driven = replace(arm, limits=capped(arm, velocity, acceleration))
+        return driven, load_trajectory(driven, path)
+    asked = load_motion(path, arm)
+    driven = replace(arm, limits=capped(arm, velocity, acceleration, asked.limits))
+    scene = avoided(driven, asked.scene)
+    with progress_bar("planning") as progress:
+        return driven, planned(driven, asked, with_defaults(driven), scene, MAX_TIME, progress)[0]
+
+
+def capped(
+    arm: Arm, velocity: OfJoints | None, acceleration: OfJoints | None, changes: Mapping[str, Any] | None = None
+) -> JointLimits:
+    """The arm's limits, each at most the typed value. A missing limit takes the typed value."""
+    limits = arm.limits.with_(changes or {}, arm.joint_names)
+    caps = {"velocity": velocity, "acceleration": acceleration}
+    typed = {name: of_joints(arm, cap, np.inf, f"--{name}") for name, cap in caps.items() if cap is not None}
+    lowered = {name: np.minimum(getattr(limits, name), each) for name, each in typed.items()}
+    return limits.with_(lowered, arm.joint_names)
+
 
 MOST_STRETCHES = 8
 """So many rows of active limits are shown; --json has them all."""
@@ -56,15 +105,13 @@ Written = Annotated[
         "as well, but in *.mcap. - is standard output; repeat it.",
     ),
 ]
-TIMING = typer.Option(
-    help="How it is timed: s_curve unless given, or time_optimal; with --line, --xyz or a motion.toml also quintic."
+TIMING = option(
+    None, "How it is timed: s_curve unless given, or time_optimal; with --line, --xyz or a motion.toml also quintic."
 )
 Start = Annotated[
     JointValues | None, joint_values(POSE, "Where it starts, as --to; unless given, the ready pose.", "--from")
 ]
-Motion = Annotated[
-    str | None, typer.Argument(metavar="[MOTION]", help="A motion.toml; twistarm init --motion writes one.")
-]
+Motion = Annotated[str | None, argument("[MOTION]", "A motion.toml; twistarm init --motion writes one.")]
 Through = Annotated[
     list[Any] | None,
     joint_values(
@@ -73,7 +120,7 @@ Through = Annotated[
         "--to",
     ),
 ]
-Line = Annotated[bool, typer.Option("--line", help="The tool goes along straight lines from pose to pose.")]
+Line = Annotated[bool, switch("The tool goes along straight lines from pose to pose.", "--line")]
 Blend = Annotated[
     float | None,
     quantity("m", "Round the corners of --line or --xyz inside this radius; without it: stop there.", zero=True),
@@ -81,9 +128,7 @@ Blend = Annotated[
 ToolSpeed = Annotated[float | None, quantity("m/s", "The tool goes no faster, with --line, --xyz or a motion.toml.")]
 Unwrap = Annotated[
     bool,
-    typer.Option(
-        "--unwrap", help="Continuous joints go to poses by the shorter way, by whole turns; to --xyz they always do."
-    ),
+    switch("Continuous joints go to poses by the shorter way, by whole turns; to --xyz they always do.", "--unwrap"),
 ]
 Smooth = Annotated[
     float | None,
@@ -95,7 +140,7 @@ Smooth = Annotated[
 ]
 MaxTime = Annotated[float, quantity("s", "With --avoid: give up the way to a goal after so many seconds.")]
 Counts = Annotated[
-    bool, typer.Option("--counts", help="Write what the motors' drives count alone, for firmware that knows no joints.")
+    bool, switch("Write what the motors' drives count alone, for firmware that knows no joints.", "--counts")
 ]
 Step = Annotated[float, quantity("s", "Time step of the files.")]
 
@@ -115,7 +160,7 @@ def plan(
     velocity: Velocity = None,
     acceleration: Acceleration = None,
     linear_speed: ToolSpeed = None,
-    stop: Annotated[bool, typer.Option("--stop", help="Come to rest at every pose.")] = False,
+    stop: Annotated[bool, switch("Come to rest at every pose.", "--stop")] = False,
     blend: Blend = None,
     smooth: Smooth = None,
     unwrap: Unwrap = False,

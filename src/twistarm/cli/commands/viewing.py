@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Annotated, Any, TextIO
 
 import numpy as np
-import typer
 
 from ...arm.arm import Arm
 from ...arm.loading.load import load_arm
@@ -25,16 +24,15 @@ from ...viewer import Viewer, page_html, save_html
 from ...viewer.files.scene_snapshot import of_arm
 from ...viewer.files.screenshot import png_of
 from ...viewer.server.watching import loaded
-from ..asked_motion import motion_of_file
 from ..command import Shared
-from ..numbers import whole
+from ..numbers import argument, option, switch, whole
 from ..options import ArmArgument, SceneFile, Source, Theta, answers
 from ..output import Outputs, say, warn
 from ..tables import jacobian_table, pose_parts
 from .arms import show_arm
 from .checking import comparisons, verdict
 from .inverse import show_solution
-from .motion import plan_tables
+from .motion import motion_of_file, plan_tables
 
 FILE_INSTEAD = ", or use -o FILE.html for a page that needs no server"
 
@@ -44,14 +42,14 @@ class Page:
     """The options of the page, and the view that serves it."""
 
     port: Annotated[int, whole(0, 65535, "Port to serve on; 0: a free one.")] = 0
-    host: Annotated[str, typer.Option(help="Interface to serve on; anything else opens the view to that network.")] = (
+    host: Annotated[str, option(None, "Interface to serve on; anything else opens the view to that network.")] = (
         "127.0.0.1"
     )
     browser: Annotated[
         bool,
-        typer.Option(
+        switch(
+            "Open the page in a browser; on a computer that others use too, paste the address instead.",
             "--browser/--no-browser",
-            help="Open the page in a browser; on a computer that others use too, paste the address instead.",
         ),
     ] = True
 
@@ -76,16 +74,11 @@ class Page:
 
 PageOptions = Annotated[Page, Shared(Page)]
 
-Play = Annotated[
-    Path | None,
-    typer.Option(metavar="FILE", help="Play a motion that `twistarm plan` wrote, or that of a motion.toml."),
-]
-Reach = Annotated[Path | None, typer.Option(metavar="FILE.npz", help="Draw a map that `twistarm reach` wrote.")]
-Watch = Annotated[bool, typer.Option("--watch", help="Load the arm again whenever one of its files changes.")]
-Beside = Annotated[
-    Source | None, typer.Argument(metavar="[ARM]", parser=Source, help="Another arm to compare with it.")
-]
-Size = Annotated[str | None, typer.Option(metavar="WxH", help="Pixels of the picture; 1280x720.")]
+Play = Annotated[Path | None, option("FILE", "Play a motion that `twistarm plan` wrote, or that of a motion.toml.")]
+Reach = Annotated[Path | None, option("FILE.npz", "Draw a map that `twistarm reach` wrote.")]
+Watch = Annotated[bool, switch("Load the arm again whenever one of its files changes.", "--watch")]
+Beside = Annotated[Source | None, argument("[ARM]", "Another arm to compare with it.", parser=Source)]
+Size = Annotated[str | None, option("WxH", "Pixels of the picture; 1280x720.")]
 Written = Annotated[
     Outputs,
     answers(
@@ -156,7 +149,7 @@ def _pixels(text: str) -> tuple[int, int]:
     return int(sides[1]), int(sides[2])
 
 
-View = Annotated[bool, typer.Option("--view/--no-view", help="Open the view, or write demo.html and demo.csv anew.")]
+View = Annotated[bool, switch("Open the view, or write demo.html and demo.csv anew.", "--view/--no-view")]
 
 
 def demo(page: PageOptions, view: View = True) -> None:

@@ -1,8 +1,9 @@
-"""The output of a servo step: joint rates, the reason for them, and the lost command."""
+"""The output of a servo step: joint rates, the reason for them, and the part of the command that is lost."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from enum import Enum
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -13,13 +14,45 @@ from ...arm.arm import Arm
 from ...support.checks import Array, frozen
 from ...support.directions import ALONG_AXIS, direction_in_words
 from ...support.display import Brief
-from .bounds import ServoBounds
 from .command import BASE, AnyCommand, TwistCommand
-from .core_step import CoreStep, ServoReason
+from .settings import ServoBounds
 
 if TYPE_CHECKING:
     from ...collision import Contact
 
+STATUSES = (
+    "OK", "SLOWED_SINGULARITY", "SLOWED_LIMIT", "HALTED_LIMIT", "IMPOSSIBLE_DIRECTION", "STALE", "SLOWED_COLLISION",
+    "HALTED_COLLISION",
+)  # fmt: skip
+"""Codes for how a step went. A setpoint line on a serial port has their number."""
+
+
+class ServoReason(Enum):
+    """Why a step did what it did. The name is a code that stays; the numbers are fields of the output.
+
+    status: how a step with this reason went while the arm moves. words: the reason in general.
+    """
+
+    MOVING = "OK", "moving as commanded"
+    CHANGING_SPEED = "OK", "changing speed, as fast as the acceleration limits allow"
+    VELOCITY_LIMIT = "SLOWED_LIMIT", "slowed by a velocity limit"
+    LOWER_LIMIT = "SLOWED_LIMIT", "a joint or motor is at its lower position limit, or brakes toward it"
+    UPPER_LIMIT = "SLOWED_LIMIT", "a joint or motor is at its upper position limit, or brakes toward it"
+    SINGULARITY = "SLOWED_SINGULARITY", "a direction of the command is nearly lost in this configuration"
+    TURN_LOST = "OK", "the tool turns otherwise than commanded, because the arm has too few joints"
+    IMPOSSIBLE = "IMPOSSIBLE_DIRECTION", "this arm has no such motion"
+    STALE = "STALE", "no usable command or state: coming to rest"
+    COLLISION = "SLOWED_COLLISION", "two bodies of the scene come near each other"
+
+    def __init__(self, status: str, words: str) -> None:
+        self.status, self.words = status, words
+
+
+REASON_OF_CAUSE = (
+    ServoReason.MOVING, ServoReason.SINGULARITY, ServoReason.VELOCITY_LIMIT, ServoReason.LOWER_LIMIT,
+    ServoReason.UPPER_LIMIT, ServoReason.STALE, ServoReason.COLLISION,
+)  # fmt: skip
+"""The reason for each `servo_cause` of the core, in its order."""
 
 NOTABLE_LOSS = 0.02
 """Least lost share of a command that the output mentions."""
@@ -31,6 +64,32 @@ STANDSTILL = 1e-3
 """An arm that executes less than this share of the command counts as standing."""
 
 _NOTHING_LOST = frozen(np.zeros(6))
+
+
+class CoreStep(NamedTuple):
+    """The answer of the compiled step, as it gives it: the state after the step, and what became of the command.
+
+    row: the row of `ServoBounds.motion` at its limit, the row of near pairs, or the joint of a singularity; −1 for
+    none. position, angle: what remains to a pose [m], [rad]. period [s]: the mean step time after this step.
+    """
+
+    theta: Array
+    theta_dot: Array
+    held_pose: Array | None
+    cause: int
+    row: int
+    scale: float
+    lost: Array
+    lost_share: float
+    halted: bool
+    position: float
+    angle: float
+    period: float
+
+    @property
+    def reason(self) -> ServoReason:
+        """Why the step did what it did."""
+        return REASON_OF_CAUSE[self.cause]
 
 
 class StepRequest(NamedTuple):
@@ -135,30 +194,12 @@ class ServoOutput(Brief):
 
     @classmethod
     def stale(cls, theta_dot: Array, reason: str) -> ServoOutput:
-        """The output of a step that had no usable command or state.
-
-        Args:
-            theta_dot: Rates (n,) [rad/s, m/s].
-            reason: The reason, in words.
-
-        Returns:
-            The output, with reason and status STALE.
-        """
+        """The output with these rates (n,) [rad/s, m/s] and reason in words, without a usable command or state."""
         return cls(theta_dot, ServoReason.STALE, 0.0, _NOTHING_LOST, 0.0, None, (0.0, 0.0), _why=reason)
 
     @classmethod
     def of(cls, step: CoreStep, bounds: ServoBounds, asked: StepRequest, contact: Contact | None) -> ServoOutput:
-        """The output for an answer of the compiled step.
-
-        Args:
-            step: The answer as plain numbers.
-            bounds: The arm's bounds.
-            asked: The arm, the configuration and the command of the step.
-            contact: The pair of bodies that holds the arm, or None.
-
-        Returns:
-            The output, with joint and reason.
-        """
+        """The output for an answer of the compiled step, with `contact`, the pair of bodies that holds the arm."""
         reason, near = step.reason, step.reason is ServoReason.COLLISION
         names = asked.arm.joint_names if reason is ServoReason.SINGULARITY else bounds.motion.names
         joint = names[step.row] if step.row >= 0 and not near else None
@@ -166,8 +207,10 @@ class ServoOutput(Brief):
             reason = ServoReason.TURN_LOST
         elif reason is ServoReason.MOVING and step.scale < ALL:
             reason = ServoReason.CHANGING_SPEED
-        lost, remaining = (step.lost, step.lost_share), step.remaining
-        output = cls(step.theta_dot, reason, step.scale, *lost, joint, remaining, step.halted, contact, _asked=asked)
+        output = cls(
+            step.theta_dot, reason, step.scale, step.lost, step.lost_share, joint, (step.position, step.angle),
+            step.halted, contact, _asked=asked,
+        )  # fmt: skip
         if joint is not None or near or step.lost_share <= ALL or output._missing_share <= ALL:
             return output
         nowhere, why = _missing(asked, step.lost, joint, 0.0)

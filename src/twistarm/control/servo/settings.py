@@ -1,11 +1,18 @@
-"""Settings of the servo: margins, thresholds, and the length that compares metres with radians."""
+"""Settings of the servo, and the bounds that they and an arm give it, prepared once."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import weakref
+from dataclasses import dataclass, replace
+from functools import cached_property
 
+import numpy as np
+
+from ...arm import engine
 from ...arm.abilities import NO_MOTION
-from ...support.checks import as_not_negative, as_positive, require_choice
+from ...arm.arm import Arm
+from ...limits.motion_limits import MotionLimits
+from ...support.checks import Array, as_number, as_positive, frozen, require_choice
 from ...support.errors import InputError
 
 SLIDE, STOP = "slide", "stop"
@@ -48,4 +55,74 @@ class ServoSettings:
         if self.singularity_threshold <= NO_MOTION:
             raise InputError(f"singularity_threshold must be more than {NO_MOTION:g}, which counts as no motion at all")
         require_choice(self.on_unreachable, ON_UNREACHABLE, "on_unreachable")
-        object.__setattr__(self, "position_margin", as_not_negative(self.position_margin, "position_margin"))
+        object.__setattr__(self, "position_margin", as_number(self.position_margin, "position_margin", 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class ServoBounds:
+    """The data of an arm for a servo step.
+
+    motion: the limits of motors with limits and of joints, less the position margin. The joints are its last n rows.
+    unit (n,): the factor from a coordinate's scaled number in rad, 1 or `length` for a slide. ready (n,): the
+    configuration that shows an exactly singular arm the way out. The rest as in `ServoSettings`.
+    """
+
+    motion: MotionLimits
+    unit: Array
+    ready: Array
+    length: float
+    singularity_threshold: float
+    damping: float
+    stops: bool
+    compiled: engine.Servo
+
+    def stopping_time(self, theta_dot: Array) -> float:
+        """How long a straight stop from these rates (n,) takes [s]."""
+        return float(max(map(abs, (self._slowness @ theta_dot).tolist())))
+
+    @cached_property
+    def _slowness(self) -> Array:
+        return self.motion.C / self.motion.limits.acceleration[:, None]
+
+
+_KNOWN: weakref.WeakKeyDictionary[Arm, dict[ServoSettings, ServoBounds]] = weakref.WeakKeyDictionary()
+
+
+def bounds_of(arm: Arm, settings: ServoSettings) -> ServoBounds:
+    """The bounds of an arm, kept for as long as the arm lives."""
+    known = _KNOWN.get(arm)
+    if known is None:  # `setdefault` alone would make a weak reference in each step
+        known = _KNOWN.setdefault(arm, {})
+    found = known.get(settings)
+    if found is None:
+        found = known.setdefault(settings, _made(arm, settings))
+    return found
+
+
+def _made(arm: Arm, settings: ServoSettings) -> ServoBounds:
+    length = arm.reach if settings.length is None else settings.length
+    unit = frozen(np.where(np.array(arm.units) == "m", length, 1.0))
+    motion, stops = _motion(arm, settings.position_margin), settings.on_unreachable == STOP
+    numbers = length, settings.singularity_threshold, settings.damping
+    motors, limits = len(motion.names) - arm.n, motion.limits
+    rows = (limits.lower, limits.upper, limits.velocity, limits.acceleration)
+    arrays = (arm.screws, arm.home, arm.coupling.A, motion.C[:motors], motion.c[:motors], *rows, unit, arm.ready)
+    doubles = tuple(np.ascontiguousarray(array, dtype=np.float64) for array in arrays)
+    return ServoBounds(motion, unit, arm.ready, *numbers, stops, engine.servo_of(doubles, *numbers, stops))
+
+
+def _motion(arm: Arm, margin: float) -> MotionLimits:
+    limits, motors = arm.limits, arm.actuators
+    lower, upper = limits.lower + margin, limits.upper - margin
+    # A margin wider than the range leaves the middle of it.
+    crossed = lower > upper
+    lower[crossed] = upper[crossed] = (limits.lower[crossed] + limits.upper[crossed]) / 2
+    inside = replace(limits, lower=lower, upper=upper)
+    if motors is None:
+        return MotionLimits(arm.joint_names, np.eye(arm.n), np.zeros(arm.n), inside)
+    # The end of a motor that drives one joint is that joint's end, at which the others keep what is left of the motion.
+    own = motors.joint_limits
+    ends = np.maximum(inside.lower, own.lower), np.minimum(inside.upper, own.upper)
+    if (ends[0] <= ends[1]).all():
+        inside = replace(inside, lower=ends[0], upper=ends[1])
+    return motors.motion_limits(inside)

@@ -1,26 +1,86 @@
-"""`servo_step`: one pure step from a command to joint rates."""
+"""`servo_step`: one pure step from a state and a command to the next state and joint rates."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm, require_arm
-from ...support.checks import Array, as_pose, frozen, require
+from ...support.checks import Array, as_pose, as_theta, frozen, require
+from ...support.display import Brief
 from ...support.errors import InputError, shown
-from .bounds import ServoBounds, bounds_of
 from .command import AnyCommand, CommandLike, JogCommand, PoseCommand, TwistCommand
-from .core_step import OF_CAUSE, CoreStep
-from .output import ServoOutput, StepRequest
-from .settings import ServoSettings
-from .state import MAX_VALUE, ServoState
+from .output import CoreStep, ServoOutput, StepRequest
+from .settings import ServoBounds, ServoSettings, bounds_of
 
 if TYPE_CHECKING:
-    from ...collision import Contact, Scene
+    from ...collision import Scene
 
 COMMANDS = (TwistCommand, JogCommand, PoseCommand)
 _DEFAULT = ServoSettings()
+
+MAX_VALUE = 1e6
+"""Greatest position and rate [rad, m, per s]."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ServoState(Brief):
+    """The commanded arm: theta (n,) [rad, m], its rates theta_dot (n,), and the held pose.
+
+    theta integrates the commands and never the measurements, so noise cannot make it drift. `held_pose` (4, 4) is the
+    pose with held components, or None. `held_flags` are those of the command that holds them. `period` [s] is a slow
+    mean of the steps, 0 before the first.
+    """
+
+    theta: Array
+    theta_dot: Array
+    held_pose: Array | None = None
+    held_flags: int | None = None
+    period: float = 0.0
+
+    @classmethod
+    def at(cls, arm: Arm, theta: ArrayLike) -> ServoState:
+        """At rest at the measured theta (n,). Raises InputError for anything but n finite numbers.
+
+        Args:
+            arm: The arm.
+            theta: The measured configuration (n,) [rad, m].
+
+        Returns:
+            The state.
+
+        Raises:
+            InputError: theta is not one configuration of finite numbers.
+        """
+        return cls.moving(arm, require_arm(arm).theta_from(theta), np.zeros(arm.n))
+
+    @classmethod
+    def moving(cls, arm: Arm, theta: ArrayLike, theta_dot: ArrayLike) -> ServoState:
+        """At the measured theta (n,), moving at theta_dot (n,). Raises InputError for anything but finite numbers.
+
+        Args:
+            arm: The arm.
+            theta: The measured configuration (n,) [rad, m].
+            theta_dot: The measured rates (n,) [rad/s, m/s].
+
+        Returns:
+            The state.
+
+        Raises:
+            InputError: One of them is not n finite numbers.
+        """
+        require_arm(arm)
+        values = {"theta": theta, "theta_dot": theta_dot}
+        checked = {name: as_theta(value, arm.n, name, arm.joint_names) for name, value in values.items()}
+        for name, value in checked.items():
+            if value.ndim != 1:
+                raise InputError(f"{name} must be one configuration, shape ({arm.n},); got {value.shape}")
+            if np.abs(value).max(initial=0.0) > MAX_VALUE:
+                raise InputError(f"{name} must be at most {MAX_VALUE:g} in size; got {np.abs(value).max():g}")
+        return cls(frozen(checked["theta"]), frozen(checked["theta_dot"]))
 
 
 def servo_step(
@@ -74,30 +134,26 @@ def servo_step(
     if not 0.0 < step <= settings.max_dt:
         return _refused(arm, state, f"dt must be more than 0 and at most {settings.max_dt:g} s; got {shown(dt)}")
     checked, reason = _usable(arm, command)
+
+    def solve(command: AnyCommand | None, near: Array | None = None) -> CoreStep:
+        return _core_step(arm, bounds, state, command, step, near)
+
     contact = None
     try:
         if scene is None or checked is None:
-            answer = _answer(arm, bounds, state, checked, step)
+            answer = solve(checked)
         else:
-            answer, contact = _apart(arm, bounds, state, checked, step, scene)
+            from .collision_avoidance import avoid_collisions
+
+            answer, contact = avoid_collisions(
+                lambda near: solve(checked, near), lambda: solve(None), state.theta, step, bounds, scene
+            )
     except InputError as error:
         return _refused(arm, state, f"the state cannot be used: {error}")
-    after = ServoState(answer.theta, answer.theta_dot, answer.held, _holding(checked), answer.period)
+    after = ServoState(answer.theta, answer.theta_dot, answer.held_pose, _held_flags(checked), answer.period)
     if checked is None:
         return after, ServoOutput.stale(after.theta_dot, reason)
     return after, ServoOutput.of(answer, bounds, StepRequest(arm, state.theta, checked, bounds.stops), contact)
-
-
-def _apart(
-    arm: Arm, bounds: ServoBounds, state: ServoState, command: AnyCommand, dt: float, scene: Scene
-) -> tuple[CoreStep, Contact | None]:
-    """The answer that keeps the bodies of a scene apart, and the pair that holds the arm."""
-    from .apart import apart
-
-    def ask(near: Array | None) -> CoreStep:
-        return _answer(arm, bounds, state, command, dt, near)
-
-    return apart(ask, lambda: _answer(arm, bounds, state, None, dt), state.theta, dt, bounds, scene)
 
 
 def _seconds(dt: Any) -> float:
@@ -120,38 +176,37 @@ def _usable(arm: Arm, command: Any) -> tuple[AnyCommand | None, str]:
     return command, ""
 
 
-def _answer(
-    arm: Arm, bounds: ServoBounds, state: ServoState, command: AnyCommand | None, dt: float, near: Array | None = None
+def _core_step(
+    arm: Arm, bounds: ServoBounds, state: ServoState, command: AnyCommand | None, dt: float, near: Array | None
 ) -> CoreStep:
-    holding = _holding(command)
-    held = state.held if holding is not None and type(state.holding) is int and state.holding == holding else None
+    step, held = bounds.compiled.step, _held_flags(command)
+    holds_on = held is not None and type(state.held_flags) is int and state.held_flags == held
+    pose = state.held_pose if holds_on else None
     kind, flags, numbers = (0, 0, None) if command is None else (command.kind, command.flags, command.numbers)
     found = None
     if type(state.period) is float:
-        found = bounds.compiled.step(state.theta, state.theta_dot, held, kind, flags, numbers, dt, state.period, near)
+        found = step(state.theta, state.theta_dot, pose, kind, flags, numbers, dt, state.period, near)
     if found is None:  # not plain float64: converted, or refused
         clean = _clean(arm, state)
-        held = None if held is None else clean.held
-        found = bounds.compiled.step(clean.theta, clean.theta_dot, held, kind, flags, numbers, dt, clean.period, near)
+        pose = None if pose is None else clean.held_pose
+        found = step(clean.theta, clean.theta_dot, pose, kind, flags, numbers, dt, clean.period, near)
         assert found is not None, "what was refused has been cleaned"
-    theta, theta_dot, kept, cause, row, scale, lost, lost_share, halted, position, angle, period = found
-    remaining = position, angle
-    return CoreStep(theta, theta_dot, OF_CAUSE[cause], row, scale, lost, lost_share, kept, halted, remaining, period)
+    return CoreStep(*found)
 
 
 def _clean(arm: Arm, state: ServoState) -> ServoState:
     """The state as plain arrays; InputError for one that cannot be used."""
     plain = ServoState.moving(arm, state.theta, state.theta_dot)
-    held = None if state.held is None else frozen(as_pose(state.held, "held"))
-    if held is not None and held.shape != (4, 4):
-        raise InputError(f"held must be one pose, shape (4, 4); got {held.shape}")
+    pose = None if state.held_pose is None else frozen(as_pose(state.held_pose, "held_pose"))
+    if pose is not None and pose.shape != (4, 4):
+        raise InputError(f"held_pose must be one pose, shape (4, 4); got {pose.shape}")
     period = _seconds(state.period)
     if not 0.0 <= period <= MAX_VALUE:
         raise InputError(f"period must be a time from 0 to {MAX_VALUE:g} s; got {shown(state.period)}")
-    return ServoState(plain.theta, plain.theta_dot, held, state.holding, period)
+    return ServoState(plain.theta, plain.theta_dot, pose, state.held_flags, period)
 
 
-def _holding(command: AnyCommand | None) -> int | None:
+def _held_flags(command: AnyCommand | None) -> int | None:
     """The flags of the held components; None without any."""
     return command.flags if command is not None and command.flags > 1 else None
 

@@ -1,22 +1,30 @@
 """The loop around the servo: commands in, setpoints out, watched joints. Also sources, sinks and simulated joints."""
 
 from .cycles import Cycle
-from .driving import come_to_rest
-from .following.cycle import FollowControl, FollowCycle, Following
-from .following.follow import FollowReport, follow
+from .driving import Metronome, come_to_rest
+from .following import FollowControl, FollowCycle, Following, FollowReport, follow
+from .inbox import Inbox, StateInbox
 from .interlock import Interlock
-from .links.inbox import Inbox, StateInbox
-from .links.messages import command_of, parse_command, parse_state, setpoint_message
-from .links.serial_link import SerialRobot, SerialSource
-from .links.signing import Signer, Verifier, read_key
-from .links.udp import UdpFeedback, UdpSink, UdpSource
-from .metronome import Metronome, MonotonicClock
-from .options import StreamOptions
-from .protocols import Clock, Feedback, Measured, Reading, Setpoint, Sink, Source, UndeliveredError
+from .messages import command_of, parse_command, parse_state, setpoint_message
+from .protocols import (
+    Clock,
+    Feedback,
+    Measured,
+    MonotonicClock,
+    Reading,
+    Setpoint,
+    Sink,
+    Source,
+    StreamOptions,
+    UndeliveredError,
+)
 from .recording import Recorder
 from .report import Ending, StreamReport
+from .serial_link import SerialRobot, SerialSource
+from .signing import Signer, Verifier, read_key
 from .simulation import SimulatedJoints
 from .streaming import Streaming, run
+from .udp import UdpFeedback, UdpSink, UdpSource
 
 __all__ = [
     "Clock", "Cycle", "Ending", "Feedback", "FollowControl", "FollowCycle", "FollowReport", "Following", "Inbox",

@@ -16,12 +16,13 @@ from ...support.display import Brief
 from ...support.errors import InputError, TwistarmError
 from ..servo import ServoOutput, ServoSettings, ServoState, servo_step
 from .interlock import ENABLED, Interlock, Interlocked
-from .metronome import ROUNDING, require_time
 from .observer import RateObserver, with_reserve
-from .options import StreamOptions
-from .protocols import Feedback, Measured, Reading, Setpoint, Sink, UndeliveredError
+from .protocols import Feedback, Measured, Reading, Setpoint, Sink, StreamOptions, UndeliveredError, require_time
 from .report import Ending, StreamReport, Tally
 from .watch import FeedbackWatch
+
+ROUNDING = 1e-6
+"""Part of a period that is rounding."""
 
 BRAKING_SPARE = 0.5
 """Extra seconds for braking, beyond twice velocity over acceleration."""

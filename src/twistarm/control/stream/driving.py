@@ -1,18 +1,57 @@
-"""Cycles on a clock until the end or a failure, then the arm at rest."""
+"""Cycles on a grid of times until the end or a failure, then the arm at rest."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from math import inf
+from math import floor, inf
 
 from ...support.checks import as_flag, require_method
+from ...support.errors import InputError, shown
 from ...support.interrupts import ended_like_ctrl_c
-from .cycles import C, Cycles, StreamError
-from .metronome import LATEST, Metronome, MonotonicClock
-from .protocols import Clock
+from .cycles import ROUNDING, C, Cycles, StreamError
+from .protocols import LATEST, Clock, MonotonicClock, require_time
 from .report import Ending, StreamReport, with_counts
+
+
+class Metronome:
+    """The grid t₀ + k · period [s] with t₀ the first tick. `next` is the next time.
+
+    early: the part of a period by which a tick may be early, for timers with jitter.
+    """
+
+    def __init__(self, period: float, early: float = ROUNDING) -> None:
+        self.period = period
+        self._early = early
+        self.next = -inf
+        self._origin = -inf
+        self._index = 0
+
+    def tick(self, now: float) -> int:
+        """The number of periods of this cycle: 1 on time, more after a delay, 0 if early.
+
+        −1 if time ran backwards by a period or more; the grid then restarts.
+
+        Raises InputError for a time that is not finite or at least 1e12 s, and keeps the grid.
+        """
+        if not abs(require_time(now)) < LATEST:
+            raise InputError(f"now must be seconds of a clock, below {LATEST:g}; got {shown(now)}")
+        if self._origin == -inf:
+            return self._begin(now, 1)
+        phase = (now - self._origin) / self.period
+        index = floor(phase + self._early)
+        periods = index - self._index
+        if periods < 0:
+            return self._begin(now, -1)
+        self._origin = min(self._origin, now - index * self.period)
+        self._index = index
+        self.next = self._origin + (index + 1) * self.period
+        return periods
+
+    def _begin(self, now: float, periods: int) -> int:
+        self._origin, self._index, self.next = now, 0, now + self.period
+        return periods
 
 
 def drive(

@@ -9,7 +9,7 @@ from ...arm.arm import Arm
 from ...planning.files.mcap_file import LABELS, SETPOINTS, TEXT, Bag
 from ...support.checks import require_method
 from .cycles import Cycle
-from .links.messages import setpoint_message
+from .messages import setpoint_message
 from .protocols import Setpoint, Sink
 
 DIAGNOSTIC, KEYS = "diagnostic_msgs/msg/", ("status", "reason", "joint", "scale", "interlock")

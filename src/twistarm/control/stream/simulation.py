@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm, require_arm
 from ...arm.usual_limits import defaults_line, with_defaults
-from ...support.checks import Array, as_not_negative, as_number, frozen, require, require_clock
+from ...support.checks import Array, as_number, frozen, require, require_clock
 from ...support.errors import InputError
 from .protocols import Measured, Setpoint
 from .watch import one_or_each
@@ -109,7 +109,7 @@ class SimulatedJoints:
 
     def step(self, dt: float) -> None:
         """Let `dt` [s] pass."""
-        end = self._now + as_not_negative(dt, "dt [s]")
+        end = self._now + as_number(dt, "dt [s]", 0.0)
         while self._now < end:
             self._receive()
             until = min(end, self._queue[0][0]) if self._queue else end

@@ -15,9 +15,7 @@ from ...support.errors import InputError, shown
 from ..servo import AnyCommand, ServoSettings, servo_step
 from .cycles import Cycle, Cycles, call_device
 from .driving import drive
-from .links.inbox import COMMAND_TIMEOUT
-from .options import USUAL, StreamOptions
-from .protocols import Clock, Feedback, Reading, Setpoint, Sink, Source
+from .protocols import COMMAND_TIMEOUT, USUAL, Clock, Feedback, Reading, Setpoint, Sink, Source, StreamOptions
 from .report import Ending, StreamReport
 
 if TYPE_CHECKING:

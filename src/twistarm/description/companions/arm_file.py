@@ -13,16 +13,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...limits.joint_limits import FIELDS, RATES
-from ...support.checks import Array, frozen
+from ...support.checks import Array, as_number, as_positive, frozen
 from ...support.errors import InputError, shown
-from ...support.fields import Check, anything, fields, list_of, number, numbers, positive, table_of, text, word
+from ...support.fields import Check, anything, fields, list_of, numbers, table_of, text, word
 from ...support.files import as_path, is_file
-from ...support.unit_hints import angle_hint
+from ...support.units import angle_hint
 from ...theory.rotations import from_rpy
 from ..document import LARGEST
 from ..findings import Finding, Place, finding, refusal
 from ..packages import is_too_wide, package_names
-from .toml_entries import parse_toml, unusable
+from .data_files import parse_toml, unusable
 
 if TYPE_CHECKING:
     from ..dh import DhTable
@@ -95,18 +95,18 @@ def _ratio(value: Any, name: str) -> float:
 
 
 def _motor_limits(value: Any, name: str) -> dict[str, float]:
-    rates = {rate: partial(number, least=0.0, most=inf) for rate in RATES if rate in MOTOR_LIMITS}
+    rates = {rate: partial(as_number, least=0.0, most=inf) for rate in RATES if rate in MOTOR_LIMITS}
     limits = fields(value, name, {}, {"lower": _bound, "upper": _bound, **rates})
     if limits.get("lower", -inf) > limits.get("upper", inf):
         raise InputError(f"{name} are swapped: lower {limits['lower']:g} > upper {limits['upper']:g}")
     return limits
 
 
-_coordinate = partial(number, least=-LARGEST, most=LARGEST, unit="rad or m")
-_bound = partial(number, least=-inf, most=inf, unit="rad or m")
+_coordinate = partial(as_number, least=-LARGEST, most=LARGEST, unit="rad or m")
+_bound = partial(as_number, least=-inf, most=inf, unit="rad or m")
 _three = partial(numbers, size=3, least=-LARGEST, most=LARGEST)
 _XYZ_RPY: dict[str, Check] = {"xyz": _three, "rpy": _three}
-_MOTOR: dict[str, Check] = {"offset": _coordinate, "unit": text, "ticks_per_turn": positive, "limits": _motor_limits}
+_MOTOR: dict[str, Check] = {"offset": _coordinate, "unit": text, "ticks_per_turn": as_positive, "limits": _motor_limits}
 
 FORMAT: dict[str, Check] = {
     **dict.fromkeys(("name", "source", "base", "tip", "srdf", "joint_limits"), word),

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from ...limits.joint_limits import JointLimits, by_field
+from ...support.checks import as_flag, as_number
 from ...support.errors import InputError, closest, listed
-from ...support.fields import anything, fields, flag, number, table_of
+from ...support.fields import anything, fields, table_of
 from ..document import existing_file, read_text
 from ..findings import Finding, Place, finding
-from ..yaml_reading import parse_yaml
-from .toml_entries import unusable
+from .data_files import parse_yaml, unusable
 
 MAX_BYTES = 250_000
 """A file for a whole humanoid has some 10 kB."""
@@ -24,8 +24,8 @@ MAX_BYTES = 250_000
 MAX_NESTING = 6
 """How deep parameters nest around joint_limits (`/**: ros__parameters: robot_description_planning:`)."""
 
-_position = partial(number, least=-inf, most=inf, unit="rad or m, or !degrees")
-_rate = partial(number, least=0.0, most=inf, unit="per s, s², s³; N m or N")
+_position = partial(as_number, least=-inf, most=inf, unit="rad or m, or !degrees")
+_rate = partial(as_number, least=0.0, most=inf, unit="per s, s², s³; N m or N")
 
 ENTRIES = {
     "max_velocity": ("has_velocity_limits", "velocity", _rate),
@@ -43,7 +43,7 @@ ENTRIES = {
 
 FORMAT = (
     {entry: check for entry, (_, _, check) in ENTRIES.items()}
-    | {switch: flag for switch, _, _ in ENTRIES.values()}
+    | {switch: as_flag for switch, _, _ in ENTRIES.values()}
     | dict.fromkeys(("k_position", "k_velocity", "angle_wraparound"), anything)
 )
 """The last three are of controllers and have no effect here."""

@@ -17,11 +17,9 @@ from xml.parsers import expat
 
 from ...support.errors import listed
 from ...support.messages import Argument, Text, package_folder
-from ..document import Reading, parse_xml
+from ..document import Reading, Refused, parse_xml, read_inside, real_inside
 from ..findings import Finding, Place, finding, refusal
 from ..packages import PackageIndex, is_package_name
-from .arguments import arguments_in
-from .confinement import Refused, read_inside, real_inside
 from .expressions import LEFT_OUT, evaluate, type_of
 
 PACKAGE = "package://"
@@ -333,3 +331,18 @@ def _document(text: str, root: ET.Element, path: Path) -> Any:
 def _say_nothing(*_: Any, **__: Any) -> str:
     """Drop xacro's messages, which would go to the terminal."""
     return ""
+
+
+_USED = re.compile(r"\$\(arg\s+([^)\s]+)\s*\)")
+
+
+def arguments_in(root: ET.Element) -> dict[str, str | None]:
+    """Every argument that a document declares or uses, with its default; None if it is required or not declared."""
+    declared: dict[str, str | None] = {}
+    used: dict[str, None] = {}
+    for element in root.iter():
+        if element.tag == "xacro:arg" and "name" in element.attrib:
+            declared.setdefault(element.attrib["name"], element.get("default"))
+        for text in (*element.attrib.values(), element.text or "", element.tail or ""):
+            used |= dict.fromkeys(_USED.findall(text) if "$(" in text else ())
+    return declared | {name: None for name in used if name not in declared}

@@ -13,7 +13,7 @@ import warnings
 from types import CodeType
 from typing import Any
 
-from .confinement import Refused
+from ..document import Refused
 
 REFUSED = "xacro-expression-refused"
 

@@ -4,24 +4,118 @@ from __future__ import annotations
 
 import functools
 import io
+import os
+import re
 import threading
 from collections import OrderedDict
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
 
 from ...support.checks import Array
 from ...support.errors import TwistarmError, one_line
-from ...support.files import read_bounded, stamp
+from ...support.files import is_file, read_bounded, stamp
 from ...support.interrupts import interruptible
 from ...support.wheels import Wheel, load
+from ..packages import home_of, is_too_wide
 from .collada import collada_pieces
 from .mesh import Colour, Mesh, Piece, RefusedError, UnreadableMeshError
-from .resolver import Resolver, Stamps, as_utf8
-from .stl import stl_corners
+
+ENDINGS = {"obj": ".mtl", "gltf": ".bin", "glb": ".bin"}
+"""Endings of materials and buffers, by format. Images are not drawn, so they are not opened."""
+
+Stamps = dict[Path, tuple[int, ...] | None]
+"""Files, also missing ones, with their `stamp` when they were read."""
+
+
+class Resolver:
+    """Reads at most `left` bytes for trimesh, in the package of the mesh at `path`, or in its folder without one.
+
+    It adds each file to `files`. `refused` holds the first refusal, because some readers go on without the file.
+    """
+
+    file_name = "mesh"
+
+    def __init__(self, kind: str, path: Path, left: int, files: Stamps) -> None:
+        self._ending, self._place, self._left = ENDINGS.get(kind), Path(os.path.realpath(path)), left
+        self._files = files
+        self.refused: RefusedError | None = None
+
+    def get(self, name: Any) -> bytes:
+        """The bytes of a file. FileNotFoundError if there is none, RefusedError if it must not be read."""
+        what = f"it refers to {one_line(str(name), 80)!r}"
+        if not isinstance(name, str) or Path(name).suffix.lower() != self._ending:
+            raise FileNotFoundError(f"{what}, which is not opened")
+        try:
+            spelling = name.strip().replace("\\", "/")
+            places = [Path(os.path.realpath(self._place.parent / each)) for each in (spelling, unquote(spelling))]
+            place, root = next(filter(is_file, places), places[0]), home_of(self._place)
+            if is_too_wide(root) or not place.is_relative_to(root):
+                raise RefusedError(f"{what}, a file outside its package")
+            self._files[place] = stamp(place)
+            data = read_bounded(place, self._left)
+        except FileNotFoundError:
+            raise FileNotFoundError(f"{what}, which is not there") from None
+        except (RefusedError, OSError, ValueError) as error:
+            why = f"{what}, which cannot be read: {getattr(error, 'strerror', error)}"
+            self.refused = self.refused or (error if isinstance(error, RefusedError) else RefusedError(why))
+            raise self.refused from None
+        self._left -= len(data)
+        return as_utf8(data) if self._ending == ".mtl" else data
+
+    __getitem__ = get
+
+    def keys(self) -> list[str]:
+        """No names, so trimesh searches nothing."""
+        return []
+
+    def namespaced(self, name: str) -> Resolver:
+        """The same resolver, so that all names start in this folder."""
+        return self
+
+
+def as_utf8(data: bytes) -> bytes:
+    """Text in Latin-1 as UTF-8: trimesh would look for a library that guesses."""
+    try:
+        data.decode()
+    except UnicodeDecodeError:
+        return data.decode("latin-1").encode()
+    return data
+
+
+COUNT, HEAD, FACET = 80, 84, 50
+"""Bytes of a binary STL before the count of facets, before the first facet, and of one facet."""
+
+LOOKED_AT = 1_000
+"""Bytes at the beginning of a text with its first facet."""
+
+MOST_MISSING = 1000
+"""A file that announces so many times its facets is not a binary STL."""
+
+_VERTEX = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", re.I)
+
+
+def stl_corners(data: bytes) -> Array:
+    """The triangles (F, 3, 3). As in assimp, bytes may follow the last facet, and a text may lack its end."""
+    promised = int.from_bytes(data[COUNT:HEAD], "little") if len(data) >= HEAD else -1
+    is_solid = data[:LOOKED_AT].lstrip().lower().startswith(b"solid") and b"\0" not in data[:HEAD]
+    if is_solid and len(data) != HEAD + FACET * promised:
+        vertices = _VERTEX.findall(data)
+        if len(vertices) % 3:
+            raise RefusedError("it is cut short in the middle of a facet")
+        return np.array(vertices, dtype=np.bytes_).astype(np.float64).reshape(-1, 3, 3)
+    present = (len(data) - HEAD) // FACET
+    if promised > MOST_MISSING * present > 0:
+        raise RefusedError("it is no STL")  # the count would tell bytes of another kind of file
+    if promised > present or promised < 0:
+        what = f": {promised:,} triangles are announced and {present:,} are there" if promised >= 0 else ""
+        raise RefusedError(f"it is cut short{what}")
+    return np.ndarray((promised, 3, 3), "<f4", data, HEAD + 12, (FACET, 12, 4))
+
 
 LARGEST_FILE = 100_000_000
 """Bytes of a mesh file, and of all that it refers to. The largest of some hundred arms has 5 MB."""

@@ -10,8 +10,7 @@ from pathlib import Path
 
 from ...support.errors import DescriptionError
 from ...support.files import is_file, read_bounded
-from ..document import MAX_NESTING, MAX_PARTS, Reading, parse_xml
-from ..expansion.confinement import Refused, read_inside, real_inside
+from ..document import MAX_NESTING, MAX_PARTS, Reading, Refused, parse_xml, read_inside, real_inside
 from ..findings import refusal
 from ..mesh_paths import resolve_uri
 

@@ -14,8 +14,7 @@ from ...arm.arm import Arm
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ...support.files import write_whole
-from ...viewer.files.inline import Inline
-from ...viewer.files.page_export import beside, stand_alone
+from ...viewer.files.page_export import Inline, beside, stand_alone
 from ...viewer.files.scene_snapshot import SceneSnapshot, of_arm
 from ...viewer.parts.findings import loaded
 from ..exercises.exercise import Exercise

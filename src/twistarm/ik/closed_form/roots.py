@@ -26,9 +26,6 @@ ROUNDING = 1e-14
 SINGULAR = 1e-12
 """Relative singular values below this are 0. Newton's step does not use those directions."""
 
-ROUNDED_DIRECTION = 1e-3
-"""The same for rounded axes, which move in such directions only by their rounding."""
-
 DEPENDENT = 1e-6
 """Relative singular values below this are directions without first-order motion."""
 
@@ -141,8 +138,6 @@ class Asked:
             return tuple(solved)
         moving: set[int] = set()
         alike = max(MEMBER_MISS, min(2.0 * max(self.errors(theta)), MAX_MEMBER_MISS))
-        if dependent > DEPENDENT:  # rounded axes miss the target all along
-            alike = min(self.tolerances.position, self.tolerances.orientation)
         share = 0.5 * SIDESTEP
         turned = Tolerances(share * self.tolerances.position, share * self.tolerances.orientation)
         for direction in Vt[rank:]:

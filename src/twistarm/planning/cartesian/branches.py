@@ -7,11 +7,11 @@ import numpy as np
 from ...arm.arm import Arm
 from ...ik.closed_form.methods import family_method
 from ...ik.ranges import joint_ranges
-from ...ik.searches import USUAL, searched
+from ...ik.searches import searched
 from ...ik.targets import AnyTarget
-from ...ik.task_space import Tolerances
+from ...ik.task_space import USUAL, Tolerances
 from ...support.checks import Array
-from ..tolerances import leeway
+from ..tolerances import are_wide
 from .projection import ALL_BUT_EXACT, EXACT
 
 MANY = 96
@@ -37,7 +37,7 @@ def branches(arm: Arm, target: AnyTarget, near: Array, tolerances: Tolerances = 
     met, all_found = _by_closed_form(arm, target, starts)
     if not all_found:
         met = np.vstack([_nearest(arm, target, near), met, _by_searches(arm, target, starts, ALL_BUT_EXACT)])
-    if not len(met) or leeway(tolerances):
+    if not len(met) or are_wide(tolerances):
         met = np.vstack([met, _by_searches(arm, target, starts, tolerances)])
     met = joint_ranges(arm).wrapped(met, near)
     return _in_order(_windings(arm, _distinct(_in_order(met, near))), near)

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...ik.searches import USUAL
 from ...ik.targets import AnyTarget, Approach, Pose, Position, TolerancedPose
-from ...ik.task_space import Tolerances
+from ...ik.task_space import USUAL, Tolerances
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...theory import rotations, screws
@@ -96,12 +95,14 @@ def _slerp(g0: Array, R1: Array) -> Array:
 class MovingTarget:
     """A `curve` that the tool follows in the components that the target `like` constrains.
 
-    `tolerances` are the distances at which the tool still meets it.
+    `tolerances` are the distances at which the tool still meets it. With `leeway` they are used from the first.
+    Otherwise configurations are sought exactly first.
     """
 
     curve: Curve
     like: AnyTarget
     tolerances: Tolerances = USUAL
+    leeway: Tolerances | None = None
 
     def at(self, s: float) -> AnyTarget:
         """The target at s."""

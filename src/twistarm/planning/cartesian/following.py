@@ -12,7 +12,6 @@ from ...support.checks import Array
 from ..joint_path import JointPath
 from ..piecewise import bernstein, extremes
 from ..spline import cubic_not_forced
-from ..tolerances import leeway
 from ..within import POSITION_TOL as ROUNDING
 from .curves import MovingTarget
 from .ladder import Blocked, Node
@@ -68,7 +67,7 @@ def follow(arm: Arm, samples: Sequence[Node]) -> JointPath | Blocked:
 
 def _uses_tolerance_well(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Flags:
     """Tell which configurations (k, n) at s (k,) are well within wide tolerances."""
-    if leeway(moving.tolerances) is None:
+    if moving.leeway is None:
         return np.zeros(len(s), dtype=bool)
     position, angle = moving.errors(s, arm.fk(theta))
     return (position <= SHARE * moving.tolerances.position) & (angle <= SHARE * moving.tolerances.orientation)

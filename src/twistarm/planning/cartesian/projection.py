@@ -14,7 +14,6 @@ from ...ik.targets import AnyTarget, Approach, Pose, TolerancedPose
 from ...ik.task_space import Tolerances
 from ...support.checks import Array
 from ...theory import rotations
-from ..tolerances import leeway
 from .curves import MovingTarget, errors_from
 
 EXACT = 1e-9
@@ -72,7 +71,7 @@ def solve_near(
         return found.theta, found.converged
 
     theta, converged = near.copy(), np.zeros(len(near), dtype=bool)
-    for solve in (*([without_leap] if leeway(moving.tolerances) else []), exactly, search):
+    for solve in (*([without_leap] if moving.leeway else []), exactly, search):
         left = np.flatnonzero(~converged)
         found, good = solve(ideal[left], near[left])
         theta[left[good]], converged[left[good]] = found[good], True

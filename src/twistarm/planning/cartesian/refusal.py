@@ -14,7 +14,7 @@ from ...limits.joint_limits import JointLimits
 from ...support.checks import Array
 from ...support.errors import TwistarmError
 from ...support.messages import Posture, Quantity, Text
-from ...support.unit_hints import length_hint
+from ...support.units import length_hint
 from ..joint_path import JointPath
 from .branches import branches
 from .following import follow

@@ -12,11 +12,10 @@ import numpy as np
 from ...arm.arm import Arm
 from ...limits.actuators import Actuators
 from ...limits.joint_limits import JointLimits
-from ...support.checks import Array, as_flag
+from ...support.checks import Array, as_flag, number_in
 from ...support.csv_lines import Bounds, Row, csv_lines, csv_rows
 from ...support.csv_lines import csv_text as lines_of
 from ...support.errors import InputError, closest, listed
-from ...support.fields import number_in
 from ..trajectory import Points, Trajectory, motor_values, motors_of, require_motors
 
 TIME = "time [s]"

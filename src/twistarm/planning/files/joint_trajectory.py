@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from ...arm.arm import Arm
-from ...description.yaml_reading import parse_yaml
+from ...description.companions.data_files import parse_yaml
 from ...limits.actuators import Actuators
-from ...support.checks import Array
+from ...support.checks import Array, as_number
 from ...support.errors import DescriptionError, InputError, closest, listed, shown
-from ...support.fields import number, numbers
+from ...support.fields import numbers
 from ...support.files import read_bounded, why_no_file
 from ...support.strict_json import parsed
 from ..trajectory import Points, Trajectory, motor_values, motors_of
@@ -144,6 +144,6 @@ def _time(point: Any, place: str) -> float:
 def _labels(message: dict[str, Any], file: str) -> list[tuple[float, str]]:
     place = f"{file}, labels"
     return [
-        (number(_entry(label, "time", place), f"{place}: time"), _entry(label, "text", place))
+        (as_number(_entry(label, "time", place), f"{place}: time"), _entry(label, "text", place))
         for label in (_listed(message, "labels", file) if "labels" in message else ())
     ]

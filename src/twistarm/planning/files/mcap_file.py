@@ -14,10 +14,9 @@ import numpy as np
 
 from ...arm.arm import Arm, require_arm
 from ...support.checks import Array
-from ...support.errors import InputError, listed, missing_extra, one_line
+from ...support.errors import InputError, listed, missing_extra, one_line, without_places
 from ...support.files import TEMPORARY, why_no_file, writable, write_whole
 from ...support.interrupts import Closeable
-from ...support.path_redaction import without_places
 from ...theory.rotations import to_xyzw
 from ...theory.screws import inverse_of
 from ..trajectory import Points, Trajectory

@@ -12,11 +12,14 @@ from ..piecewise import bernstein, bisected, derivative, evaluate
 from .law import PathBounds, TimeLaw, distinct_instants
 from .time_optimal import LimitedPath, first_grid, on_grid
 
-WINDOWS = (1.0, 2.0)
+WINDOWS = (1.0, 2.0, 2.8)
 """Window widths to try, as multiples of the rise time of the slowest rate to its acceleration limit."""
 
-ROUNDS = 8
-"""Laws tried for each width."""
+ROUNDS, PATIENCE, GAIN = 8, 3, 5e-3
+"""Greatest number of laws for each width; so many in a row that are not shorter by this share end it."""
+
+MANY_PIECES = 900
+"""Laws along so many pieces take long, and change little from one to the next: the first without a gain ends it."""
 
 POWER, LEAST, MOST = 0.7, 0.9, 1.2
 """A ceiling is divided by this power of the piece's need of slowing, which counts within these bounds."""
@@ -40,7 +43,7 @@ BISECTIONS = 60
 def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
     """A law of limited jerk that keeps every limit, with zero velocity and acceleration at both ends.
 
-    A moving average of the time-optimal law limits the jerk: to its acceleration jumps over the window's width. Two
+    A moving average of the time-optimal law limits the jerk: to its acceleration jumps over the window's width. Some
     widths are tried. Ceilings of ṡ fall where the law exceeds a limit, and rise where it uses none, so that the whole
     comes near its limits everywhere. The shortest of all laws is then slowed as a whole to its exact extremes. A joint
     or motor without a jerk limit reaches its acceleration limit in 0.1 s. `double_s` is shorter from rest to rest in a
@@ -55,13 +58,17 @@ def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
     rise = float((bounds.acceleration[limits] / bounds.jerk[limits]).max())  # of the slowest rate to its limit [s]
     best, shortest = None, np.inf
     for window in rise * np.array(WINDOWS):
-        ceiling = _ceiling(fine, bounds)
+        ceiling, least, vain = _ceiling(fine, bounds), np.inf, 0
         for _ in range(ROUNDS):
             fastest = on_grid(replace(limited, ceiling=ceiling), grid)
             factor, speed = needs.of(_roughly_smoothed(fastest, window, fine))
-            # So long it takes once it is slowed as a whole.
-            if (duration := (fastest.duration + window) * float(factor.max())) < shortest:
+            duration = (fastest.duration + window) * float(factor.max())  # once it is slowed as a whole
+            if duration < shortest:
                 best, shortest = (fastest, window), duration
+            vain = 0 if duration < least * (1.0 - GAIN) else vain + 1
+            least = min(least, duration)
+            if vain == (PATIENCE if len(piece) < MANY_PIECES else 1):
+                break
             reached = np.where(speed > 0.0, HEADROOM * speed, np.inf)  # a law may pass a tiny piece between samples
             ceiling = np.minimum(ceiling, reached) / np.clip(factor, LEAST, MOST) ** POWER
             ceiling = np.minimum(ceiling, bounds.ceiling_of(fine))

@@ -63,8 +63,8 @@ def time_optimal(path: JointPath, bounds: PathBounds) -> TimeLaw:
         durations = _durations(grid, profile.x)
         duration = float(durations.sum())
         endless = np.isinf(durations)
-        # Where both speeds are zero no limit has a share, and the interval is halved.
-        loss = np.where(endless, 0.0, durations) * np.where(endless, 0.0, 1.0 - profile.share)
+        # Where both speeds are zero, or an interval is tiny, no limit has a share; an endless interval is halved.
+        loss = np.where(endless, 0.0, durations) * (1.0 - np.fmax(np.fmin(profile.share, 1.0), 0.0))
         coarse = endless | (loss > LOSS * duration / len(loss))
         fine = loss.sum() < UNUSED_PER_GAIN * GAIN * duration or duration > shortest * (1.0 - GAIN)
         if not endless.any() and (fine or not coarse.any() or len(coarse) > MAX_INTERVALS):

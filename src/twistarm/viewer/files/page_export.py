@@ -1,4 +1,4 @@
-"""The saved page: one HTML file that opens offline and plays a trajectory."""
+"""The saved page: one HTML file that opens offline and plays a trajectory, and its frame in a notebook."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import json
 import os
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -16,10 +17,43 @@ from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm
 from ...planning.trajectory import Trajectory
+from ...support.checks import as_positive
 from ...support.files import writable, write_whole
 from ...support.strict_json import encode
 from ..page_files import meshcat_bundle, page_text
 from .scene_snapshot import SceneSnapshot, of_arm
+
+HEIGHT = 480
+"""Height of a frame [pixels]. It is as wide as the notebook's output."""
+
+STYLE = "width:100%;border:1px solid #8884;border-radius:8px;color-scheme:normal"
+
+
+@dataclass(frozen=True)
+class Inline:
+    """HTML that a notebook shows on a cell's last line or by IPython's `display`."""
+
+    html: str
+
+    def _repr_html_(self) -> str:
+        return self.html
+
+    @classmethod
+    def live(cls, url: str, name: str, height: float = HEIGHT) -> Inline:
+        """The page at `url`, which its process serves to notebooks of this machine."""
+        return cls(_frame(name, height, f'src="{escape(url)}" allow="clipboard-write; gamepad; fullscreen"'))
+
+    @classmethod
+    def page(cls, html: str, name: str, height: float = HEIGHT) -> Inline:
+        """A saved page in the notebook. It reaches nothing outside its frame."""
+        sandbox = 'sandbox="allow-scripts allow-downloads" allow="clipboard-write; fullscreen"'
+        return cls(_frame(name, height, f'{sandbox} srcdoc="{escape(html)}"'))
+
+
+def _frame(name: str, height: float, content: str) -> str:
+    pixels = round(as_positive(height, "height"))
+    return f'<iframe title="{escape(name)} · twistarm" height="{pixels}" style="{STYLE}" {content}></iframe>'
+
 
 EXPORT = r"^export ((?:async )?function|class|const) ([\w$]+)"
 """How the page's modules export: a definition at the start of a line."""

@@ -13,13 +13,11 @@ from numpy.typing import ArrayLike
 from ...arm.arm import Arm
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
+from ..parts.arm_data import check_trajectory, describe_arm, named_poses, tool_path
 from ..parts.findings import PENDING, examined
-from ..parts.limit_checks import check_trajectory
-from ..parts.playback import Playback
 from ..parts.player import plots
-from ..parts.summary import describe_arm, named_poses
+from ..parts.show import Playback
 from ..parts.theory import axes, most_moved, numbers
-from ..parts.tool_path import tool_path
 from ..protocol.messages import Message
 from ..scene.arm_drawing import Drawing
 from ..scene.kinematics import kinematics

@@ -1,10 +1,16 @@
-"""A picture of the arm without a display. A headless browser draws the saved page."""
+"""Pictures and prints without a display: an installed browser, run headless, draws a saved page into a file."""
 
 from __future__ import annotations
 
+import io
 import operator
 import os
-from collections.abc import Callable
+import shutil
+import signal
+import subprocess
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,12 +18,157 @@ from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm
 from ...planning.trajectory import Trajectory
-from ...support.errors import InputError, shown
+from ...support.errors import InputError, TwistarmError, one_line, shown
 from ...support.files import writable, write_whole
 from ..parts.findings import loaded
-from .headless import browser_at_work, draw
 from .page_export import stand_alone
 from .scene_snapshot import SceneSnapshot, of_arm
+
+NAMES = (
+    "chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "microsoft-edge", "microsoft-edge-stable"
+)  # fmt: skip
+"""Browsers on PATH, in the order in which they are tried."""
+
+PLACES = (
+    "/snap/bin/chromium",
+    "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
+    "/Applications/Chromium.app/Contents/MacOS/Chromium",
+    "/Applications/Microsoft Edge.app/Contents/MacOS/Microsoft Edge",
+)
+"""Where they are installed without being on PATH."""
+
+FLAGS = (
+    "--headless",
+    # The page is ours, holds numbers and escaped names, and may load nothing; containers and root have no sandbox.
+    "--no-sandbox",
+    "--disable-gpu",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--no-first-run",
+    "--disable-breakpad",
+    "--disable-quic",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--disable-features=WebUIOmniboxPopup,WebUIOmniboxAimPopup",  # pages of the address bar, which nobody sees
+    "--password-store=basic",
+    "--use-mock-keychain",
+    "--hide-scrollbars",
+    "--force-device-scale-factor=1",
+)
+
+BUDGET = "--virtual-time-budget=2000"
+"""[ms] of the page's own time, which stands still while its scripts work: the camera and the floor come in frames."""
+
+TIMEOUT = 60.0
+"""Most seconds for a picture or print. Software rendering of 4096 × 4096 pixels takes some 12 s."""
+
+
+def find_browser() -> str:
+    """Find the first browser of `NAMES` on PATH, then of `PLACES`. Raises TwistarmError without one."""
+    found = next(filter(None, map(shutil.which, (*NAMES, *PLACES))), None)
+    if found is None:
+        raise TwistarmError(
+            f"a picture or print needs a browser, and there is none of {', '.join(NAMES)} on PATH, nor Chrome, "
+            "Chromium or Edge in /Applications; install one (on Debian: apt install chromium), or open the page "
+            "yourself (view -o FILE.html, guide -o DIR)"
+        )
+    return found
+
+
+def is_snap(browser: str) -> bool:
+    """Whether this is a snap: a link to `snap`, or Ubuntu's wrapper script."""
+    real = Path(browser).resolve()
+    if real.name == "snap" or real.is_relative_to("/snap"):
+        return True
+    with suppress(OSError), real.open("rb") as file:
+        return b"/snap/bin/" in file.read(4096)
+    return False
+
+
+@contextmanager
+def browser_at_work(doing: str) -> Iterator[tuple[str, Path]]:
+    """An installed browser, and a temporary folder that it can read, for `doing`, such as "draw".
+
+    Raises TwistarmError without a browser, or where the folder cannot be used.
+    """
+    browser = find_browser()
+    # A snap sees neither /tmp nor hidden folders, but what is below the home folder.
+    home = Path.home() if is_snap(browser) else None
+    try:
+        with tempfile.TemporaryDirectory(prefix="twistarm-", dir=home, ignore_cleanup_errors=True) as folder:
+            yield browser, Path(folder)
+    except OSError as error:
+        raise TwistarmError(f"cannot {doing} with {browser}: {error}") from error
+
+
+def draw(browser: str, page: Path, size: tuple[int, int]) -> bytes:
+    """The PNG that `browser` makes of `page`. The file counts, not how the browser ends: some linger after writing."""
+    picture = page.with_name("arm.png")
+    window = "--window-size={},{}".format(*size)
+    end = _run(browser, page, (BUDGET, window, f"--screenshot={picture}"), "#pane")
+    data = picture.read_bytes() if picture.is_file() else b""
+    wrong = fault(data, size) if data else f"{end} and wrote no picture"
+    if wrong:
+        raise TwistarmError(f"{browser} {wrong}")
+    return data
+
+
+def printed(browser: str, page: Path) -> bytes:
+    """The PDF that `browser` prints of `page`, without its own head and foot."""
+    paper = page.with_name("page.pdf")
+    end = _run(browser, page, (BUDGET, "--no-pdf-header-footer", f"--print-to-pdf={paper}"))
+    data = paper.read_bytes() if paper.is_file() else b""
+    if not (data.startswith(b"%PDF-") and data.rstrip().endswith(b"%%EOF")):
+        raise TwistarmError(f"{browser} {end} and printed no whole PDF")
+    return data
+
+
+def _run(browser: str, page: Path, wishes: tuple[str, ...], place: str = "") -> str:
+    """Have `browser` open `page` for at most `TIMEOUT`; how it ended. None of its processes lives on."""
+    folder = page.parent
+    profile = f"--user-data-dir={page.with_name('profile')}"
+    command = (browser, *FLAGS, profile, *wishes, f"{page.as_uri()}{place}")
+    # Debian's launcher makes a folder in the configuration, whatever profile it is given.
+    own = {"XDG_CONFIG_HOME": str(folder), "XDG_CACHE_HOME": str(folder)}
+    log = folder / "log"
+    with log.open("wb") as output:
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=output,
+            env={**os.environ, **own},
+            start_new_session=True,
+        )
+    try:
+        code = process.wait(TIMEOUT)
+    except subprocess.TimeoutExpired:
+        return f"was ended after {TIMEOUT:g} s"
+    finally:
+        # macOS refuses a group whose processes are all dead.
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+    said = log.read_text("utf-8", errors="replace").strip().rpartition("\n")[2]
+    return f"ended with code {code}" + (f" ({one_line(said, 200)})" if said else "")
+
+
+def fault(data: bytes, size: tuple[int, int]) -> str | None:
+    """What is wrong with a picture that should be a PNG of `size` with something in it."""
+    from PIL import Image
+
+    try:
+        with Image.open(io.BytesIO(data), formats=["PNG"]) as picture:
+            pixels = picture.convert("RGB")
+    except (OSError, SyntaxError):
+        return "wrote a picture that is not a whole PNG"
+    if pixels.size != size:
+        return "drew {} x {} pixels instead of {} x {}".format(*pixels.size, *size)
+    if pixels.getcolors(1):
+        return "drew an empty page, as without WebGL; update it, or save the page (-o FILE.html) and open that"
+    return None
+
 
 SMALLEST, LARGEST = 200, 4096
 """Sides of a picture [pixels]. In smaller ones the legend hides the arm. Larger ones may be scaled down."""

@@ -5,7 +5,7 @@ import { Kinematics, told } from "./kinematics.js";
 import { LocalHistory } from "./local_history.js";
 import { shown, span } from "./units.js";
 
-const ROUNDING = 1e-6; // rad, m: a value may lie this far beyond a limit, as in limit_checks.py
+const ROUNDING = 1e-6; // rad, m: a value may lie this far beyond a limit, as in arm_data.py
 
 export class LocalArm {
   // `data`: arm, kinematics, others; `act` holds moved() and refuse(words).

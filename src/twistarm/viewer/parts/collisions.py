@@ -18,11 +18,10 @@ from ...theory.rotations import from_xyzw
 from ..memo import Memo, same
 from ..protocol.jobs import Job, Progress
 from ..protocol.messages import Message, packed
-from ..scene.drawing import columns
-from ..scene.nodes import link_path
-from .part import Part, Route, Show
+from ..scene.drawing import columns, link_path
 from .pose_list import RecordedPose
-from .solutions import Solutions
+from .show import Part, Route, Show
+from .target import Solutions
 
 KINDS = {"box": 3, "sphere": 1, "cylinder": 2}
 """What pages may add, and how many numbers its size has."""

@@ -12,7 +12,7 @@ from typing import Any, Generic, TypeVar
 from ...support.errors import InputError, one_line, unknown_name
 from ..protocol.jobs import Job, Progress
 from ..protocol.messages import Message
-from .part import Part, Route, Show
+from .show import Part, Route, Show
 
 V = TypeVar("V")
 

@@ -9,10 +9,9 @@ from typing import Any, get_args
 from ...arm.arm import Arm
 from ...checking.doctor import examine_arm
 from ...description.findings import Finding, Place, Severity
-from ...support.errors import one_line
-from ...support.path_redaction import without_places
+from ...support.errors import one_line, without_places
 from ..protocol.messages import LONGEST_NAME, Message
-from ..scene.nodes import link_path, screw_path
+from ..scene.drawing import link_path, screw_path
 
 MAX_FINDINGS = 500
 """Most findings on the page. The rest is counted."""

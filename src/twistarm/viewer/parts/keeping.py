@@ -9,14 +9,14 @@ from pathlib import Path
 from ...arm.arm import Arm
 from ...arm.loading.load import load_arm
 from ...description.companions.arm_file import read_arm_file
-from ...description.companions.toml_entries import write_pose
+from ...description.companions.data_files import write_pose
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...support.files import as_path, is_file
 from ..protocol.jobs import Job, Progress
 from ..protocol.messages import Message
-from .limit_checks import checked_theta
-from .part import Part, Route, Show
+from .arm_data import checked_theta
+from .show import Part, Route, Show
 
 
 class Keeping(Part):

@@ -15,9 +15,8 @@ from ...support.checks import Array
 from ...support.errors import InputError
 from ..memo import Memo
 from ..protocol.messages import Message
-from .limit_checks import checked_theta
-from .part import Part, Route, Show
-from .playback import Playback
+from .arm_data import checked_theta
+from .show import Part, Playback, Route, Show
 
 SPEEDS = (0.05, 20.0)
 """Slowest and fastest speed from a page. Python may set a speed beyond them, which a page then keeps."""

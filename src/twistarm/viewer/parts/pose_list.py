@@ -14,7 +14,7 @@ from ...arm.arm import Arm
 from ...support.checks import Array, frozen
 from ...support.errors import InputError, LimitError, one_line
 from ...support.strict_json import LARGEST_MESSAGE, encode
-from .limit_checks import checked_theta, require_all_inside
+from .arm_data import checked_theta, require_all_inside
 
 LONGEST_NAME = 60
 """Most characters of a pose's name. A row of the page shows half of it."""

@@ -1,4 +1,4 @@
-"""The program of recorded poses: edit the list, go to a pose, plan a motion."""
+"""The program of recorded poses: edit the list, go to a pose, plan a motion through them."""
 
 from __future__ import annotations
 
@@ -13,20 +13,61 @@ import numpy as np
 from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line, with_defaults
 from ...collision import Scene
+from ...ik.targets import Position
 from ...limits.joint_limits import JointLimits
 from ...planning.cartesian.refusal import PathError
+from ...planning.goals import Curved, Goals
 from ...planning.joint_space import LAWS, plan_joint
 from ...planning.motion import plan
+from ...planning.segments import ArcMove, FreeMove, JointMove, LineMove, ScrewMove
 from ...planning.trajectory import Trajectory
+from ...support.checks import Array
 from ...support.errors import InputError
 from ..memo import Memo
 from ..protocol.jobs import Job, Progress
 from ..protocol.messages import Message
-from ..scene.placement import Placement, standing_at
-from .part import Part, Route, Show
+from ..scene.kinematics import Placement, standing_at
+from .arm_data import drawn, tool_path
 from .pose_list import PoseList, RecordedPose
-from .pose_segments import ideal_way, segments
-from .tool_path import tool_path
+from .show import Part, Route, Show
+
+POINTS = 60
+"""Points of the ideal path from a pose to the next."""
+
+
+def segments(arm: Arm, poses: Sequence[RecordedPose], corner: float) -> list[JointMove | Curved]:
+    """The segments through all poses, with corners rounded within `corner` [m].
+
+    Raises InputError for an arc's via pose without the arc's end.
+    """
+    made: list[JointMove | Curved] = []
+    for i, pose in enumerate(poses[1:], start=1):
+        blend = corner if i + 1 < len(poses) else 0.0
+        if poses[i - 1].by == "via" and i > 1:
+            made.append(ArcMove(Position(arm.fk(poses[i - 1].theta)[:3, 3]), pose.theta, blend=blend))
+        elif pose.by in ("joint", "free"):
+            made.append((JointMove if pose.by == "joint" else FreeMove)(pose.theta, blend=blend))
+        elif pose.by != "via":
+            made.append((LineMove if pose.by == "line" else ScrewMove)(pose.theta, blend=blend))
+        if pose.by == "via" and (i + 1 == len(poses) or poses[i + 1].by == "via"):
+            raise InputError(
+                f"an arc leads through '{pose.name}' to the pose after it: that must be there, and be an end itself"
+            )
+    return made
+
+
+def ideal_way(arm: Arm, poses: Sequence[RecordedPose]) -> list[list[float]]:
+    """Points [m] of the way that the segments describe, corners and all."""
+    s, goals, at, ways = np.linspace(0.0, 1.0, POINTS), Goals(arm, arm.limits), poses[0].theta, list[Array]()
+    for move in segments(arm, poses, 0.0):
+        end: Any = move.to
+        if isinstance(move, JointMove):
+            ways.append(arm.fk(at + s[:, None] * (end - at))[:, :3, 3])
+        else:
+            ways += [each.curve(s)[:, :3, 3] for each in goals.moving(move, at, "the way")[:1]]
+        at = end
+    return drawn(arm, np.concatenate(ways)) if ways else []
+
 
 STALE = "The list has changed since this motion was planned: plan again."
 

@@ -14,7 +14,7 @@ from ...sweeps import ReachMap, reach_map
 from ...sweeps.mapping import sphere
 from ..protocol.jobs import Job, Progress
 from ..protocol.messages import Message, packed
-from .part import Part, Show
+from .show import Part, Show
 
 ACROSS = 12
 """Cubes of a quick map from the middle to the end of the reach. With more, its samples leave holes."""

@@ -1,25 +1,26 @@
-"""The tool's target, dragged or typed, and the configuration that meets it best."""
+"""The tool's target, dragged or typed: the configuration that meets it best, or all that meet it."""
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...arm.arm import Arm
-from ...ik import Approach, IKResult, Pose, Position, solve_ik
+from ...ik import AllSolutions, AnyTarget, Approach, IKResult, Pose, Position, closed_form_of, solve_ik, solve_ik_all
 from ...ik.request import as_tolerance
 from ...support.checks import Array
+from ...support.directions import value_in_words
 from ...support.errors import InputError
 from ...theory import rotations
 from ..protocol.jobs import Job
 from ..protocol.messages import Message
-from ..scene.placement import ghost
-from .part import Part, Route, Show
+from ..scene.kinematics import Placement, ghost, standing_at
+from .show import Part, Route, Show
 
 MAX_TIME = 0.5
 """Most seconds of a search. The core needs at most 3 ms. Without it, an unreachable target takes some 0.4 s."""
@@ -131,3 +132,123 @@ def _answer(given: dict[str, Any], solution: IKResult, others: Mapping[str, floa
     """The configuration to show (n,), and the message about it."""
     message = {"type": "target", "given": given, "met": solution.converged, "words": solution.explain()}
     return solution.theta, {**message, "ghost": ghost(solution, others)}
+
+
+MAX_SHOWN = 32
+"""Most configurations to step through: the nearest inside the limits, then those beyond."""
+
+AT_SOLUTION = 1e-3
+"""An arm within this [rad, m] of a configuration is at it."""
+
+NO_SOLUTIONS: Message = {"type": "solutions", "asked": False, "places": [], "words": "", "ghosts": []}
+"""The message before a search."""
+
+
+class Choices(NamedTuple):
+    """theta (k, n), those inside the limits first, how many these are, and the message."""
+
+    theta: Array
+    inside: int
+    message: Message
+
+
+class Solutions(Part):
+    """Holds the configurations of one target. They are let go once the arm is moved by anything else."""
+
+    def __init__(self) -> None:
+        self._choices: Choices | None = None
+        self._at: int | None = None  # the configuration that was chosen
+        self._stands: int | None = None  # the one where the arm stands
+        self._where: Array | None = None  # where the arm stands for it, or is on its way to
+        self._number = 0  # of the latest question
+        self.routes = {
+            "solutions": Route(self._find, moves=True),
+            "solution": Route(self._step, moves=True),
+            "solutions_end": Route(lambda show, now: self.release()),
+        }
+
+    def messages(self, show: Show) -> Iterator[Message]:
+        """The configurations, and which of them was chosen."""
+        if self._choices is not None and show.goal is not self._where:
+            self.release()
+        yield NO_SOLUTIONS if self._choices is None else self._choices.message
+        yield {"type": "solution", "at": self._at, "stands": self._stands}
+
+    def _find(self, show: Show, now: float, **fields: Any) -> Job:
+        target, start = target_asked(show.arm, fields), show.goal
+        self._number += 1
+        find = partial(_found, show.arm, target, start, dict(show.others), show.tolerances)
+        finish = partial(self._finish, show, start, self._number)
+        return Job("solutions", "looking for all configurations", lambda _: find(), finish)
+
+    def _finish(self, show: Show, start: Array, number: int, choices: Choices) -> None:
+        """Show them, unless another was asked for meanwhile, or something moved the arm."""
+        if number == self._number and show.goal is start and not show.driven:
+            self.take(choices, start)
+
+    def take(self, choices: Choices, where: Array) -> None:
+        """Hold these configurations; the arm stands at `where` (n,)."""
+        here = choices.inside > 0 and np.abs(choices.theta[0] - where).max(initial=0.0) < AT_SOLUTION
+        self._choices, self._where = choices, where
+        self._at = self._stands = 0 if here else None
+
+    def _step(self, show: Show, now: float, place: int, ease: bool) -> None:
+        """Choose a configuration. The arm goes there if it is inside the limits; otherwise its ghost shows."""
+        if self._choices is None or place >= len(self._choices.theta):
+            raise InputError("these configurations were let go, because the arm was moved: ask for all of them again")
+        assert self._where is not None
+        inside = place < self._choices.inside
+        show.go(self._choices.theta[place] if inside else self._where, ease, now)
+        self._at, self._where = place, show.goal
+        self._stands = place if inside else self._stands
+
+    @property
+    def theta(self) -> Array | None:
+        """The configurations (k, n) that are held; None without any."""
+        return None if self._choices is None else self._choices.theta
+
+    def release(self) -> None:
+        """Let the configurations go."""
+        self._choices = self._at = self._stands = self._where = None
+
+
+def _found(arm: Arm, target: AnyTarget, start: Array, others: Mapping[str, float], met: Mapping[str, Any]) -> Choices:
+    """All configurations; joints that the target does not determine stay where they are."""
+    held = {name: float(start[arm.joint_names.index(name)]) for name in closed_form_of(arm, target).held}
+    return choices_of(solve_ik_all(arm, target, start, fixed_joints=held, **met), others, _held_in_words(arm, held))
+
+
+def choices_of(solutions: AllSolutions, others: Mapping[str, float], more: Sequence[str] = ()) -> Choices:
+    """The configurations and their message; `more`: further lines of words."""
+    theta = np.vstack([solutions.theta, solutions.outside])[:MAX_SHOWN]
+    placement = Placement(solutions.arm)
+    message = {
+        "type": "solutions",
+        "asked": True,
+        "places": [_place(solutions, each, i) for i, each in enumerate(theta)],
+        "words": "\n".join([*solutions.explain().splitlines(), *more]),
+        "ghosts": [standing_at(placement, each, others) for each in theta],
+    }
+    return Choices(theta, min(len(solutions), MAX_SHOWN), message)
+
+
+def _held_in_words(arm: Arm, held: Mapping[str, float]) -> list[str]:
+    values = [
+        f"{name} at {value_in_words(value, arm.units[arm.joint_names.index(name)])}" for name, value in held.items()
+    ]
+    return [f"held where the arm stands, because the target leaves it free: {', '.join(values)}"] if values else []
+
+
+def _place(solutions: AllSolutions, theta: Array, i: int) -> dict[str, list[str]]:
+    """The free joints of a configuration and the joints beyond their limits, in words."""
+    if i < len(solutions):
+        return {"free": list(solutions.free[i]), "beyond": []}
+    arm, limits = solutions.arm, solutions.arm.limits
+    beyond = []
+    for name, value, lower, upper, unit in zip(
+        arm.joint_names, theta, limits.lower, limits.upper, arm.units, strict=True
+    ):
+        if not lower <= value <= upper:
+            sign, limit = ("<", lower) if value < lower else (">", upper)
+            beyond.append(f"{name} {value_in_words(value, unit)} {sign} {value_in_words(limit, unit)}")
+    return {"free": [], "beyond": beyond}

@@ -17,8 +17,8 @@ from ...theory.screws import to_screw
 from ..memo import Memo
 from ..protocol.messages import Message
 from ..scene.axes import AXIS_HALF, PITCHLESS, anchors, arm_size
-from ..scene.nodes import screw_path
-from .part import Part, Show
+from ..scene.drawing import screw_path
+from .show import Part, Show
 
 LINEAR = 0.25
 """Drawn length [m] of 1 m/s; a screw's v and the axes of the linear ellipsoid are drawn to it."""

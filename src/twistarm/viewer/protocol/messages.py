@@ -1,20 +1,20 @@
-"""Messages between page and process, checked on both sides by page/schema.json."""
+"""Messages between page and process, checked on both sides by page/schema.json, and the changes to send."""
 
 from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ...support.errors import InputError, shown
-from ...support.fields import Check, fields, flag, list_of, number, numbers, one_of, whole
-from ...support.path_redaction import without_places
-from ...support.strict_json import decoded
+from ...support.checks import as_flag, as_number, as_whole
+from ...support.errors import InputError, shown, without_places
+from ...support.fields import Check, fields, list_of, numbers, one_of
+from ...support.strict_json import decoded, encode
 from ..page_files import page_text
 
 Message = dict[str, Any]
@@ -47,7 +47,7 @@ def parse(message: str | bytes) -> PageRequest:
     kind = asked.pop("type", None)
     if not isinstance(kind, str) or kind not in REQUESTS:
         raise InputError(f"unknown message type {shown(kind)}; one of {', '.join(REQUESTS)}")
-    count = whole(asked.pop("number", 0), "number")
+    count = as_whole(asked.pop("number", 0), "number")
     return PageRequest(kind, fields(asked, "", REQUESTS[kind]), count)
 
 
@@ -55,7 +55,7 @@ def number_of(message: str | bytes) -> int | None:
     """The number of a message that `parse` refuses, or None."""
     try:
         fields = json.loads(message)
-        return whole(fields["number"], "number") if isinstance(fields, dict) else None
+        return as_whole(fields["number"], "number") if isinstance(fields, dict) else None
     except (ValueError, KeyError, RecursionError):
         return None
 
@@ -81,7 +81,7 @@ def _pose(value: Any, name: str) -> dict[str, Any]:
     return fields(value, name, {"name": as_name, "theta": _numbers}, {"by": as_name})
 
 
-_number = partial(number, least=-LARGEST_VALUE, most=LARGEST_VALUE)
+_number = partial(as_number, least=-LARGEST_VALUE, most=LARGEST_VALUE)
 _numbers = partial(numbers, least=-LARGEST_VALUE, most=LARGEST_VALUE)
 
 CHECKS: Mapping[str, Check] = {
@@ -89,8 +89,8 @@ CHECKS: Mapping[str, Check] = {
     "numbers": _numbers,
     "point": partial(_numbers, size=3),
     "quaternion": partial(_numbers, size=4),
-    "count": whole,
-    "flag": flag,
+    "count": as_whole,
+    "flag": as_flag,
     "name": as_name,
     "names": list_of(as_name),
     "poses": list_of(_pose),
@@ -105,3 +105,43 @@ def _check(word: str) -> Check:
 SCHEMA: Mapping[str, Mapping[str, Mapping[str, str]]] = json.loads(page_text("schema.json"))
 
 REQUESTS = {kind: {name: _check(word) for name, word in fields.items()} for kind, fields in SCHEMA["requests"].items()}
+
+
+Source = Callable[[], Iterable[Message]]
+"""Returns what a part of the view shows now. A returned message never changes."""
+
+
+class ChangePublisher:
+    """Keeps what the pages know. A failing source keeps its last messages; its error is reported once."""
+
+    def __init__(self) -> None:
+        self._shown: dict[str, Message] = {}
+        self._texts: dict[str, str] = {}
+        self._failing: dict[int, str] = {}
+
+    def gather(self, sources: Sequence[Source]) -> dict[str, str]:
+        """The texts of changes since the last call, by type, and the error of a failing source."""
+        changed: dict[str, str] = {}
+        for place, source in enumerate(sources):
+            self._ask(place, source, changed)
+        return changed
+
+    def everything(self) -> dict[str, str]:
+        """The texts for a new page, by type."""
+        texts = dict(self._texts)
+        for error in self._failing.values():
+            texts["error"] = error
+        return texts
+
+    def _ask(self, place: int, source: Source, changed: dict[str, str]) -> None:
+        try:
+            for message in source():
+                kind = message["type"] + message.get("node", "")  # of one type there is one for each node
+                if self._shown.get(kind) != message:
+                    self._texts[kind] = changed[kind] = encode(message)
+                    self._shown[kind] = message
+        except Exception as error:
+            if place not in self._failing:
+                self._failing[place] = changed["error"] = encode(failure(error))
+        else:
+            self._failing.pop(place, None)

@@ -11,8 +11,8 @@ from typing import Any
 from ...arm.arm import Arm
 from . import drawing
 from .axes import arm_size, draw_rods, draw_screws
+from .drawing import link_path
 from .links import Drawn, Source, count_meshes, draw_meshes, draw_plain, lost_meshes
-from .nodes import link_path
 
 BESIDE = "/beside"
 """The node that carries all of a second arm."""

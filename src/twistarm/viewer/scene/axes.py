@@ -10,8 +10,7 @@ from ...support.checks import Array
 from ...theory import poe
 from ...theory.screws import to_screw
 from . import drawing
-from .drawing import STICK, Colour
-from .nodes import rod_path, screw_path
+from .drawing import STICK, Colour, rod_path, screw_path
 
 KIND_COLOURS: dict[str, Colour] = {
     "revolute": (0.85, 0.15, 0.58, 1.0),

@@ -1,15 +1,37 @@
-"""Objects for Meshcat as messages: primitives, arrows, triads, triangles."""
+"""Objects for Meshcat as messages (primitives, arrows, triads, triangles), and the names of the scene's nodes."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 
 from ...support.checks import Array
 from ...support.errors import missing_extra
+
+
+def link_path(name: str) -> str:
+    """The node of a link. Slashes in names are escaped, because Meshcat splits paths there."""
+    return f"/arm/link:{quote(name, safe='')}"
+
+
+def drawn_path(name: str) -> str:
+    """The node of what a program draws by this name."""
+    return f"/drawn/name:{quote(name, safe='')}"
+
+
+def screw_path(i: int) -> str:
+    """The node of moving joint i's screw."""
+    return f"/screws/screw:{i}"
+
+
+def rod_path(i: int) -> str:
+    """The node of what moves with joint i, where there are no links."""
+    return f"/arm/rod:{i}"
+
 
 Colour = tuple[float, float, float, float]
 

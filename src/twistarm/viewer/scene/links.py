@@ -15,8 +15,7 @@ from ...support.checks import Array
 from ...support.errors import TwistarmError, listed, one_line
 from ...support.files import stamp
 from . import drawing
-from .drawing import STICK, Colour
-from .nodes import link_path
+from .drawing import STICK, Colour, link_path
 
 TRIANGLES = 80_000
 """Triangles of all meshes of an arm. A screen has some 200,000 pixels for it, and a processor draws them in 0.1 s."""

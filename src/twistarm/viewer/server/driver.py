@@ -17,8 +17,8 @@ from ...control.servo import ServoSettings, ServoState
 from ...control.servo.settings import ON_UNREACHABLE, SLIDE
 from ...control.stream import Cycle, Ending, Inbox, Reading, SimulatedJoints, command_of, run
 from ...support.errors import InputError
-from ..parts.limit_checks import require_all_inside
-from ..parts.servo_words import servo_words
+from ..parts.arm_data import require_all_inside
+from ..parts.servo import servo_words
 from ..protocol.messages import PageRequest
 from ..stage import Stage
 

@@ -19,9 +19,8 @@ from ...arm.arm import Arm
 from ...support.errors import InputError, TwistarmError
 from ...support.strict_json import encode
 from ..parts.findings import examined
-from ..protocol.change_publisher import ChangePublisher, Source
 from ..protocol.jobs import Job, Progress, Workers
-from ..protocol.messages import Message, PageRequest, failure, number_of, parse
+from ..protocol.messages import ChangePublisher, Message, PageRequest, Source, failure, number_of, parse
 from ..scene.arm_drawing import Drawing
 from ..stage import Stage
 from ..state_transfer import carry

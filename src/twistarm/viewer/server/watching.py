@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING
 
 from ...arm.arm import Arm
 from ...description.document import noted_files
-from ...support.errors import one_line
+from ...support.errors import one_line, without_places
 from ...support.files import as_paths, stamp
 from ...support.interrupts import Closeable
-from ...support.path_redaction import without_places
 
 if TYPE_CHECKING:  # without the extra `view` there is no tornado, and `loaded` needs none
     from .server import Server

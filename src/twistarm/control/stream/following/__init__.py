@@ -1,1 +1,0 @@
-"""Follow a trajectory on a robot: start, pause, resume and stop along its path."""

@@ -1,0 +1,373 @@
+"""Inboxes filled by threads, sockets and pages: the latest command, and joint states merged by name."""
+
+from __future__ import annotations
+
+import threading
+import time
+from abc import ABC, abstractmethod
+from collections import deque
+from collections.abc import Callable, Hashable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from itertools import islice
+from math import inf
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from ...arm.arm import Arm, require_arm
+from ...support.checks import as_number, as_positive, as_theta, frozen, require, require_mapping
+from ...support.errors import InputError, closest, listed, one_line, shown
+from ...support.strict_json import LARGEST_MESSAGE
+from ..servo import AnyCommand, JogCommand, ServoState, TwistCommand
+from ..servo.step import COMMANDS
+from .interlock import Interlock
+from .messages import StateMessage, obey_interlock_message, parse_command
+from .motors import MotorSide, motor_side
+from .protocols import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Measured, Reading
+
+LONGEST_SENDER = 100
+"""Most characters of a sender's name in a message."""
+
+MAX_OTHER_NAMES = 20
+"""Most unknown names to keep for messages."""
+
+
+def moment(now: float | None) -> float:
+    """A time [s], by default that of the system's clock that is never set."""
+    if now is None:
+        return time.monotonic()
+    return now if type(now) is float else as_number(now, "now [s]")
+
+
+@dataclass(frozen=True)
+class Arrival:
+    """A value from a sender at a time [s], with the sender's counter if it has one; or None and why it is refused."""
+
+    sender: str
+    time: float
+    value: Any = None
+    number: int | None = None
+    reason: str = ""
+
+    @classmethod
+    def checked(
+        cls, sender: str, now: float | None, value: Any = None, number: int | None = None, reason: str = ""
+    ) -> Arrival:
+        """From what a caller gave; InputError where it is of another type."""
+        if number is not None and not isinstance(number, (int, float)):
+            raise InputError(f"number must be a counter, a whole number; got {shown(number)}")
+        name = one_line(require(sender, str, "sender", "the name of who says it"), LONGEST_SENDER)
+        return cls(name, moment(now), value, number, require(reason, str, "reason", "in words"))
+
+
+class Latest:
+    """The latest arrival, and the one before from another sender.
+
+    A value counts for `timeout` [s], like a dead man's switch, and only from a single sender. A refused message
+    replaces the value, so malformed input stops the arm. A message is dropped if its number does not exceed the
+    sender's last one. Silence for a timeout resets this. Writers and readers may be threads, so an arrival may be
+    stamped a little after a look.
+    """
+
+    def __init__(self, timeout: float, what: str) -> None:
+        self.timeout = as_positive(timeout, f"the timeout of a {what}")
+        self.last: Arrival | None = None
+        self._rival: Arrival | None = None
+        self._what, self._dropped = what, ""
+
+    def arrive(self, new: Arrival) -> None:
+        """Keep an arrival in place of the last one."""
+        before = self.of(new.sender)
+        if before is not None and abs(new.time - before.time) <= self.timeout:
+            numbers = new.number, before.number
+            if None not in numbers and numbers[0] <= numbers[1]:  # type: ignore[operator]
+                self._dropped = f"; number {new.number} came after {before.number} and was left out"
+                return
+        if self.last is not None and self.last.sender != new.sender:
+            self._rival = self.last
+        self.last, self._dropped = new, ""
+
+    def of(self, sender: str) -> Arrival | None:
+        """What came from `sender`, if that is the last arrival or the one before from another."""
+        return next((arrival for arrival in (self.last, self._rival) if arrival and arrival.sender == sender), None)
+
+    def fault(self, now: float) -> str:
+        """Why no value counts at `now` [s]; "" if that of the last arrival does."""
+        if self.last is None:
+            return f"no {self._what} has arrived"
+        age = now - self.last.time
+        if not abs(age) <= self.timeout:
+            return f"the last {self._what} is {age:.3g} s old (timeout {self.timeout:g} s){self._dropped}"
+        if self._rival is not None and abs(now - self._rival.time) <= self.timeout:
+            return f"two senders of a {self._what}, {self._rival.sender} and {self.last.sender}: stop one of them"
+        return f"{self._what} from {self.last.sender} refused: {self.last.reason}" if self.last.value is None else ""
+
+
+class Inbox:
+    """A source that holds one command, put there by `put(sender, command)` from any thread.
+
+    A command counts for `timeout` [s]: repeat it. Two senders within a timeout cancel each other. A refused message
+    stops the arm. A message is dropped if its number does not exceed the sender's last one within a timeout. Only the
+    latest messages are kept, so a flood takes no memory.
+    """
+
+    def __init__(self, timeout: float = COMMAND_TIMEOUT) -> None:
+        self._latest = Latest(timeout, "command")
+        self._lock = threading.Lock()
+
+    @property
+    def timeout(self) -> float:
+        """Seconds that a command is valid."""
+        return self._latest.timeout
+
+    @timeout.setter
+    def timeout(self, seconds: float) -> None:
+        self._latest.timeout = as_positive(seconds, "the timeout of a command")
+
+    def put(self, sender: str, value: AnyCommand, now: float | None = None, number: int | None = None) -> None:
+        """Put in a command. InputError for what is no command.
+
+        Args:
+            sender: The sender's name: the commands of one alone count.
+            value: `TwistCommand`, `JogCommand` or `PoseCommand`; six numbers are a twist in tool axes.
+            now: The time of arrival [s]; by default that of `MonotonicClock`, the loop's own.
+            number: The sender's own counter, where it counts.
+        """
+        if not isinstance(value, COMMANDS):
+            try:
+                value = TwistCommand(value)
+            except InputError as error:
+                raise InputError(
+                    f"a command is a TwistCommand, JogCommand, PoseCommand or six numbers: {error}"
+                ) from error
+        self._arrive(Arrival.checked(sender, now, value, number))
+
+    def refuse(self, sender: str, reason: str, now: float | None = None) -> None:
+        """Something from `sender` that cannot be used arrived at `now` [s].
+
+        Args:
+            sender: The sender's name.
+            reason: The reason, in words.
+            now: The time of arrival [s]; by default that of `MonotonicClock`.
+        """
+        self._arrive(Arrival.checked(sender, now, reason=reason))
+
+    def _arrive(self, arrival: Arrival) -> None:
+        with self._lock:
+            self._latest.arrive(arrival)
+
+    def read(self, now: float, state: ServoState | None = None) -> Reading:
+        """The command of the one commander at `now` [s], or None and the reason.
+
+        Args:
+            now: The clock's time [s].
+            state: The commanded arm's state, or None before it is known.
+
+        Returns:
+            The `Reading`: a command, or None and the reason.
+        """
+        now = moment(now)
+        with self._lock:
+            fault, last = self._latest.fault(now), self._latest.last
+        if last is None:
+            return Reading(None, inf, fault, idle=True)
+        age = now - last.time
+        stopped = isinstance(last.value, JogCommand) and not last.value.theta_dot.any()
+        return Reading(None if fault else last.value, age, fault, idle=bool(fault) and stopped and age > self.timeout)
+
+
+class StateInbox:
+    """A feedback of joint states put there by `put(sender, {joint: value})` or `put(sender, theta)` from any thread.
+
+    The messages of several senders are merged. The joint state needs a value for every joint and is as old as the
+    oldest. Each joint follows the rules of `Inbox`: one sender, increasing numbers. Other names are ignored, and named
+    if theta is unknown. A refused message counts against all joints of its sender, or without one against every joint.
+
+    units: "joint", or "motor" or "counts" for motors (`MotorSide`). They merge before theta is computed. So each motor
+    of a differential may have its message.
+
+    Raises InputError for a timeout that is not positive, and for units unknown to the arm.
+    """
+
+    def __init__(self, arm: Arm, timeout: float = FEEDBACK_TIMEOUT, *, units: str = "joint") -> None:
+        self.motors = motor_side(require_arm(arm), units)
+        self.names = arm.joint_names if self.motors is None else self.motors.names
+        what = "joint state" if self.motors is None else "motors' state"
+        self._parts = {name: Latest(timeout, what) for name in self.names}
+        self.timeout = timeout
+        self._lock = threading.Lock()
+        self._others: tuple[str, ...] = ()
+
+    def put(
+        self, sender: str, state: Mapping[str, float] | ArrayLike, now: float | None = None, number: int | None = None
+    ) -> None:
+        """Put in a message with the state of some joints or of all.
+
+        A state that is not finite, or has another shape, is refused.
+
+        Args:
+            sender: The sender's name.
+            state: {joint: value}, or values (n,), base to tip [rad, m].
+            now: The time of arrival [s]; by default that of `MonotonicClock`, the loop's own.
+            number: The sender's own counter, where it counts.
+        """
+        arrival = Arrival.checked(sender, now, number=number)
+        try:
+            values = self._values(state)
+        except InputError as error:
+            self.refuse(sender, str(error), arrival.time)
+            return
+        with self._lock:
+            for joint, value in values.items():
+                self._parts[joint].arrive(replace(arrival, value=value))
+
+    def refuse(self, sender: str, reason: str, now: float | None = None) -> None:
+        """Note that an unusable message has arrived.
+
+        Args:
+            sender: The sender's name.
+            reason: The reason, in words.
+            now: The time of arrival [s]; by default that of `MonotonicClock`.
+        """
+        arrival = Arrival.checked(sender, now, reason=reason)
+        with self._lock:
+            its_own = [part for part in self._parts.values() if part.of(arrival.sender)]
+            for part in its_own or self._parts.values():
+                part.arrive(arrival)
+
+    def read(self, now: float) -> Measured:
+        """The joint state at `now` [s], or None and which joint it lacks, and why."""
+        now, lacking = moment(now), dict[str, list[str]]()
+        with self._lock:
+            for name, part in self._parts.items():
+                if fault := part.fault(now):
+                    lacking.setdefault(fault, []).append(name)
+            arrivals = {name: part.last for name, part in self._parts.items()}
+        time = min(-inf if arrival is None else arrival.time for arrival in arrivals.values())
+        values = [arrival.value for arrival in arrivals.values() if arrival is not None]
+        if not lacking:
+            return Measured(frozen(values) if self.motors is None else self.motors.theta(values), time)
+        reason = "; ".join(
+            fault if len(names) == len(self.names) else f"{fault} ({', '.join(names)})"
+            for fault, names in lacking.items()
+        )
+        if time == -inf and self._others:  # another name in the messages may be that of a joint with a slip
+            missing = next(name for name, arrival in arrivals.items() if arrival is None)
+            reason += f"; a message named {listed(self._others, 5)}" + closest(missing, self._others)
+        return Measured(None, time, reason)
+
+    def _values(self, state: Mapping[str, float] | ArrayLike) -> dict[str, float]:
+        """The values that count, by name; InputError for what is not finite."""
+        if not isinstance(state, Mapping):
+            whole = as_theta(state, len(self.names), "the joint state", self.names)
+            if whole.ndim != 1:
+                raise InputError(f"the joint state is one configuration ({len(self.names)},); got {whole.shape}")
+            return dict(zip(self.names, whole.tolist(), strict=True))
+        require_mapping(state, "the joint state", "{joint: value}")
+        ours = tuple(name for name in self.names if name in state)
+        if len(ours) < len(state):
+            self._others = tuple(islice((name for name in state if name not in self._parts), MAX_OTHER_NAMES))
+        if not ours:
+            return {}
+        values = as_theta([state[name] for name in ours], len(ours), f"the joint state of {', '.join(ours)}", ours)
+        return dict(zip(ours, values.tolist(), strict=True))
+
+
+class MessageInput(ABC):
+    """Texts that arrive on a line, read once a cycle into an inbox by `parse`, malformed ones included.
+
+    Texts that waited for longer than a timeout are dropped, because their age is unknown. The last `each` texts of at
+    most `senders` senders count. Together they are no longer than one message. The rest of a flood is not read. `note`:
+    what a reason adds where no message counts.
+    """
+
+    note = ""
+    senders, each = 3, 1
+    """Two senders of commands are one too many already."""
+
+    def __init__(self, inbox: Inbox | StateInbox, parse: Callable[[bytes], tuple[Any, int | None]]) -> None:
+        self.interlock = Interlock()
+        self._inbox, self._parse = inbox, parse
+        self._looked = -inf
+
+    @abstractmethod
+    def arrivals(self) -> Iterable[tuple[Hashable, bytes]]:
+        """(sender, text) of all that has arrived."""
+
+    def sender_name(self, sender: Any) -> str:
+        """The sender in words."""
+        return str(sender)
+
+    def _obey(self, text: bytes, fresh: bool) -> bool:
+        """Whether a text was an interlock message, which is then obeyed."""
+        return False
+
+    def _take(self, now: float) -> None:
+        """Put all that has arrived by `now` [s] into the inbox."""
+        last: dict[Hashable, deque[bytes]] = {}
+        missed, self._looked = now - self._looked > self._inbox.timeout, now
+        for sender, text in self.arrivals():
+            if self._obey(text, not missed) or (sender not in last and len(last) >= self.senders):
+                continue
+            texts = last[sender] = last.pop(sender, deque(maxlen=self.each))  # the last sender is the last in the dict
+            texts.append(text)
+            while len(texts) > 1 and sum(map(len, texts)) > LARGEST_MESSAGE:
+                texts.popleft()
+        for sender, texts in last.items() if not missed else ():
+            for text in texts:
+                self._put(self.sender_name(sender), text, now)
+
+    def _put(self, sender: str, text: bytes, now: float) -> None:
+        try:
+            value, number = self._parse(text)
+        except InputError as error:
+            self._inbox.refuse(sender, str(error), now)
+        else:
+            self._inbox.put(sender, value, now, number)
+
+
+class CommandInput(MessageInput):
+    """A source of commands and interlock messages as JSON (`command_of`)."""
+
+    def __init__(self, arm: Arm, timeout: float) -> None:
+        require_arm(arm)
+        self._commands = Inbox(timeout)
+        super().__init__(self._commands, lambda text: parse_command(arm, text))
+
+    def _obey(self, text: bytes, fresh: bool) -> bool:
+        return obey_interlock_message(self.interlock, text, fresh)
+
+    def read(self, now: float, state: ServoState | None = None) -> Reading:
+        """The command at `now` [s] of all that has arrived, or None and the reason."""
+        self._take(now)
+        reading = self._commands.read(now)
+        return reading if reading.command is not None else replace(reading, reason=reading.reason + self.note)
+
+
+class StateInput(MessageInput):
+    """A feedback of joint states, which `parse(arm, text, motors)` reads.
+
+    If the robot may not move, neither may the stream.
+    """
+
+    senders, each = 16, 32
+    """A robot may have a sender for each bus, and a message for each joint."""
+
+    def __init__(
+        self, arm: Arm, timeout: float, units: str, parse: Callable[[Arm, bytes, MotorSide | None], StateMessage]
+    ) -> None:
+        self._states = StateInbox(arm, timeout, units=units)
+        self.motors = self._states.motors
+
+        def parsed(text: bytes) -> tuple[Any, int | None]:
+            state = parse(arm, text, self.motors)
+            self.interlock.follow(state.interlock, "the robot")
+            return state.values, state.number
+
+        super().__init__(self._states, parsed)
+
+    def read(self, now: float) -> Measured:
+        """The joint state at `now` [s] of all that has arrived, or None and the reason."""
+        self._take(now)
+        measured = self._states.read(now)
+        return measured if measured.theta is not None else replace(measured, reason=measured.reason + self.note)

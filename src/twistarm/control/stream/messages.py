@@ -1,0 +1,246 @@
+"""Messages of the loop as JSON: commands and joint states in, setpoints out (docs/streaming.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
+from math import isfinite
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...arm.arm import Arm, require_arm
+from ...support.checks import Array, as_number, as_whole, require, require_mapping
+from ...support.errors import InputError, TwistarmError, listed, shown
+from ...support.fields import Check, anything, fields, list_of, numbers, one_of
+from ...support.fields import text as any_text
+from ...support.strict_json import decoded
+from ...theory.rotations import from_quaternion_wxyz
+from ..servo import AnyCommand, JogCommand, PoseCommand, TwistCommand
+from .interlock import STATES, WORDS, Interlock
+from .motors import MotorSide
+from .protocols import Setpoint
+
+QUATERNION_TOL = 1e-3
+"""Allowed error of a quaternion's length: four printed decimals."""
+
+
+INTERLOCK = b'"interlock"'
+"""Text in every interlock message. The search for it is cheap even in a flood of messages."""
+
+
+class CommandMessage(NamedTuple):
+    """A command and its number in the sender's own count, None where it has none."""
+
+    command: AnyCommand
+    number: int | None
+
+
+class StateMessage(NamedTuple):
+    """Measured values by name, of joints [rad, m] or motors, and the sender's counter. The robot's interlock is
+    "enabled", "stopped", "emergency stop" or None.
+    """
+
+    values: dict[str, float]
+    number: int | None
+    interlock: str | None = None
+
+
+def parse_command(arm: Arm, text: str | bytes) -> CommandMessage:
+    """The command in one JSON message, as `command_of` describes it.
+
+    Args:
+        arm: The arm.
+        text: The message.
+
+    Returns:
+        The command and the sender's counter.
+
+    Raises:
+        InputError: It is not exactly one command.
+    """
+    message = decoded(text)
+    return CommandMessage(command_of(arm, message), message.get("number"))
+
+
+def command_of(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
+    """The command in a message, in m, rad and s.
+
+    One of these objects, each with an optional counter "number":
+
+    - {"twist": [vx, vy, vz, wx, wy, wz], "frame": "tool" or "base"}, with "hold": "position", "orientation" or six
+      booleans
+    - {"jog": {"joint": rate}}
+    - {"pose": 4 × 4 numbers, or {"position": [3], "quaternion_wxyz": [4]}}, with "linear_speed", "angular_speed"
+    - {"stop": true}: all joints at rest
+
+    Args:
+        arm: The arm.
+        message: The object.
+
+    Returns:
+        The command.
+
+    Raises:
+        InputError: It is not exactly one command.
+    """
+    require_arm(arm)
+    require_mapping(message, "a command", "{'jog': {'elbow': 0.2}}")
+    kind = next((kind for kind in _COMMANDS if kind in message), None)
+    if kind is None:
+        if "interlock" in message:
+            also = "and may have reason and number"
+            raise InputError(f"a word to the interlock is one of {listed(WORDS)}, {also}; got {shown(message)}")
+        raise InputError(f"a command has one of {listed(_COMMANDS)}; got {shown(sorted(message))}")
+    needed, optional, build = _COMMANDS[kind]
+    given = fields(message, "", needed, {**optional, "number": as_whole})
+    try:
+        return build(arm, given)
+    except InputError:
+        raise
+    except TwistarmError as error:
+        raise InputError(str(error)) from error
+
+
+def obey_interlock_message(interlock: Interlock, text: bytes, fresh: bool) -> bool:
+    """Obey an interlock message, {"interlock": one of `WORDS`} with an optional "reason". Returns whether it was one.
+    A stale one may stop the arm but not enable it.
+    """
+    if INTERLOCK not in text:
+        return False
+    try:
+        said = fields(decoded(text), "", {"interlock": one_of(WORDS)}, {"reason": any_text, "number": anything})
+    except InputError:
+        return False
+    interlock.hear(said["interlock"], said.get("reason", ""), fresh)
+    return True
+
+
+def parse_state(arm: Arm, text: str | bytes, motors: MotorSide | None = None) -> StateMessage:
+    """The joint state in {"joint_names": [...], "theta": [...]} [rad, m], in any order. "number" is optional.
+
+    It may have some joints only, and joints of others. "interlock" says whether the robot may move. With `motors` it is
+    {"motor_names": [...], "motor": [...]} in their units.
+
+    Args:
+        arm: The arm.
+        text: The message.
+        motors: The motors, where the message is in their units; None for joints.
+
+    Returns:
+        The values by joint, the sender's counter and the robot's interlock.
+
+    Raises:
+        InputError: It is not exactly one joint state.
+    """
+    require_arm(arm)
+    names, value = ("joint_names", "theta") if motors is None else ("motor_names", "motor")
+    needed = {names: list_of(any_text), value: numbers}
+    sent = fields(decoded(text), "", needed, {"number": as_whole, "interlock": one_of(STATES)})
+    known = arm.joint_names if motors is None else motors.names
+    return StateMessage(values_by_name(known, sent[names], sent[value]), sent.get("number"), sent.get("interlock"))
+
+
+def values_by_name(known: Collection[str], names: Sequence[str], values: Sequence[float]) -> dict[str, float]:
+    """Values by name, in any order.
+
+    Unknown names are ignored.
+
+    Raises InputError for unequal lengths, and for a known name that is repeated or not finite.
+    """
+    ours = [name for name in names if name in known]
+    if ours and len(names) != len(values):
+        raise InputError(f"a joint state has as many names as values; got {len(names)} names, {len(values)} values")
+    if len(set(ours)) != len(ours):
+        twice = [name for name in dict.fromkeys(ours) if ours.count(name) > 1]
+        raise InputError(f"a joint state names each joint once; twice: {listed(twice)}")
+    given = dict(zip(names, values, strict=False))
+    for name in ours:
+        if not isfinite(given[name]):
+            raise InputError(f"the joint state of {name} must be finite; got {given[name]}")
+    return given
+
+
+def setpoint_message(arm: Arm, setpoint: Setpoint, motors: MotorSide | None = None) -> dict[str, Any]:
+    """The setpoint as a message: positions, rates, the servo's status, and motors if given.
+
+    Args:
+        arm: The arm.
+        setpoint: The setpoint.
+        motors: The motors, or None.
+
+    Returns:
+        A mapping that JSON can hold.
+    """
+    require_arm(arm)
+    require(setpoint, Setpoint, "setpoint", "as the loop makes it")
+    message: dict[str, Any] = {
+        "number": setpoint.number,
+        "time": setpoint.time,
+        "joint_names": list(arm.joint_names),
+        "theta": setpoint.theta.tolist(),
+        "theta_dot": setpoint.theta_dot.tolist(),
+        "status": setpoint.output.status,
+        "joint": setpoint.output.joint,
+        "scale": float(setpoint.output.scale),
+        "reason": setpoint.output.reason.name,
+        "interlock": setpoint.interlock,
+    }
+    if motors is not None:
+        require(motors, MotorSide, "motors", "the motors' side of an arm")
+        motor, motor_dot = (values.tolist() for values in motors.of(setpoint))
+        message |= {"motor_names": list(motors.names), "motor": motor, "motor_dot": motor_dot, "units": motors.units}
+    return message
+
+
+def _hold(value: Any, name: str) -> Any:
+    if not isinstance(value, (str, list, type(None))):
+        raise InputError(f"hold must be 'position', 'orientation' or six booleans; got {shown(value)}")
+    return value
+
+
+def _rates(rates: Any, name: str) -> dict[str, float]:
+    if not isinstance(rates, Mapping) or not rates:
+        raise InputError(f'jog must be {{"joint": rate}}, rates in rad/s or m/s; got {shown(rates)}')
+    return {name: as_number(rate, f"jog of {shown(name)}") for name, rate in rates.items()}
+
+
+def _pose(given: Any, name: str) -> Array:
+    g = np.eye(4)
+    if isinstance(given, list) and len(given) == 4:
+        return np.array([numbers(row, f"pose[{k}]", 4) for k, row in enumerate(given)])
+    if not isinstance(given, Mapping):
+        raise InputError(f"pose must be four rows of four numbers, or position and quaternion_wxyz; got {shown(given)}")
+    parts = fields(given, "pose", {"position": partial(numbers, size=3), "quaternion_wxyz": partial(numbers, size=4)})
+    quaternion = np.array(parts["quaternion_wxyz"])
+    length = float(np.linalg.norm(quaternion))
+    if not abs(length - 1.0) <= QUATERNION_TOL:
+        raise InputError(f"quaternion_wxyz must have length 1; got {length:.6g}")
+    g[:3, :3], g[:3, 3] = from_quaternion_wxyz(quaternion), parts["position"]
+    return g
+
+
+def _true(value: Any, name: str) -> bool:
+    if value is not True:
+        raise InputError(f"{name} must be true; got {shown(value)}")
+    return True
+
+
+SPEEDS = {"linear_speed": as_number, "angular_speed": as_number}
+_Build = Callable[[Arm, dict[str, Any]], AnyCommand]
+
+_COMMANDS: Mapping[str, tuple[Mapping[str, Check], Mapping[str, Check], _Build]] = {
+    "twist": (
+        {"twist": partial(numbers, size=6), "frame": anything},
+        {"hold": _hold},
+        lambda arm, given: TwistCommand(given["twist"], given["frame"], given.get("hold")),
+    ),
+    "jog": ({"jog": _rates}, {}, lambda arm, given: JogCommand.of(arm, given["jog"])),
+    "pose": (
+        {"pose": _pose},
+        SPEEDS,
+        lambda arm, given: PoseCommand(given["pose"], **{name: given[name] for name in SPEEDS if name in given}),
+    ),
+    "stop": ({"stop": _true}, {}, lambda arm, given: JogCommand(np.zeros(arm.n))),
+}
+"""By kind of command: required fields, optional fields, and its constructor."""

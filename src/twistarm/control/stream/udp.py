@@ -1,0 +1,220 @@
+"""UDP: commands and joint states in, setpoints out, one JSON message per datagram (docs/streaming.md)."""
+
+from __future__ import annotations
+
+import errno
+import os
+import socket
+from collections.abc import Collection, Hashable, Iterator
+from typing import Any
+
+from ...arm.arm import Arm, require_arm
+from ...support.checks import require, require_names
+from ...support.errors import InputError, listed, shown
+from ...support.interrupts import Closeable
+from ...support.strict_json import LARGEST_MESSAGE, encode
+from .inbox import CommandInput, StateInput
+from .messages import parse_state, setpoint_message
+from .motors import motor_side
+from .protocols import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Setpoint, UndeliveredError
+from .signing import Signer, Verifier
+
+LOOPBACK = "127.0.0.1"
+"""Default host. Only programs on this machine may then move the arm."""
+
+BUFFER = 128 * 1024
+"""Bytes of the system's buffer, which it doubles: one message of the largest size, or some 350 small ones. A larger
+buffer would only deliver older messages in a flood.
+"""
+
+MOST_PER_CYCLE = 512
+"""Datagrams read in one cycle, about a millisecond's work: more than the buffer holds."""
+
+
+class Socket(Closeable):
+    """A nonblocking UDP socket, a context manager: it listens on host and port, or sends there.
+
+    Raises InputError for an unusable host or port.
+    """
+
+    def __init__(self, host: str, port: int, *, listens: bool) -> None:
+        family, address = _resolved(host, port, smallest=0 if listens else 1)
+        self.socket = socket.socket(family, socket.SOCK_DGRAM)
+        self.socket.setblocking(False)
+        try:
+            if listens:
+                self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER)
+                self.socket.bind(address)
+            else:  # connected, so that the system says when no program listens there
+                self.socket.connect(address)
+        except OSError as error:
+            self.close()
+            way = "listen on" if listens else "send to"
+            raise InputError(f"cannot {way} {host}:{port}: {error.strerror or error}") from error
+
+    @property
+    def address(self) -> tuple[str, int]:
+        """The socket's host and port."""
+        host, port = self.socket.getsockname()[:2]
+        return str(host), int(port)
+
+    def close(self) -> None:
+        """Give the port back. Harmless when repeated."""
+        self.socket.close()
+
+
+class Receiver(Socket):
+    """A socket that listens on host and port (0: a free one) to `senders`, signed by `key` if given.
+
+    senders: hosts, empty for all. `note` counts the dropped datagrams and gives the last reason; "" for none. Raises
+    InputError for an unusable host or port, and for an invalid key.
+    """
+
+    def __init__(self, host: str, port: int, senders: Collection[str], key: bytes | None) -> None:
+        self._allowed = _addresses(require_names(senders, "senders"))
+        self._verifier = None if key is None else Verifier(key)
+        self.note, self._left_out = "", 0
+        super().__init__(host, port, listens=True)
+
+    def sender_name(self, sender: Any) -> str:
+        """The sender's address in words."""
+        return named(sender)
+
+    def arrivals(self) -> Iterator[tuple[Hashable, bytes]]:
+        """(sender's address, text) of the datagrams that count. Others move nothing and stop nothing."""
+        for sender, datagram in self.waiting():
+            text = self._text(sender, datagram)
+            if text is not None:
+                yield sender, text
+
+    def _text(self, sender: Any, datagram: bytes) -> bytes | None:
+        try:
+            if self._allowed and sender[0].partition("%")[0].removeprefix("::ffff:") not in self._allowed:
+                raise InputError("it is not an allowed sender")
+            return datagram if self._verifier is None else self._verifier.verified(datagram)
+        except InputError as error:
+            self._left_out += 1
+            self.note = f"; {self._left_out} datagrams were left out, the last from {named(sender)}: {error}"
+            return None
+
+    def waiting(self) -> Iterator[tuple[Any, bytes]]:
+        """What has arrived, as (sender's address, datagram), at most `MOST_PER_CYCLE` of them."""
+        for _ in range(MOST_PER_CYCLE):
+            try:
+                # One byte more than a message may have, so that what is too long is seen to be.
+                datagram, sender = self.socket.recvfrom(LARGEST_MESSAGE + 1)
+            except BlockingIOError:
+                return
+            yield sender, datagram
+
+
+class UdpSource(Receiver, CommandInput):
+    """Commands from datagrams to host and port (0: a free one, see `address`). A sender is an address with its port.
+
+    senders: allowed hosts, empty for all. key: the key that signs the datagrams (see `Signer`, `read_key`). Raises
+    InputError for an unusable host or port, and for an invalid key.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        host: str = LOOPBACK,
+        port: int = 0,
+        *,
+        timeout: float = COMMAND_TIMEOUT,
+        senders: Collection[str] = (),
+        key: bytes | None = None,
+    ) -> None:
+        CommandInput.__init__(self, arm, timeout)
+        Receiver.__init__(self, host, port, senders, key)
+
+
+class UdpFeedback(Receiver, StateInput):
+    """Joint states from datagrams to host and port (0: a free one, see `address`).
+
+    Senders and key are as in `UdpSource`.
+
+    units: "joint", or "motor" or "counts" for a robot that reports its motors (see `MotorSide`).
+
+    Raises InputError for an unusable host or port, and for an invalid key.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        host: str = LOOPBACK,
+        port: int = 0,
+        *,
+        timeout: float = FEEDBACK_TIMEOUT,
+        senders: Collection[str] = (),
+        key: bytes | None = None,
+        units: str = "joint",
+    ) -> None:
+        StateInput.__init__(self, arm, timeout, units, parse_state)
+        Receiver.__init__(self, host, port, senders, key)
+
+
+class UdpSink(Socket):
+    """Setpoints as datagrams to host and port, signed if there is a key (see `Signer`).
+
+    units: "joint", or "motor" or "counts" to include the motors (see `MotorSide`).
+
+    Raises InputError for an unusable host or port, and for an invalid key.
+    """
+
+    def __init__(
+        self, arm: Arm, host: str = LOOPBACK, port: int = 0, *, key: bytes | None = None, units: str = "joint"
+    ) -> None:
+        self._arm = require_arm(arm)
+        self._motors = motor_side(arm, units)
+        self._signer = None if key is None else Signer(key)
+        super().__init__(host, port, listens=False)
+        self.receiver = named((host, port))
+
+    def write(self, setpoint: Setpoint) -> None:
+        """Send the setpoint. Raises `UndeliveredError` without a listener, OSError if it cannot send.
+
+        The system reports a refusal at the next call, in place of its result. So it is read before sending (a new
+        listener) and after (an immediate answer).
+        """
+        text = encode(setpoint_message(self._arm, setpoint, self._motors)).encode()
+        refused = self._refused()
+        try:
+            self.socket.send(text if self._signer is None else self._signer.sign(text))
+            refused = self._refused() or refused
+        except ConnectionRefusedError:  # an answer that came just now
+            refused = True
+        if refused:
+            raise UndeliveredError(f"nobody listens at {self.receiver}")
+
+    def _refused(self) -> bool:
+        error = self.socket.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
+        if error not in (0, errno.ECONNREFUSED):
+            raise OSError(error, os.strerror(error))
+        return error != 0
+
+
+def named(address: Any) -> str:
+    """`127.0.0.1:5005`, `[::1]:5005`."""
+    host, port = address[:2]
+    return f"[{host}]:{port}" if ":" in str(host) else f"{host}:{port}"
+
+
+def _resolved(host: str, port: int, smallest: int) -> tuple[socket.AddressFamily, tuple[str, int]]:
+    require(host, str, "host", "such as '127.0.0.1', with the port beside it")
+    if not isinstance(port, int) or isinstance(port, bool) or not smallest <= port <= 65535:
+        raise InputError(f"a port is a whole number from {smallest} to 65535; got {shown(port)}")
+    try:
+        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
+    except (OSError, UnicodeError, ValueError) as error:
+        raise InputError(f"no host {host!r}: {error}") from error
+    return family, (str(address[0]), int(address[1]))
+
+
+def _addresses(hosts: Collection[str]) -> set[str]:
+    """Every address of these hosts, the zone left out."""
+    try:
+        found = [each for host in hosts for each in socket.getaddrinfo(host, None)]
+    except (OSError, UnicodeError) as error:
+        raise InputError(f"no such host among those that may send, {listed(hosts)}: {error}") from error
+    return {str(address[0]).partition("%")[0] for *_, address in found}

@@ -1,0 +1,141 @@
+"""TOML and YAML as plain data, and poses written into TOML. See `support.fields` for the entries."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from collections import Counter
+from collections.abc import Mapping
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from ...support.errors import DescriptionError, InputError
+from ...support.files import read_bounded, write_whole
+from ...support.units import factor
+from ..document import read_text
+from ..findings import Place, refusal
+
+MAX_BYTES, MAX_LINE = 64_000, 2_000
+"""An arm.toml has some 5 kB. TOML's reader takes seconds for a dotted key that fills a longer line."""
+
+
+def unusable(path: Path, what: str, remedy: str = "") -> DescriptionError:
+    """The error for an unusable file or entry."""
+    return refusal("companion-unusable", Place(str(path)), what, remedy)
+
+
+def parse_toml(path: Path, what: str = "an arm.toml") -> dict[str, Any]:
+    """The content of the file. DescriptionError, which names `what` it should be, if it is not TOML or too large."""
+    return toml_content(read_text(path, MAX_BYTES), path, what)
+
+
+def toml_content(text: str, path: Path, what: str = "an arm.toml") -> dict[str, Any]:
+    """The content of such a text."""
+    if sys.version_info >= (3, 11):
+        import tomllib
+    else:
+        import tomli as tomllib
+
+    if max(map(len, text.splitlines()), default=0) > MAX_LINE:
+        raise unusable(path, f"a line of more than {MAX_LINE:,} characters", f"break it; is it {what}?")
+    try:
+        return tomllib.loads(text)
+    except RecursionError as error:
+        raise unusable(path, "not valid TOML: it nests too deep", f"is it {what}?") from error
+    except ValueError as error:  # TOMLDecodeError is one; so is Python's for an integer of too many digits
+        raise unusable(path, f"not valid TOML: {error}", "correct it there") from error
+
+
+def toml_key(name: str) -> str:
+    """A key: bare where TOML allows that, else quoted."""
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else toml_text(name)
+
+
+def toml_text(text: str) -> str:
+    """A TOML string; JSON's escapes are TOML's, except delete."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def write_pose(path: Path, name: str, values: Mapping[str, float], *, replace: bool) -> None:
+    """Write the table `[poses.NAME]` of joint = value [rad, m] into the file, whole or not at all.
+
+    Raises InputError if the name is taken and `replace` is not set, or if the file cannot take such a table.
+    """
+    try:
+        text = read_bounded(path, MAX_BYTES).decode("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"cannot read {path}: {error}") from error
+    before = toml_content(text.lstrip("\ufeff"), path)
+    if name in before.get("poses", {}) and not replace:
+        raise InputError(f"{path} has a pose {name!r} already: choose another name, or replace it")
+    written = _with_table(text, name, values)
+    wanted = {**before, "poses": {**before.get("poses", {}), name: dict(values)}}
+    try:
+        fits = toml_content(written.lstrip("\ufeff"), path) == wanted
+    except ValueError:
+        fits = False
+    if not fits:
+        raise InputError(f"{path} has no place for a table [poses.{toml_key(name)}]; write the lines in by hand")
+    write_whole(path, written, over_description=True)
+
+
+def _with_table(text: str, name: str, values: Mapping[str, float]) -> str:
+    end = "\r\n" if "\r\n" in text else "\n"
+    lines = "".join(f"{toml_key(joint)} = {value!r}{end}" for joint, value in values.items())
+    keys = "|".join(map(re.escape, (toml_key(name), toml_text(name), f"'{name}'")))
+    header = re.search(rf"^[ \t]*\[[ \t]*poses[ \t]*\.[ \t]*(?:{keys})[ \t]*\][^\n]*(?:\n|\Z)", text, re.MULTILINE)
+    if header is None:
+        apart = end if text.endswith("\n") or not text else 2 * end
+        return f"{text}{apart}[poses.{toml_key(name)}]{end}{lines}"
+    after = text[header.end() :].splitlines(keepends=True)
+    count = next((i for i, line in enumerate(after) if line.lstrip().startswith("[")), len(after))
+    notes = [line for line in after[:count] if not line.strip() or line.lstrip().startswith("#")]
+    return "".join([text[: header.end()], lines, *notes, *after[count:]])
+
+
+TAGS = {"degrees": factor("deg", "rad"), "radians": 1.0}
+"""Tags that the joint_limits.yaml of ROS put before a number."""
+
+# YAML 1.1 takes 1e-3 for a text because it has no point; ROS's own parser and YAML 1.2 take it for a number.
+_EXPONENT = re.compile(r"[-+]?[0-9][0-9_]*[eE][-+]?[0-9]+")
+
+
+def parse_yaml(text: str, file: Path) -> Any:
+    """Mappings, lists, texts and numbers of one YAML document, in which no mapping has a key twice.
+
+    DescriptionError `companion-unusable`, with the line, for anything else.
+    """
+    import yaml
+
+    # On libyaml's parser, where PyYAML has it, which takes a quarter of the time.
+    base: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+    class Loader(base):  # type: ignore[misc] # a class of our own: tags on PyYAML's would hold for the whole process
+        def construct_mapping(self, node: Any, deep: bool = False) -> Any:
+            keys = Counter(key.value for key, _ in node.value if isinstance(key.value, str))
+            if twice := [key for key, count in keys.items() if count > 1]:
+                raise yaml.constructor.ConstructorError(None, None, f"{twice[0]!r} stands twice", node.start_mark)
+            return super().construct_mapping(node, deep)
+
+    def with_unit(loader: Any, tag: str, node: Any) -> float:
+        if tag not in TAGS:
+            problem = f"the tag !{tag} is unknown; allowed: !{', !'.join(TAGS)}"
+            raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark)
+        return float(loader.construct_scalar(node)) * TAGS[tag]
+
+    Loader.add_multi_constructor("!", with_unit)
+    Loader.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, list("-+0123456789"))
+    try:
+        return yaml.load(text, Loader=Loader)
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        what = " ".join(str(getattr(error, "problem", None) or error).split())
+        line = next(islice(text.split("\n"), mark.line, None), "") if mark else ""
+        if "\t" in line[: len(line) - len(line.lstrip())]:
+            what = "a TAB indents the line; indent with spaces"
+        place = Place(str(file), mark.line + 1 if mark else None)
+        raise refusal("companion-unusable", place, f"not usable YAML: {what}") from error
+    except (RecursionError, ValueError, OverflowError) as error:
+        raise refusal("companion-unusable", Place(str(file)), f"not usable YAML: {error}") from error

@@ -1,0 +1,159 @@
+"""An arm for the pages: its joints and poses, checks of what is to be shown, and its tool's path."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arm.arm import Arm
+from ...description.tree import Joint
+from ...limits.joint_limits import unit_of, usual_half, usual_range
+from ...planning.trajectory import Trajectory
+from ...support.checks import Array, as_theta, require
+from ...support.errors import InputError, LimitError
+from ..protocol.messages import LARGEST_VALUE
+from ..scene.axes import arm_size, screw_kinds
+
+
+def describe_arm(arm: Arm) -> dict[str, Any]:
+    """Names, joints and poses, as the panel shows them; infinite limits are null."""
+    lower, upper = arm.limits.lower, arm.limits.upper
+    joints = zip(arm.joint_names, arm.joint_types, lower, upper, arm.usual_half, strict=True)
+    others = [(name, j.type, j.lower, j.upper, usual_half(j.type)) for name, j in extra_joints(arm).items()]
+    return {
+        "name": arm.name,
+        "base": arm.base,
+        "tip": arm.tip,
+        "tool_axis": arm.tool_axis.tolist(),
+        "joints": [_describe(*joint) for joint in joints],
+        "others": [_describe(*joint) for joint in others],
+        "poses": list(named_poses(arm)),
+        "screws": sorted(set(screw_kinds(arm))),
+    }
+
+
+def named_poses(arm: Arm) -> dict[str, Array]:
+    """The poses one can go to by name: zero, ready, and the arm's own."""
+    named = {name: np.asarray(theta, dtype=np.float64) for name, theta in arm.named_states.items()}
+    return {"zero": np.zeros(arm.n), "ready": arm.ready, **named}
+
+
+def extra_joints(arm: Arm) -> dict[str, Joint]:
+    """The independent one-degree joints outside the chain, a gripper's say, by name."""
+    if arm.description is None:
+        return {}
+    return {
+        name: joint
+        for name, joint in arm.description.joints.items()
+        if joint.type in ("revolute", "continuous", "prismatic")
+        and arm.couplings[name].master == name
+        and name not in arm.joint_names
+    }
+
+
+def rest(joint: Joint) -> float:
+    """The default of a joint outside the chain: 0, or the limit nearest to it."""
+    return float(np.clip(0.0, joint.lower, joint.upper))
+
+
+def _describe(name: str, kind: str, lower: float, upper: float, half: float) -> dict[str, Any]:
+    return {
+        "name": name,
+        "type": kind,
+        "unit": unit_of(kind),
+        "limits": [float(bound) if np.isfinite(bound) else None for bound in (lower, upper)],
+        "range": [float(end) for end in usual_range(lower, upper, half)],
+    }
+
+
+LIMIT_TOL = 1e-6
+"""Rounding of a slider's end at a limit [rad, m], from decimal text."""
+
+
+def checked_theta(arm: Arm, theta: ArrayLike) -> Array:
+    """`theta` as one configuration (n,) that can be drawn."""
+    array = arm.theta_from(theta)
+    if array.ndim != 1:
+        raise InputError(f"theta must be one configuration, shape ({arm.n},); got {array.shape}")
+    if np.abs(array).max(initial=0.0) > LARGEST_VALUE:
+        raise InputError(f"theta must be at most {LARGEST_VALUE:g} in size; got {np.abs(array).max():g}")
+    return array
+
+
+def check_trajectory(arm: Arm, trajectory: Trajectory) -> None:
+    """InputError where `trajectory` is not one of this arm's joints."""
+    require(trajectory, Trajectory, "trajectory", "as plan_joint returns it")
+    if tuple(trajectory.joint_names) != tuple(arm.joint_names):
+        raise InputError(
+            f"the trajectory moves {', '.join(trajectory.joint_names)}; "
+            f"{arm.name} has {', '.join(arm.joint_names)}: plan it for this arm"
+        )
+    checked_theta(arm, trajectory(0.0))
+
+
+def require_all_inside(arm: Arm, theta: Array) -> None:
+    """LimitError where a joint of `theta` (n,) is outside its limits."""
+    limits = arm.limits
+    for joint in zip(arm.joint_names, theta, limits.lower, limits.upper, arm.units, strict=True):
+        require_inside(*joint)
+
+
+def require_inside(name: str, value: float, lower: float, upper: float, unit: str) -> None:
+    """Raise LimitError if a joint would leave its limits, in degrees first for angles."""
+    if lower - LIMIT_TOL <= value <= upper + LIMIT_TOL:
+        return
+    in_si = f"{name} = {value:g} is outside its limits {lower:g} … {upper:g} {unit}"
+    if unit != "rad":
+        raise LimitError(in_si)
+    low, given, high = np.degrees([lower, value, upper])
+    in_rad = f"{value:g} rad, allowed {lower:g} … {upper:g} rad"
+    raise LimitError(f"{name} = {given:.6g}° is outside its limits {low:.6g}° … {high:.6g}° ({in_rad})")
+
+
+MOST_POINTS = 400
+"""Most points: enough for any curve on a screen."""
+
+STILL = 1e-4
+"""Least visible step, as a share of the arm's size."""
+
+NO_PATH: dict[str, Any] = {"points": [], "radius": 0.0, "ideal": [], "stopped": None, "waypoints": [], "ids": []}
+"""points: the way of the tool; ideal: that of its segments; stopped: where a segment cannot be followed any farther;
+waypoints: where everything stands at the poses, {node: matrix} each; ids: the numbers of these poses."""
+
+
+def tool_path(arm: Arm, motion: Trajectory | ArrayLike) -> dict[str, Any]:
+    """Points [[x, y, z], …] [m] of the tool's origin and the line's radius [m].
+
+    A path without length has no points.
+
+    `motion` is a trajectory of this arm or configurations (k, n) in order.
+    """
+    return {
+        **NO_PATH,
+        "points": drawn(arm, arm.fk(_configurations(arm, motion))[:, :3, 3]),
+        "radius": 0.004 * arm_size(arm),
+    }
+
+
+def drawn(arm: Arm, points: Array) -> list[list[float]]:
+    """The distinguishable points of (k, 3) [m]; none if all are in one place."""
+    kept = [points[0]]
+    for point in points[1:]:
+        if np.linalg.norm(point - kept[-1]) > STILL * arm_size(arm):
+            kept.append(point)
+    return np.round(kept, 6).tolist() if len(kept) > 1 else []
+
+
+def _configurations(arm: Arm, motion: Trajectory | ArrayLike) -> Array:
+    if isinstance(motion, Trajectory):
+        check_trajectory(arm, motion)
+        return motion(np.linspace(0.0, float(motion.duration), MOST_POINTS))
+    theta = as_theta(motion, arm.n, "motion", names=arm.joint_names)
+    if theta.ndim != 2 or len(theta) == 0:
+        raise InputError(f"motion must be a Trajectory or configurations (k, {arm.n}); got shape {theta.shape}")
+    for row in theta:
+        checked_theta(arm, row)
+    chosen: Array = theta[np.unique(np.linspace(0, len(theta) - 1, MOST_POINTS).round().astype(int))]
+    return chosen
