@@ -1,4 +1,4 @@
-"""The site: whole, self-contained, ours alone, and made anew only where something has changed."""
+"""The site: whole, self-contained, ours alone, made anew only where something has changed."""
 
 from __future__ import annotations
 

@@ -1,14 +1,20 @@
-"""`twistarm guide check` and `exercises`: exit codes, files, words."""
+"""`twistarm guide`: exit codes, files, words, and the arm that a lesson runs on."""
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 
+from small_course import LESSON
 from test_cli import Capture, answer, error_of
+from twistarm import InputError, guide
 from twistarm.cli.application import run
+from twistarm.guide.building.building import RECORD, Built
 from twistarm.guide.exercises import LESSONS
+from twistarm.guide.teaching import outlet
+from twistarm.guide.teaching.arm import VARIABLE
 
 RIGHT = """
 from math import cos, sin
@@ -68,3 +74,63 @@ def test_what_cannot_be_used(tmp_path: Path, capsys: Capture) -> None:
     assert out[0].startswith("mine.py: line 1: ")
     assert out[2].strip() == "^"
     assert "no_such_arm" in error_of(capsys, "guide", "check", str(file), "--arm", "no_such_arm")
+
+
+@pytest.mark.parametrize(
+    ("typed", "words"),
+    [
+        (["--arm", "no_such_arm", "-o", "new"], "error: no arm 'no_such_arm' in the catalogue"),
+        (["--arm", "broken.urdf", "-o", "new"], "; no page was written: twistarm doctor says all"),
+        (["-o", "."], "holds something that the guide did not write"),
+        (["print", "3_1_forward_kinematic", "-o", "a.pdf"], "closest: '3_1_forward_kinematics'"),
+        (["print", LESSON, "-o", "none/a.pdf"], "does not exist; create it first"),
+        (["--arm", "scara", "check", "a.py"], "give the options after the command: twistarm guide check … --arm ARM"),
+        (["check", "a.py", "--tip", "hand"], "give an ARM: the other options are about one"),
+    ],
+)
+def test_what_cannot_be_is_one_sentence(
+    typed: list[str], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("broken.urdf").write_text("<robot name='r'><link name='a'/><joint")
+    assert words in error_of(capsys, "guide", *typed)
+    assert [path.name for path in tmp_path.iterdir()] == ["broken.urdf"]
+
+
+def test_what_was_built_is_said(built: Built, capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The whole course is a long test's; here it is that of one lesson, which is built already."""
+    monkeypatch.setattr("twistarm.guide.building.building.lessons", lambda: (LESSON,))
+    assert run(["guide", "-o", str(built.folder)]) == 0
+    assert capsys.readouterr().out == f"written: {built.folder / 'index.html'} (opens in a browser, offline)\n"
+    assert (built.folder / RECORD).is_file()
+    opened: list[str] = []
+    monkeypatch.setattr("twistarm.cli.commands.guide.SITE", built.folder)
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    assert run(["guide"]) == 0
+    assert opened == [(built.folder / "index.html").as_uri()]
+
+
+def test_it_is_the_readers_or_the_rover(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv(VARIABLE, raising=False)
+    assert guide.arm().name == "rover_arm"
+    monkeypatch.setenv(VARIABLE, json.dumps({"source": "scara"}))
+    assert guide.arm().name == "scara"
+
+
+@pytest.mark.parametrize("text", ["{", "[]", "{}", "3"])
+def test_a_variable_that_means_nothing_is_said(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(VARIABLE, text)
+    with pytest.raises(InputError, match="TWISTARM_GUIDE_ARM takes JSON like"):
+        guide.arm()
+
+
+def test_another_stands_in_and_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(VARIABLE, json.dumps({"source": "rr_planar"}))
+    said: list[str] = []
+    with outlet.installed(lambda shown: said.append(shown.plain)):
+        assert guide.arm_with("two joints", lambda arm: arm.n == 2).name == "rr_planar"
+        assert said == []
+        assert guide.arm_with("six joints", lambda arm: arm.n == 6).n == 6
+    assert said[0].startswith("Your arm, `rr_planar`, does not have six joints.")
+    with pytest.raises(InputError, match="no bundled arm has ninety joints"):
+        guide.arm_with("ninety joints", lambda arm: arm.n == 90)

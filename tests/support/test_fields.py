@@ -10,6 +10,7 @@ import pytest
 
 from twistarm.support import checks, fields
 from twistarm.support.errors import InputError
+from twistarm.support.strict_json import LARGEST_MESSAGE, decoded, encode
 
 MOTOR = partial(fields.fields, needed={"ratio": fields.table_of(checks.as_number)}, optional={"unit": fields.word})
 
@@ -92,3 +93,34 @@ def test_an_entry_of_a_list_is_counted():
 def test_an_integer_without_a_decimal_text():
     with pytest.raises(InputError, match="x must"):
         checks.as_number(10**5000, "x")
+
+
+def test_what_is_encoded_is_decoded():
+    message = {"a": [1.5, -2], "b": {"c": None}, "d": "ß"}
+    line = encode(message)
+    assert "\n" not in line
+    assert decoded(line) == decoded(line.encode()) == message
+    with pytest.raises(ValueError, match="JSON"):
+        encode({"time": float("nan")})
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        '{"a": 1, "a": 2}',
+        '{"a": {"b": 1, "b": 2}}',
+        '{"a": NaN}',
+        '{"a": 1%s}' % ("0" * 5000),
+        "[1]",
+        "[" * 60_000,
+        " " * (LARGEST_MESSAGE + 1),
+        b"\xff{}",
+        7,
+    ],
+    ids=lambda value: repr(value)[:30],
+)
+def test_what_is_no_message(line):
+    with pytest.raises(InputError) as caught:
+        decoded(line)
+    assert len(str(caught.value)) < 300
+    assert "\n" not in str(caught.value)

@@ -1,4 +1,4 @@
-"""Messages as data: the Python form, the command line's, and what happens to the values on the way."""
+"""Messages as data and as one line: the Python form, the command line's, and what happens to the values on the way."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ import pickle
 import pytest
 import typer
 
-from twistarm import DescriptionError, TwistarmError
 from twistarm.cli.application import app
 from twistarm.cli.wording import OPTIONS as OPTION_TABLE
 from twistarm.cli.wording import words
+from twistarm.support.errors import LONGEST, DescriptionError, MissingExtraError, TwistarmError, listed, one_line
 from twistarm.support.messages import Argument, Posture, Quantity, Text, joined, package_folder, plural
 
 OPTIONS = [
@@ -71,3 +71,29 @@ def test_every_option_that_messages_name_exists() -> None:
     commands = typer.main.get_command(app).commands.values()  # type: ignore[attr-defined]
     flags = {flag for command in commands for param in command.params for flag in param.opts}
     assert {option for option, _ in OPTION_TABLE.values()} <= flags
+
+
+@pytest.mark.parametrize("kind", [TwistarmError, DescriptionError, MissingExtraError])
+def test_a_message_is_one_line_that_can_be_printed(kind: type[TwistarmError]) -> None:
+    text = str(kind("joint 'a\nb': \x1b[31mred\x00 \ud800 \u2028 \u202e Gelenk_ä 关节 ξ"))
+    assert text == r"joint 'a\nb': \x1b[31mred\x00 \ud800 \u2028 \u202e Gelenk_ä 关节 ξ"
+    text.encode("utf-8")
+
+
+def test_a_long_message_keeps_both_ends() -> None:
+    text = str(TwistarmError("begin " + "\n" * 50_000 + " end"))
+    assert text.startswith("begin ")
+    assert text.endswith(" end")
+    assert LONGEST <= len(text) <= LONGEST + 3
+    assert one_line("x" * LONGEST) == "x" * LONGEST
+
+
+def test_long_names_in_a_list_are_cut() -> None:
+    assert len(listed(["n" * 5000] * 12)) < 1500
+    assert listed(["a", "b"]) == "'a', 'b'"
+
+
+def test_errors_travel_between_processes() -> None:
+    error = DescriptionError("arm.urdf: a\nb", ("finding",))
+    again = pickle.loads(pickle.dumps(error))
+    assert (str(again), again.findings) == (str(error), ("finding",))

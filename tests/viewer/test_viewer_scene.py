@@ -1,7 +1,8 @@
-"""What is drawn: where everything stands, sticks for lost meshes, and meshes as they were made."""
+"""What is drawn: where everything stands, sticks for lost meshes, meshes as they were made, and a second arm."""
 
 from __future__ import annotations
 
+import base64
 import re
 from pathlib import Path
 from typing import Any
@@ -12,10 +13,10 @@ import trimesh
 import umsgpack
 from numpy.testing import assert_allclose, assert_array_equal
 
-from twistarm import Arm, arm_from_screws, available_arms, joints, load_arm, poe
+from catalogue import load
+from twistarm import Arm, InputError, Viewer, arm_from_screws, available_arms, joints, load_arm, poe
 from twistarm.description.meshes import Part, read_mesh
 from twistarm.support.errors import DescriptionError
-from twistarm.viewer import Viewer
 from twistarm.viewer.parts.theory import axes
 from twistarm.viewer.scene import links
 from twistarm.viewer.scene.arm_drawing import Drawing
@@ -23,7 +24,7 @@ from twistarm.viewer.scene.axes import anchors
 from twistarm.viewer.scene.kinematics import carried
 from twistarm.viewer.stage import Stage
 from urdf_text import joint, write
-from viewer_page import ARM, ROUNDING, THETA, matrix, visit
+from viewer_page import ARM, ROUNDING, THETA, Page, matrix, stored, visit
 
 
 def drawn_by(scene: Drawing) -> dict[str, Any]:
@@ -233,3 +234,48 @@ def test_whatever_ails_one_mesh_the_others_are_drawn(tmp_path: Path, monkeypatch
     drawn = drawn_by(scene)
     assert "/arm/link:base/visual1/part0" in drawn
     assert not any("visual0" in path for path in drawn)
+
+
+MESH = """<robot name="two"><link name="base"/>
+<link name="part"><visual><geometry><mesh filename="{}"/></geometry></visual></link>
+<joint name="turn" type="revolute"><parent link="base"/><child link="part"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" velocity="1" effort="1"/></joint></robot>"""
+
+
+def test_every_shape_of_the_second_arm_is_below_its_node(tmp_path: Path) -> None:
+    trimesh.creation.box((0.1, 0.2, 0.3)).export(tmp_path / "part.stl")
+    (tmp_path / "arm.urdf").write_text(MESH.format(tmp_path / "part.stl"))
+    arm = load_arm(tmp_path / "arm.urdf", tip="part")
+    alone = {path: each for path, each in drawn_by(Drawing(arm).whole()).items() if path.startswith("/arm/")}
+    assert any("/part0" in path for path in alone), "the mesh was read"
+    scene = Drawing(arm, beside=arm)
+    assert scene.left == 2
+    for exact in (False, True):
+        both = drawn_by(scene.whole())
+        assert {path for path in both if path.startswith("/beside/")} == {f"/beside{path}" for path in alone}
+        assert {path for path in both if path.startswith("/arm/")} == set(alone)
+        scene.draw_again(exact)
+    assert all(b"/beside/" not in each for each in scene.whole().successor(arm).whole().objects)
+
+
+@pytest.mark.parametrize("name", ["ur5", "rr_planar"])
+def test_live_pages_alone_show_both(rover: Any, name: str, tmp_path: Path) -> None:
+    other = load(name)
+    with Viewer(rover, open_browser=False, beside=other) as viewer:
+        with Page(viewer) as page:
+            page.until(lambda: page.latest.get("scene", {}).get("left") == 0)
+            page.until(lambda: len(page.objects) == page.latest["scene"]["objects"])
+        hello = page.latest["hello"]["beside"]
+        assert hello["arm"]["name"] == other.name
+        assert hello["theta"] == other.ready.tolist()
+        nodes = {f"/beside{path}/" for path in hello["kinematics"]["nodes"] if path.startswith("/arm/")}
+        drawn = [each["path"] for each in page.objects if each["path"].startswith("/beside/")]
+        assert len(drawn) > 2
+        assert sum(path.startswith(tuple(nodes)) for path in drawn) > 1, "they stand in nodes that move"
+        saved = stored(viewer.save_html(tmp_path / "page.html").read_text("utf-8"))["objects"]
+        assert saved
+        assert not any(b"/beside/" in base64.b64decode(each) for each in saved)
+        with pytest.raises(InputError):
+            Viewer(rover, open_browser=False, beside="ur5")  # type: ignore[arg-type]
+    with Viewer(rover, open_browser=False) as viewer:
+        assert visit(viewer).latest["hello"]["beside"] is None

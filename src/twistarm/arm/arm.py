@@ -132,12 +132,16 @@ class Arm(ArmData):
             UnknownNameError: There is no such joint outside the chain.
         """
         x = self._asked_at(theta)
-        self._check_others(
-            {} if other_joints is None else require_mapping(other_joints, "other_joints", "{'finger_joint': 0.02}")
-        )
+        others = {} if other_joints is None else require_mapping(other_joints, "other_joints", "{'finger_joint': 0.02}")
+        masters = {affine.master for affine in self.couplings.values() if affine.master is not None}
+        outside = sorted(masters - set(self.joint_names))
+        for name in others:
+            if name not in outside:
+                listing = f"independent joints outside the chain: {listed(outside) or 'none'}"
+                raise unknown_name("joint outside the chain", name, outside, within=self.name, listing=listing)
         if self.description is None:
             return {self.base: self._identity(x), self.tip: self.fk(x)}
-        poses = self._link_poses(x, other_joints or {}, self.description.links)
+        poses = self._link_poses(x, others, self.description.links)
         if self.tip not in poses:
             poses[self.tip] = poses[self.tip_link] @ self.tool
         return poses
@@ -334,14 +338,6 @@ class Arm(ArmData):
             assert answer is not None
             answer = answer.reshape(*x.shape[:-1], *shape)
         return answer
-
-    def _check_others(self, other_joints: Mapping[str, float]) -> None:
-        masters = {affine.master for affine in self.couplings.values() if affine.master is not None}
-        outside = sorted(masters - set(self.joint_names))
-        for name in other_joints:
-            if name not in outside:
-                listing = f"independent joints outside the chain: {listed(outside) or 'none'}"
-                raise unknown_name("joint outside the chain", name, outside, within=self.name, listing=listing)
 
 
 def require_arm(arm: Any) -> Arm:

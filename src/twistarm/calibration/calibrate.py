@@ -15,13 +15,13 @@ from ..support.units import theta_hint
 from ..theory.rotations import skew
 from .calibration import Calibration
 from .geometry import Geometry
-from .measurements import LITTLE, Bools, Measurements, Rows, joined, read_measurements, require_metres
+from .measurements import LITTLE, Bools, Measurements, joined, read_measurements, require_metres
 from .problem import LOUD, Problem, descend, observed, of_joints, started
 
 Frame = Literal["fit", "held"]
 Log = Measurements | str | os.PathLike[str]
 
-FOLDS, BLOCK = 5, 0.2
+FOLDS = 5
 USUAL = {"zero": 0.2, "shift": 0.002, "tilt": 0.01, "scale": 0.1}
 """How far joints are out as a rule [m, rad, 1]: what the fit knows before the log."""
 
@@ -98,15 +98,13 @@ def calibrate(
     first = descend(problem, start, seen & ~of_joints(problem), robust=robust)[0]
     q, weights = descend(problem, first, seen, robust=robust)
     faults = faults_of(problem, q, first)
-    folds = block = (np.inf, np.inf)
+    held_out = np.inf, np.inf
     if not faults:
         loud = float(np.median(problem.loudness(q)))
         if loud > LOUD:
             odd = (*odd, f"the rows fit {loud:.0f} times worse than the stated noise: something is not explained")
-        every, far = _parts(problem)
-        result = Calibration(problem, q, first, seen, fitted, weights)
-        folds, block = _held_out(result, every, robust), _held_out(result, [far], robust)
-    return Calibration(problem, q, first, seen, fitted, weights, *folds, *block, (*odd, *faults), faults)
+        held_out = _held_out(problem, first, seen, robust)
+    return Calibration(problem, q, first, seen, fitted, weights, *held_out, (*odd, *faults), faults)
 
 
 def _read(arm: Arm, measurements: Log | Sequence[Log]) -> Measurements:
@@ -130,33 +128,23 @@ def _distances(distances: dict[tuple[str, str], float] | None, log: Measurements
     return known
 
 
-def _parts(problem: Problem) -> tuple[list[Rows], Rows]:
-    """The rows that are left out in turn, and those at the far end of the workspace, or of the joints.
-
-    The folds are random. Without positions they are places, those with a known distance together, if there are several.
-    """
-    K, located = len(problem.log.theta), problem.log.located
-    fold = np.random.default_rng(0).permutation(K) % min(FOLDS, K)
-    placements, of_row = np.unique(problem.placements, return_inverse=True)
-    if not located.any() and len(placements) > 1:
-        fold = of_row % FOLDS
-    where = problem.log.position if located.all() else problem.log.theta
-    along = where @ np.linalg.svd(where - where.mean(axis=0), full_matrices=False)[2][0]
-    far = np.flatnonzero(along > np.quantile(along, 1.0 - BLOCK))
-    return [np.flatnonzero(fold == k) for k in np.unique(fold)], far
-
-
-def _held_out(result: Calibration, parts: list[Rows], robust: bool) -> tuple[float, float]:
+def _held_out(problem: Problem, first: Array, seen: Bools, robust: bool) -> tuple[float, float]:
     """The mean error [m] on rows left out: with all that their rest shows, and with base and tool alone.
+
+    A fifth of the rows is left out in turn, at random. Without positions they are places, those with a known distance
+    together, if there are several.
 
     Each fit begins at the unknowns with base and tool alone. A place that the rest does not have is fitted to the rows
     left out. The loudest percent of the rows does not count, because an outlier tells nothing of the arm. Infinity: a
     rest has no more numbers than unknowns.
     """
-    problem, first, seen = result.problem, result.first, result.seen
     K, P = len(problem.log.theta), problem.P
+    fold = np.random.default_rng(0).permutation(K) % min(FOLDS, K)
+    placements, of_row = np.unique(problem.placements, return_inverse=True)
+    if not problem.log.located.any() and len(placements) > 1:
+        fold = of_row % FOLDS
     errors = np.full((2, K), np.nan)
-    for left in parts:
+    for left in (np.flatnonzero(fold == k) for k in np.unique(fold)):
         rest = problem.of_rows(np.setdiff1d(np.arange(K), left))
         own = np.zeros(len(first), dtype=bool)
         own[P:] = np.repeat(np.isin(np.arange(len(problem.places)), rest.place, invert=True), 3)

@@ -66,9 +66,8 @@ class Calibration:
 
     `unknowns` (Q,) solve the `problem`, and `first` (Q,) those with base and tool fitted alone. The log shows those
     that are `seen` (Q,), among those `fitted`. `weights` (K,) are those of the rows. `held_out` and `held_out_before`
-    are the mean errors [m] on rows left out of the fit at random, with all and with base and tool alone. `block` and
-    `block_before` are those on the fifth of the rows at one end of the workspace. `warnings` say what is odd about the
-    log. `faults` are those that spoil the correction.
+    are the mean errors [m] on rows left out of the fit at random, with all and with base and tool alone. `warnings` say
+    what is odd about the log. `faults` are those that spoil the correction.
     """
 
     problem: Problem
@@ -79,8 +78,6 @@ class Calibration:
     weights: Array
     held_out: float = np.inf
     held_out_before: float = np.inf
-    block: float = np.inf
-    block_before: float = np.inf
     warnings: tuple[str, ...] = ()
     faults: tuple[str, ...] = ()
 

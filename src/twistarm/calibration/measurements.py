@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from ..arm.arm import Arm, require_arm
 from ..limits.actuators import Actuators
 from ..support.checks import Array, as_flag, as_reals, frozen, require_names
-from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows
+from ..support.csv_lines import Bounds, csv_lines, csv_rows, known_columns
 from ..support.display import Brief
 from ..support.errors import InputError, closest, listed
 from ..support.files import as_path
-from ..support.units import UNITS, column
+from ..support.units import UNITS
 from ..theory.rotations import from_xyzw
 
 Bools = NDArray[np.bool_]
@@ -34,9 +34,6 @@ UNIT_LENGTH_TOL = 0.01
 
 LITTLE = {"rad": float(np.radians(15.0)), "m": 0.05}
 """A joint that moved by less has hardly moved."""
-
-Units = Mapping[str, Mapping[str, float]]
-"""The columns that a log may have, and the units of each with their factors; the first is meant without brackets."""
 
 NUMBERS = {"position": (3,), "rotation": (3, 3), "length": (), "noise": ()}
 NAMES = ("point", "plane", "wire")
@@ -124,18 +121,25 @@ def read_measurements(path: str | os.PathLike[str], arm: Arm, *, counts: bool = 
     is not measured. Lines with # are comments. Raises InputError with the line for an unknown, missing or invalid
     column or cell.
     """
-    units = {name: UNITS[unit] for name, unit in zip(require_arm(arm).joint_names, arm.units, strict=True)}
+    quantities = dict(zip(require_arm(arm).joint_names, arm.units, strict=True))
     if as_flag(counts, "counts"):
         motors = require_motors(arm)
-        units = {name: {unit: 1.0} for name, unit in zip(motors.names, motors.units, strict=True)}
-    commanded = tuple(units)
-    units |= dict.fromkeys((*POSITION, "length", "noise"), UNITS["m"]) | dict.fromkeys((*ROTATION, *NAMES), UNITS["1"])
+        quantities = dict(zip(motors.names, motors.units, strict=True))
+    commanded = tuple(quantities)
+    quantities |= dict.fromkeys((*POSITION, "length", "noise"), "m") | dict.fromkeys((*ROTATION, *NAMES), "1")
     file = as_path(path)
     rows = list(csv_rows(csv_lines(file, BOUNDS), str(file)))
     if len(rows) < 2:
         raise InputError(f"{file}: no rows; the first line names the columns, {', '.join(commanded)} among them")
     header = rows.pop(0)
-    at = _columns(header, units, commanded, f"{file}, line {header.line}")
+    place = f"{file}, line {header.line}"
+    at, others = known_columns(header.cells, {name: name for name in quantities}, quantities, place)
+    more = ", ".join(name for name in quantities if name not in commanded)
+    for given in (head.partition("[")[0].strip() for head in others):
+        allowed = f"the columns are {', '.join(commanded)}; these may follow: {more}"
+        raise InputError(f"{place}: unknown column {given!r}{closest(given, quantities)}; {allowed}")
+    if missing := [name for name in commanded if name not in at]:
+        raise InputError(f"{place}: no column {listed(missing)}; these may follow: {more}")
 
     def numbers(names: Sequence[str], *, empty: bool = True) -> Array:
         """The columns (K, len(names)) in SI units; with `empty`, NaN for rows where all their cells are empty."""
@@ -162,26 +166,6 @@ def read_measurements(path: str | os.PathLike[str], arm: Arm, *, counts: bool = 
         some = np.isfinite(lengths)
         parts["rotation"][some] = from_xyzw(quaternions[some])
     return Measurements(theta, **parts, label=[f"{file.name}:{row.line}" for row in rows])
-
-
-def _columns(header: Row, units: Units, needed: Sequence[str], place: str) -> dict[str, tuple[int, float]]:
-    """{name: its number and the factor of its unit} of the first line."""
-    at: dict[str, tuple[int, float]] = {}
-    allowed = f"the columns are {', '.join(needed)}; these may follow: {', '.join(n for n in units if n not in needed)}"
-    for i, cell in enumerate(header.cells):
-        name, unit = column(cell, {name: name for name in units})
-        if name is None:
-            given = cell.partition("[")[0].strip()
-            raise InputError(f"{place}: unknown column {given!r}{closest(given, units)}; {allowed}")
-        if name in at:
-            raise InputError(f"{place}: two columns are called {name!r}; leave one out")
-        if unit and unit not in units[name]:
-            raise InputError(f"{place}: column {name!r} is in [{'], ['.join(units[name])}]; got [{unit}]")
-        at[name] = i, units[name][unit] if unit else 1.0
-    missing = [name for name in needed if name not in at]
-    if missing:
-        raise InputError(f"{place}: no column {listed(missing)}; {allowed}")
-    return at
 
 
 def require_metres(log: Measurements, arm: Arm) -> None:

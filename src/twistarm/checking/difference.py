@@ -219,23 +219,16 @@ def _changes(before: Facts, after: Facts) -> list[str]:
     for owner in (owner for owner in before if owner in after):
         for part in (part for part in before[owner] if part in after[owner]):
             then, now = before[owner][part], after[owner][part]
-            if not _is_same(then, now):
-                unit = f" {now.unit}" if now.unit else ""
-                changes.append(f"{part} of {owner}: {' to '.join(_distinct(then.value, now.value))}{unit}")
+            if isinstance(then.value, str) or isinstance(now.value, str):
+                same = then.value == now.value
+            else:
+                tolerance = max(then.tolerance, now.tolerance)
+                same = np.allclose(then.value, now.value, rtol=0.0, atol=tolerance, equal_nan=True)
+            if not same:  # in as few digits, six at least, as tell the values apart
+                pairs = ((_shown(then.value, digits), _shown(now.value, digits)) for digits in (6, 9, 12, 17))
+                was, is_ = next((pair for pair in pairs if pair[0] != pair[1]), ("", ""))
+                changes.append(f"{part} of {owner}: {was} to {is_}{now.unit and f' {now.unit}'}")
     return changes
-
-
-def _is_same(then: Fact, now: Fact) -> bool:
-    if isinstance(then.value, str) or isinstance(now.value, str):
-        return then.value == now.value
-    tolerance = max(then.tolerance, now.tolerance)
-    return np.allclose(then.value, now.value, rtol=0.0, atol=tolerance, equal_nan=True)
-
-
-def _distinct(before: str | Array, now: str | Array) -> tuple[str, str]:
-    """Two values in as few digits, six at least, as tell them apart."""
-    pairs = ((_shown(before, digits), _shown(now, digits)) for digits in (6, 9, 12, 17))
-    return next((pair for pair in pairs if pair[0] != pair[1]), ("", ""))
 
 
 def _shown(value: str | Array, digits: int) -> str:

@@ -13,10 +13,10 @@ import numpy as np
 from ..arm.arm import Arm
 from ..ik import Pose
 from ..support.checks import Array
-from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows, is_number, lines_in
+from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows, is_number, known_columns, lines_in
 from ..support.errors import InputError, listed, shown
 from ..support.fields import inside
-from ..support.units import angle_hint, column, factor
+from ..support.units import angle_hint
 from .numbers import option
 from .output import note, warn
 from .targets import Orientation, Target
@@ -79,23 +79,14 @@ class Sheet:
 
         A unit may follow a name; the default is SI. Unknown columns are ignored with a note.
         """
-        places: dict[str, int] = {}
-        factors: list[float] = []
-        others: list[str] = []
-        for index, cell in enumerate(self.header):
-            name, unit = column(cell, known)
-            if name is None:
-                others.append(cell)
-                continue
-            if name in places:
-                raise InputError(f"{self.file}: two columns hold {name}: {listed(self.header)}")
-            with inside(self.file, f"column {name}"):
-                factors.append(factor(unit, units[name]))
-            places[name] = index
-        if places and others:
+        found, others = known_columns(self.header, known, units, self.file)
+        if not found:
+            return {}
+        if others:
             note(f"{self.file}: not used: {', '.join(others)}")
-        values = [row.numbers([*places.values()], len(self.header), self.file) for row in self.rows]
-        return dict(zip(places, (np.array(values) * factors).T, strict=True))
+        places, factors = zip(*found.values(), strict=True)
+        values = [row.numbers(places, len(self.header), self.file) for row in self.rows]
+        return dict(zip(found, (np.array(values) * factors).T, strict=True))
 
     def lacks(self, what: str) -> InputError:
         """The error for a header that does not name what is needed."""

@@ -421,7 +421,9 @@ class Scene(Obstacles):
         # theta moves neither body of some pairs against the other, such as a passive wheel and the ground.
         speeds = pair_speeds(self._model, bodies, pairs, self._most)
         pairs = [pair for pair, row in zip(pairs, speeds, strict=True) if row.any()]
-        return Checker(self._model, bodies, pairs, [self._margin_of(bodies[i], bodies[j]) for i, j in pairs])
+        margin = self._margin
+        own = [margin if isinstance(margin, float) else margin.get(body.name, 0.0) for body in bodies]
+        return Checker(self._model, bodies, pairs, [max(own[i], own[j]) for i, j in pairs])
 
     @property
     def _sweep(self) -> Sweep:
@@ -439,11 +441,6 @@ class Scene(Obstacles):
         if one.obstacle or other.obstacle:
             return other.name in self._touching.get(one.name, ()) or one.name in self._touching.get(other.name, ())
         return pair in self.find_allowed_pairs()
-
-    def _margin_of(self, one: Body, other: Body) -> float:
-        if isinstance(self._margin, float):
-            return self._margin
-        return max(self._margin.get(one.name, 0.0), self._margin.get(other.name, 0.0))
 
 
 def _names(checker: Checker, k: int) -> tuple[str, str]:

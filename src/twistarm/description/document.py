@@ -26,14 +26,8 @@ LARGEST = 1e9
 MAX_BYTES = 20_000_000
 """A whole humanoid's URDF has some 200 kB, a robot cell's a few MB."""
 
-MAX_PARTS = 250_000
-"""Elements and attributes; a whole humanoid's URDF has some 8,000."""
-
 MAX_NESTING = 100
 """No description nests deeper. Python's XML writer recurses."""
-
-CHUNK = 1_000_000
-"""Bytes for one call of expat. A Ctrl-C waits for its end."""
 
 
 def floats(text: str, count: int) -> list[float]:
@@ -154,27 +148,20 @@ def decoded(data: bytes) -> str:
 def parse_xml(text: str, reading: Reading) -> ET.Element:
     """The root element of `text`. Each element's line goes into `reading.lines`.
 
-    The parser ignores namespaces, so undeclared prefixes, as in `<gazebo>` blocks, do not matter. Refused are a
-    document type, which may bring entities and external files, and more than `MAX_PARTS` elements and attributes.
+    The parser ignores namespaces, so undeclared prefixes, as in `<gazebo>` blocks, do not matter. A document type is
+    refused, because it may bring entities and external files.
     """
-    if text.count("=") > MAX_PARTS:  # expat collects all attributes of an element before it can be stopped
-        raise _too_many(reading)
     builder = ET.TreeBuilder()
     parser = expat.ParserCreate("utf-8")
     parser.buffer_text = True
 
     open_tags: list[str] = []
-    parts = 0
 
     def refused_here(what: str, remedy: str) -> DescriptionError:
         return refusal("xml-malformed", replace(reading.whole, line=parser.CurrentLineNumber), what, remedy)
 
     def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal parts
         open_tags.append(tag)
-        parts += 1 + len(attributes)
-        if parts > MAX_PARTS:
-            raise _too_many(reading)
         if len(open_tags) > MAX_NESTING:
             raise refused_here(f"elements are nested more than {MAX_NESTING} deep", "is it a robot's description?")
         reading.lines[builder.start(tag, attributes)] = parser.CurrentLineNumber
@@ -191,20 +178,12 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
     parser.CharacterDataHandler = builder.data
     parser.StartDoctypeDeclHandler = refuse
     try:
-        data = text.encode("utf-8", "surrogatepass")
-        for begin in range(0, len(data), CHUNK):
-            parser.Parse(data[begin : begin + CHUNK], False)
-        parser.Parse(b"", True)
+        parser.Parse(text.encode("utf-8", "surrogatepass"), True)
     except expat.ExpatError as error:
         what = f"not well-formed XML: {expat.ErrorString(error.code)}" if text.strip() else "the file is empty"
         place = replace(reading.whole, line=error.lineno if reading.show_lines else None)
         raise refusal("xml-malformed", place, what, "is it a URDF, xacro or MJCF file, and whole?") from error
     return builder.close()
-
-
-def _too_many(reading: Reading) -> DescriptionError:
-    what = f"it has more than {MAX_PARTS:,} elements and attributes"
-    return refusal("file-unreadable", reading.whole, what, "leave out what the arm does not need")
 
 
 class Refused(Exception):  # noqa: N818 - it is no error yet: its place is not known here

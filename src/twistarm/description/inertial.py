@@ -32,16 +32,17 @@ def bodies(description: Description) -> dict[str, Body]:
     """Every link with a mass or an inertia, from the repaired text."""
     robot = ET.fromstring(description.repaired)
     inertials = {link.get("name", ""): link.find("inertial") for link in robot.findall("link")}
-    read = {name: _body(inertial) for name, inertial in inertials.items() if inertial is not None}
-    return {name: body for name, body in read.items() if body.mass > 0 or body.inertia.any()}
-
-
-def _body(inertial: ET.Element) -> Body:
-    mass, inertia = inertial.find("mass"), inertial.find("inertia")
-    xx, xy, xz, yy, yz, zz = (0.0 if inertia is None else float(inertia.get(name, "0")) for name in INERTIA)
-    g = read_origin(inertial)
-    about = g[:3, :3] @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ g[:3, :3].T
-    return Body(0.0 if mass is None else float(mass.get("value", "0")), g[:3, 3], about)
+    found = {}
+    for name, inertial in inertials.items():
+        if inertial is None:
+            continue
+        mass, inertia, g = inertial.find("mass"), inertial.find("inertia"), read_origin(inertial)
+        xx, xy, xz, yy, yz, zz = (0.0 if inertia is None else float(inertia.get(each, "0")) for each in INERTIA)
+        about = g[:3, :3] @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ g[:3, :3].T
+        body = Body(0.0 if mass is None else float(mass.get("value", "0")), g[:3, 3], about)
+        if body.mass > 0 or body.inertia.any():
+            found[name] = body
+    return found
 
 
 def drop_unusable_inertials(robot: ET.Element, reading: Reading) -> None:

@@ -109,7 +109,7 @@ class PackageIndex:
         return self._allowed[folder]
 
     def _real_folders(self, package: str) -> Iterator[Path]:
-        """The folder of a package, and where links of the user's own build lead from there.
+        """The folder of a package, and where links of a build lead from there.
 
         `colcon build --symlink-install` makes `install/…/share/NAME/package.xml` a link to `src/…/NAME/package.xml`. An
         archive may hold such links too, but only to files in the `src` beside them. The environment is the user's own.
@@ -181,17 +181,13 @@ def package_index(
     """The index for one description. InputError for a user's folder that does not exist."""
     if isinstance(user_dirs, (str, os.PathLike)):
         user_dirs = [user_dirs]
-    users, meshes = (tuple(_users_folder(as_path(folder)) for folder in dirs) for dirs in (user_dirs, mesh_dirs))
-    return PackageIndex(file.resolve(), users, meshes)
-
-
-def _users_folder(folder: Path) -> Path:
-    try:
-        if os.path.isdir(folder):
-            return folder.resolve()
-    except ValueError:  # a NUL in it
-        pass
-    raise InputError(f"package_dirs: {shown(str(folder))} is not a folder; give one that holds packages")
+    found = []
+    for dirs in (user_dirs, mesh_dirs):
+        for folder in (folders := tuple(map(as_path, dirs))):
+            if "\0" in str(folder) or not os.path.isdir(folder):
+                raise InputError(f"package_dirs: {shown(str(folder))} is not a folder; give one that holds packages")
+        found.append(tuple(folder.resolve() for folder in folders))
+    return PackageIndex(file.resolve(), found[0], found[1])
 
 
 def package_names(ignore_packages: object) -> tuple[str, ...]:

@@ -7,7 +7,6 @@ import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import get_args
 
 import numpy as np
@@ -62,7 +61,11 @@ def read_description(
     packages = package_index(file, package_dirs, mesh_dirs)
     if is_xacro(file):
         text, noted, _ = expand_xacro(file, packages, xacro_args, ignore_packages, env_vars)
-        _require_links(text, file)
+        macros = list(dict.fromkeys(_MACRO.findall(read_text(file))))
+        if macros and "<link" not in text:
+            what = f"it has no links: it defines macros ({listed(macros)}) and calls none that makes one"
+            remedy = f"load the file that calls them, or call one: <xacro:{macros[0]} …/>"
+            raise refusal("no-robot", Place(str(file)), what, remedy)
         reading = Reading(file, packages, show_lines=False)
     elif xacro_args:
         what = f"it is plain URDF and takes no xacro arguments ({', '.join(xacro_args)})"
@@ -83,15 +86,6 @@ def read_description(
 def may_be_mjcf(text: str) -> bool:
     """Whether a text may be an MJCF. A URDF may hold settings for MuJoCo in such an element too."""
     return _MJCF.search(text) is not None
-
-
-def _require_links(text: str, file: Path) -> None:
-    """Refuse a file that only defines macros and expands to a robot without links."""
-    macros = list(dict.fromkeys(_MACRO.findall(read_text(file))))
-    if macros and "<link" not in text:
-        what = f"it has no links: it defines macros ({listed(macros)}) and calls none that makes one"
-        remedy = f"load the file that calls them, or call one: <xacro:{macros[0]} …/>"
-        raise refusal("no-robot", Place(str(file)), what, remedy)
 
 
 def build_description(text: str, reading: Reading) -> Description:

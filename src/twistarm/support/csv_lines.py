@@ -6,15 +6,17 @@ import codecs
 import csv
 import io
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import chain
 from math import isfinite
 from typing import BinaryIO, NamedTuple
 
 from .checks import number_in
-from .errors import InputError
+from .errors import InputError, listed
+from .fields import inside
 from .files import as_path, open_regular, why_no_file
+from .units import column, factor
 
 MAX_LINE = 100_000
 """Characters of a line: a thousand columns of numbers with all their digits are 20,000."""
@@ -116,6 +118,27 @@ def csv_rows(lines: Iterable[str], file: str) -> Iterator[Row]:
             yield Row(count, cells)
     except csv.Error as error:
         raise InputError(f"{file}, line {count} is no CSV text: {error}") from error
+
+
+def known_columns(
+    heads: Sequence[str], known: Mapping[str, str], quantities: Mapping[str, str], place: str
+) -> tuple[dict[str, tuple[int, float]], list[str]]:
+    """The number of each column and the size of its unit, by the name that `known` gives its head; and other heads.
+
+    `quantities` are those of the names. Raises InputError for two columns of a name, and a unit of another quantity.
+    """
+    found: dict[str, tuple[int, float]] = {}
+    others = []
+    for k, head in enumerate(heads):
+        name, unit = column(head, known)
+        if name is None:
+            others.append(head)
+            continue
+        if name in found:
+            raise InputError(f"{place}: two columns hold {name}: {listed(heads)}")
+        with inside(place, f"column {name}"):
+            found[name] = k, 1.0 if unit == quantities[name] else factor(unit, quantities[name])
+    return found, others
 
 
 def is_number(cell: str) -> bool:

@@ -41,7 +41,7 @@ HEADER = re.compile(r"(.*?)(?:\s*[\[(]\s*([^\])]*?)\s*[\])]|[_ ](m|cm|mm|rad|deg
 def units_of(quantity: str) -> tuple[str, ...]:
     """The units of a quantity, as they are written: those of "rad/s" are rad/s, deg/s and so on."""
     of, _, rate = quantity.partition("/")
-    return tuple(f"{unit}/{rate}" if rate else unit for unit in UNITS[of])
+    return tuple(f"{unit}/{rate}" if rate else unit for unit in UNITS.get(of, {of: 1.0}))
 
 
 def factor(unit: str, quantity: str) -> float:
@@ -51,7 +51,7 @@ def factor(unit: str, quantity: str) -> float:
     """
     of, power = _rate(quantity)
     base, given_power = _rate(unit.strip())
-    size = UNITS[of].get(base.casefold())
+    size = UNITS.get(of, {}).get(base.casefold())
     if not unit.strip():
         return 1.0
     if size is None or power != given_power:

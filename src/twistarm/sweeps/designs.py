@@ -96,7 +96,12 @@ def sweep(
     named = isinstance(arms, Mapping)
     if named == (parameters is not None) or not (named or callable(arms) or isinstance(arms, (str, os.PathLike))):
         raise InputError("give {name: arm} alone, or parameters with a function that makes an arm, or a xacro file")
-    axes = {"arm": list(arms)} if isinstance(arms, Mapping) else _axes(parameters)
+    given = {} if named else require_mapping(parameters, "parameters", '{"height": [0.2, 0.3]}')
+    axes: dict[str, list[Any]] = {"arm": list(arms)} if isinstance(arms, Mapping) else {}
+    for name, values in given.items():
+        if isinstance(values, str) or np.ndim(values) != 1:
+            raise InputError(f"parameters[{name!r}] must be a sequence of values; got {shown(values)}")
+        axes[name] = values.tolist() if isinstance(values, np.ndarray) else list(values)
     if not 0 < (count := prod(map(len, axes.values()))) <= MOST_DESIGNS:
         raise InputError(f"parameters must make 1 to {MOST_DESIGNS:,} designs; got {count:,}")
     designs = [dict(zip(axes, values, strict=True)) for values in product(*axes.values())]
@@ -106,14 +111,6 @@ def sweep(
     lacking = dict.fromkeys((name for measures in each for name in measures), np.nan)
     errors = [{"error": str(found[i]["error"])} if found[i]["error"] else {} for i in range(count)]
     return DesignTable(tuple(d | lacking | m | e for d, m, e in zip(designs, each, errors, strict=True)))
-
-
-def _axes(parameters: Mapping[str, Sequence[Any]] | None) -> dict[str, list[Any]]:
-    given = require_mapping(parameters, "parameters", '{"height": [0.2, 0.3]}')
-    for name, values in given.items():
-        if isinstance(values, str) or np.ndim(values) != 1:
-            raise InputError(f"parameters[{name!r}] must be a sequence of values; got {shown(values)}")
-    return {name: values.tolist() if isinstance(values, np.ndarray) else list(values) for name, values in given.items()}
 
 
 def _told(source: Any) -> Any:

@@ -307,6 +307,11 @@ def arm_from_screws(
     if not (np.abs(xi).max(axis=0) > 0).all():
         raise InputError("screws must not have a zero column: it moves nothing")
     g = require_one(as_pose(home, "home"), "home", 2)
+    path: list[Array] = []  # successive axes of turns, each at the point nearest to the one before
+    for screw in map(to_screw, xi.T):
+        if np.isfinite(screw.pitch):
+            near = path[-1] if path else g[:3, 3]
+            path.append(screw.point + screw.axis * (screw.axis @ (near - screw.point)))
     limits = {} if limits is None else limits
     if isinstance(limits, JointLimits) and limits.lower.size != n:
         raise InputError(f"limits must be those of {n} joints; got {limits.lower.size}")
@@ -321,15 +326,5 @@ def arm_from_screws(
         home=g,
         coupling=Coupling(np.eye(n), np.zeros(n)),
         limits=limits if isinstance(limits, JointLimits) else JointLimits.unbounded(n).with_(limits, names),
-        reach=_reach(xi, g[:3, 3]) or 1.0,
+        reach=float(sum(np.linalg.norm(b - a) for a, b in pairwise([*path, g[:3, 3]]))) or 1.0,
     )
-
-
-def _reach(xi: Array, tool: Array) -> float:
-    """Distances between successive axes of turns, each point nearest to the one before, out to the tool's origin."""
-    path: list[Array] = []
-    for screw in map(to_screw, xi.T):
-        if np.isfinite(screw.pitch):
-            near = path[-1] if path else tool
-            path.append(screw.point + screw.axis * (screw.axis @ (near - screw.point)))
-    return float(sum(np.linalg.norm(b - a) for a, b in pairwise([*path, tool])))

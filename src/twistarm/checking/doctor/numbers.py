@@ -162,7 +162,10 @@ def check_inertias(description: Description) -> Iterator[Finding]:
             yield grouped(code, description, [description.links[name] for name in links], what, remedy)
     solid = {name: body for name, body in every.items() if name not in found["tiny"]}
     first = next(iter(solid.values()), None)
-    if first is not None and len(solid) >= PLACEHOLDERS and all(_is_copy(first, body) for body in solid.values()):
+    alike = first is not None and all(
+        body.mass == first.mass and bool((_moments(body) == _moments(first)).all()) for body in solid.values()
+    )
+    if first is not None and alike and len(solid) >= PLACEHOLDERS:
         what = f"all have the mass {first.mass:g} kg and the same inertia: placeholders; gravity torques mean nothing"
         yield grouped("mass-missing", description, [description.links[name] for name in solid], what, REMEDY)
     moving = (name for name, joint in description.joints.items() if joint.moving)
@@ -197,10 +200,6 @@ def _troubles(body: Body) -> Iterator[tuple[str, str]]:
 def _moments(body: Body) -> Array:
     """The principal moments (3,) [kg m²], the least first."""
     return np.asarray(np.linalg.eigvalsh(body.inertia), dtype=np.float64)
-
-
-def _is_copy(one: Body, other: Body) -> bool:
-    return one.mass == other.mass and bool((_moments(one) == _moments(other)).all())
 
 
 TOO_LARGE = 20.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 import re
+from contextlib import suppress
 from importlib import metadata
 from pathlib import Path
 from typing import Annotated
@@ -140,7 +141,10 @@ def version() -> str:
 def show_installation(out: Outputs) -> None:
     """The versions of twistarm and of what it needs. In JSON null means that a library is not installed."""
     extras = _requirements()
-    libraries = {name: _version(name) for name in extras}
+    libraries: dict[str, str | None] = dict.fromkeys(extras)
+    for name in libraries:
+        with suppress(metadata.PackageNotFoundError):
+            libraries[name] = metadata.version(name)
     data = {
         "twistarm": version(),
         "python": platform.python_version(),
@@ -169,10 +173,3 @@ def _requirements() -> dict[str, str]:
         if match[1] != "twistarm" and match[2] not in ("dev", "all"):
             extras.setdefault(match[1], match[2] or "")
     return extras
-
-
-def _version(name: str) -> str | None:
-    try:
-        return metadata.version(name)
-    except metadata.PackageNotFoundError:
-        return None

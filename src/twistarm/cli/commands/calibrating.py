@@ -130,7 +130,10 @@ def calibrate(
         scales=scales,
     )
     more = found.next_postures(next_postures, scene=avoided(arm, avoid)) if next_postures else np.empty((0, arm.n))
-    replace(outputs, files=()).show(_as_json(found) | {"next": more}, *_parts(found, arm, more))
+    names = "base tool expected held_out held_out_before confirmed confirmed_here outliers warnings"
+    means = {"before": float(found.before.mean()), "after": float(found.after.mean())}
+    data = {"arm": found.arm.name} | means | entries(found, names) | {"next": more}
+    replace(outputs, files=()).show(data, *_parts(found, arm, more))
     contents: dict[str, Callable[[], str | bytes]] = {
         "urdf": lambda: corrected_urdf(found, zeros=not apart, here=outputs.force),
         "toml": lambda: _toml(found.require(here=outputs.force)),
@@ -166,12 +169,10 @@ def _parts(found: Calibration, arm: Arm, more: Any) -> Iterator[Table | str]:
         joints = (Column(*each) for each in zip(arm.joint_names, more.T, arm.units, strict=True))
         yield Table("to measure next", [Column("", range(1, len(more) + 1)), *joints])
     if sound:
-        names = ["all rows", "rows left out", "a fifth left out at one end"]
-        before = [float(found.before.mean()), found.held_out_before, found.block_before]
-        after = [float(found.after.mean()), found.held_out, found.block]
-        errors = {"base and tool alone": before, "corrected": after}
+        before = [float(found.before.mean()), found.held_out_before]
+        errors = {"base and tool alone": before, "corrected": [float(found.after.mean()), found.held_out]}
         means = [Column(name, [1e3 * metres for metres in each], digits=3) for name, each in errors.items()]
-        yield Table("mean error [mm]", [Column("", names), *means])
+        yield Table("mean error [mm]", [Column("", ["all rows", "rows left out"]), *means])
     if found.outliers:
         yield f"rows that do not fit: {', '.join(found.problem.log.label[row - 1] for row in found.outliers)}"
     yield from (f"warning: {warning}" for warning in found.warnings if warning not in found.faults)
@@ -185,9 +186,3 @@ def _parts(found: Calibration, arm: Arm, more: Any) -> Iterator[Table | str]:
 def _toml(found: Calibration) -> str:
     offsets = found.motor_offsets().items()
     return "\n".join(f"[actuators.{name}]\noffset = {offset!r}\n" for name, offset in offsets)
-
-
-def _as_json(found: Calibration) -> dict[str, Any]:
-    names = "base tool expected held_out held_out_before block block_before confirmed confirmed_here outliers warnings"
-    means = {"before": float(found.before.mean()), "after": float(found.after.mean())}
-    return {"arm": found.arm.name} | means | entries(found, names)

@@ -14,7 +14,7 @@ from rich.text import Text
 
 from ...checking.crosscheck import CrossCheck, crosscheck
 from ...checking.difference import NOT_COVERED, compare, golden_text
-from ...checking.doctor import Diagnosis, examine
+from ...checking.doctor import examine
 from ...checking.doctor.motions import summary
 from ...checking.doctor.repair import COPY, repair
 from ...collision import Scene
@@ -64,7 +64,13 @@ def doctor(source: ArmArgument, out: Repaired, strict: Strict = False, fix: Fix 
         "directions": able and {"position": able.position, "rotation_in_place": able.turning},
         "findings": [plain(one) | {"meaning": CODES[one.code].meaning} for one in findings],
     }
-    parts: list[Any] = [f"{name}: {_abilities(diagnosis)}", *_paragraphs(findings), _counted(findings)]
+    does = "no arm until the errors below are mended"
+    if arm is not None and able is not None:
+        does = f"{plural(arm.n, 'joint')} from {arm.base} to {arm.tip}; {summary(arm, able)}"
+    words_of = {"error": "error", "warning": "warning", "info": "remark"}
+    numbers = {word: sum(one.severity == severity for one in findings) for severity, word in words_of.items()}
+    counted = ", ".join(plural(n, word) for word, n in numbers.items() if n) or "nothing to remark"
+    parts: list[Any] = [f"{name}: {does}", *_paragraphs(findings), counted]
     contents: dict[str, Callable[[], str]] | None = None
     for _, file in out.files:
         if diagnosis.description is None:
@@ -81,13 +87,6 @@ def doctor(source: ArmArgument, out: Repaired, strict: Strict = False, fix: Fix 
     return 0 if good and bool(out.files) == (contents is not None) else 1
 
 
-def _abilities(diagnosis: Diagnosis) -> str:
-    arm, able = diagnosis.arm, diagnosis.able
-    if arm is None or able is None:
-        return "no arm until the errors below are mended"
-    return f"{plural(arm.n, 'joint')} from {arm.base} to {arm.tip}; {summary(arm, able)}"
-
-
 def _paragraphs(findings: Sequence[Finding]) -> Iterator[RenderableType]:
     """Severity, code and place of each finding, then what and the remedy."""
     colours = {"error": "bold red", "warning": "yellow", "info": "cyan"}
@@ -98,13 +97,6 @@ def _paragraphs(findings: Sequence[Finding]) -> Iterator[RenderableType]:
         remedy = f"→ {words(one.remedy)}".split("\n") if one.remedy else []
         lines = [words(one.what), *remedy]
         yield Padding(Text("\n".join(map(printable, lines))), (0, 0, 0, 4), expand=False)
-
-
-def _counted(findings: Sequence[Finding]) -> str:
-    """`1 warning, 3 remarks`."""
-    words = {"error": "error", "warning": "warning", "info": "remark"}
-    numbers = {word: sum(one.severity == severity for one in findings) for severity, word in words.items()}
-    return ", ".join(plural(n, word) for word, n in numbers.items() if n) or "nothing to remark"
 
 
 Samples = Annotated[int, whole(1, 1_000_000, "Random configurations to look at.")]

@@ -112,7 +112,10 @@ def view(
             raise InputError(f"{name} is for a page that is served: it does not go with -o FILE")
     if beside is not None and watch:
         raise InputError("--watch is for one arm: leave out the second ARM")
-    pixels = _pixels(size or "1280x720")
+    sides = re.fullmatch(r"\s*(\d{1,6})\s*[xX×]\s*(\d{1,6})\s*", size or "1280x720")
+    if sides is None:
+        raise InputError(f"--size takes width and height in pixels, as in --size 1280x720; got {size!r}")
+    pixels = int(sides[1]), int(sides[2])
     arm, files = loaded(source.load)
     x = None if theta is None else theta.anywhere(arm)
     motion = None if play is None else motion_of_file(arm, play)[1]
@@ -139,14 +142,6 @@ def view(
             viewer.watch(source.load, files, lambda words: say(words, file=sys.stderr))
         page.show_address(viewer, instead=FILE_INSTEAD)
         viewer.wait()
-
-
-def _pixels(text: str) -> tuple[int, int]:
-    """Width and height typed as 1280x720."""
-    sides = re.fullmatch(r"\s*(\d{1,6})\s*[xX×]\s*(\d{1,6})\s*", text)
-    if sides is None:
-        raise InputError(f"--size takes width and height in pixels, as in --size 1280x720; got {text!r}")
-    return int(sides[1]), int(sides[2])
 
 
 View = Annotated[bool, switch("Open the view, or write demo.html and demo.csv anew.", "--view/--no-view")]

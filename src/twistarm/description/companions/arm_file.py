@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from math import inf
@@ -150,7 +150,11 @@ def _specification(content: Mapping[str, Any], path: Path) -> ArmSpecification:
     here = os.path.realpath(path.parent)
     # The way to a far folder leads through the home folder or one above it.
     far = tuple(one for one in folders if is_too_wide(Path(os.path.commonpath([os.path.realpath(one), here]))))
-    tool = content.get("tool")
+    tool, doubtful = content.get("tool"), []
+    for name, table in {"tool": tool or {}, "dh.base": content.get("dh", {}).get("base", {})}.items():
+        if hint := angle_hint(np.array(table.get("rpy", ()))):
+            what, remedy = f"{name}.rpy {shown(table['rpy'])}: {hint}", "write radians: 90 degrees are 1.5707963"
+            doubtful.append(finding("unit-doubtful", Place(str(path)), what, remedy))
     return ArmSpecification(
         description=files.get("source", path),
         source=str(path),
@@ -169,7 +173,7 @@ def _specification(content: Mapping[str, Any], path: Path) -> ArmSpecification:
         srdf=files.get("srdf"),
         joint_limits=files.get("joint_limits"),
         motors=tuple(Motor(name, **motor) for name, motor in content.get("actuators", {}).items()),
-        findings=tuple(_degrees(content, path)),
+        findings=tuple(doubtful),
     )
 
 
@@ -211,11 +215,3 @@ def _pose(table: Mapping[str, Any]) -> Array:
     g = np.eye(4)
     g[:3, 3], g[:3, :3] = table.get("xyz", 0.0), from_rpy(table.get("rpy", np.zeros(3)))
     return frozen(g)
-
-
-def _degrees(content: Mapping[str, Any], path: Path) -> Iterator[Finding]:
-    """Findings for turns of the tool and of a table's base that look like degrees."""
-    for name, table in {"tool": content.get("tool", {}), "dh.base": content.get("dh", {}).get("base", {})}.items():
-        if hint := angle_hint(np.array(table.get("rpy", ()))):
-            place, what = Place(str(path)), f"{name}.rpy {shown(table['rpy'])}: {hint}"
-            yield finding("unit-doubtful", place, what, "write radians: 90 degrees are 1.5707963")

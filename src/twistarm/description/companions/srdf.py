@@ -27,9 +27,6 @@ from ..tree import Description, Joint
 MAX_BYTES = 1_000_000
 """A whole humanoid's SRDF has some 200 kB."""
 
-MAX_GROUPS = 200
-"""Most elements of a kind. A humanoid has some 30 groups. Each group is compared with all others."""
-
 FOLDERS = ("config", "srdf")
 """Folders of packages with such files, in the description's folder or one above."""
 
@@ -141,10 +138,6 @@ def _semantics(text: str, reading: Reading) -> Semantics:
     if robot.tag != "robot" or robot.find("link") is not None:
         what = "it holds links, as a URDF does" if robot.tag == "robot" else f"its root element is <{robot.tag}>"
         raise refusal("companion-unusable", reading.whole, what, "is it an SRDF file?")
-    for tag in ("group", "group_state", "end_effector", "disable_default_collisions"):
-        if len(robot.findall(tag)) > MAX_GROUPS:
-            what = f"it has {len(robot.findall(tag))} elements <{tag}>; allowed are {MAX_GROUPS}"
-            raise refusal("companion-unusable", reading.whole, what, "is it an SRDF file?")
 
     def names(parent: ET.Element, tag: str, attribute: str = "name") -> tuple[str, ...]:
         return tuple(_attribute(element, attribute, reading) for element in parent.findall(tag))
@@ -223,8 +216,11 @@ def arm_groups(semantics: Semantics, description: Description) -> tuple[ArmGroup
     members = _members(semantics, description)
     paths = (_path(group, members[name], description) for name, group in semantics.groups.items())
     groups = list({(group.base, group.tip): group for group in paths if group is not None}.values())
-    effectors = semantics.end_effectors
-    gripping = {name for effector in effectors for name in _gripping(effector, members, description)}
+    effectors, gripping = semantics.end_effectors, set[str]()
+    for effector in effectors:  # its joints grip if all lie beyond its parent link
+        moving = [joint for joint in members.get(effector.group, ()) if joint.moving]
+        if all(effector.parent_link in description.inward(joint.parent) for joint in moving):
+            gripping.update(joint.name for joint in moving)
     preferences: tuple[Callable[[ArmGroup], bool], ...] = (
         lambda group: not gripping.intersection(group.joints),
         lambda group: group.base is not None,
@@ -265,13 +261,6 @@ def _path(group: Group, members: Sequence[Joint], description: Description) -> A
             base = group.chains[0][0] if alone else None
             return ArmGroup(group.name, base, tip, tuple(joint.name for joint in moving))
     return None
-
-
-def _gripping(effector: EndEffector, members: Mapping[str, Sequence[Joint]], description: Description) -> list[str]:
-    """The moving joints of an end effector's group, if they lie beyond its parent link."""
-    joints = [joint for joint in members.get(effector.group, ()) if joint.moving]
-    beyond = all(effector.parent_link in description.inward(joint.parent) for joint in joints)
-    return [joint.name for joint in joints] if beyond else []
 
 
 def _hangs_on(effector: EndEffector, group: ArmGroup, description: Description) -> bool:

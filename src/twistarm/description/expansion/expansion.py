@@ -34,9 +34,6 @@ WORKING_FOLDER = ".cwd"
 MISSING_PACKAGE = "/package-not-found/"
 """The folder of an unknown package, for a file in it that is to be opened."""
 
-MAX_INCLUDES = 30
-"""Depth of includes. Deeper ones form a circle, which would take seconds until the stack is full."""
-
 XACRO = "http://www.ros.org/wiki/xacro"
 
 QUIET = ("message", "warning", "error", "print_location")
@@ -121,7 +118,11 @@ class Expansion:
         """xacro's own names, with our functions about files and arguments."""
         symbols = self._xacro.create_global_symbols()
         own = {"load_yaml": self._load_yaml, "abs_filename": self._named_from_here}
-        symbols["xacro"].update(own, arg=self._argument, fatal=self._fail)
+
+        def fail(*words: Any) -> None:
+            raise self._xacro.XacroException(" ".join(map(str, words)))
+
+        symbols["xacro"].update(own, arg=self._argument, fatal=fail)
         symbols["xacro"].update(dict.fromkeys(QUIET, _say_nothing))
         symbols.update(own)
         python = symbols["python"]
@@ -163,9 +164,6 @@ class Expansion:
 
     def _converted(self, text: Any) -> Any:
         return self._xacro.substitution_args.convert_value(str(text), "auto")
-
-    def _fail(self, *words: Any) -> None:
-        raise self._xacro.XacroException(" ".join(map(str, words)))
 
     # the environment: a file could put a value in the robot's name, and so on pages that users pass on
 
@@ -215,9 +213,6 @@ class Expansion:
 
     def _read(self, name: str) -> tuple[Path, str]:
         """The real path and the text of a file that may be read. XacroException if there is none."""
-        if len(self._xacro.filestack) > MAX_INCLUDES:
-            what = f"an included file refers to itself without end: {MAX_INCLUDES} files are open"
-            raise Refused("xacro-failed", what, "take out the include that comes back")
         try:
             if name.startswith(MISSING_PACKAGE):
                 raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), name)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import io
 import os
 import re
@@ -168,15 +167,10 @@ def extreme_points(path: Path) -> Array:
         points = corners[:: 1 + 3 * len(corners) // SAMPLE].reshape(-1, 3).astype(np.float64)
         if not len(points) or not np.isfinite(points).all():
             raise RefusedError("it has no points, or some that are no finite numbers")
-    along = _directions() @ points.T
-    return points[np.unique([along.argmax(axis=1), along.argmin(axis=1)])]
-
-
-@functools.cache
-def _directions() -> Array:
-    """Along the axes, between two or three of them, and between those: 49 directions, each for both of its ends."""
+    # Along the axes, between two or three of them, and between those: 49 directions, each for both of its ends.
     grid = np.array(list(np.ndindex(5, 5, 5)), dtype=np.float64) - 2.0
-    return grid[np.abs(grid).max(axis=1) == 2.0][:49]
+    along = grid[np.abs(grid).max(axis=1) == 2.0][:49] @ points.T
+    return points[np.unique([along.argmax(axis=1), along.argmin(axis=1)])]
 
 
 def _read(path: Path, files: Stamps) -> Mesh:

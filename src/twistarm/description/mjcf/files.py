@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ...support.errors import DescriptionError
 from ...support.files import is_file, read_bounded
-from ..document import MAX_NESTING, MAX_PARTS, Reading, Refused, parse_xml, read_inside, real_inside
+from ..document import MAX_NESTING, Reading, Refused, parse_xml, read_inside, real_inside
 from ..findings import refusal
 from ..mesh_paths import resolve_uri
 
@@ -21,9 +21,6 @@ NOT_READ = ("composite", "flexcomp", "plugin", "deformable", "flex", "flexvert",
 
 FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath", "fusestatic", "discardvisual")
 """Settings of `<compiler>` that have no effect any more, or lose bodies and shapes."""
-
-MOST_ELEMENTS = 20_000
-"""Elements with all copies of `replicate` and `attach`. A whole humanoid has some 2,000."""
 
 MOST_BYTES = 200_000_000
 """A mesh that MuJoCo weighs."""
@@ -42,7 +39,6 @@ class Mjcf:
     models: dict[str, bytes] = field(default_factory=dict)
     meshes: dict[str, str] = field(default_factory=dict)
     notes: dict[str, dict[str, None]] = field(default_factory=dict)
-    _sizes: dict[str, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._prepare(self.root, self.readings[0], ())
@@ -93,9 +89,6 @@ class Mjcf:
                 self._rename_mesh(element, compiler, reading)
             for element in asset.findall("model"):
                 self._attach(element, reading, (*around, reading.path))
-        if self._size(root) > MOST_ELEMENTS:
-            what = f"with all its copies it has more than {MOST_ELEMENTS:,} elements"
-            raise refusal("too-large", reading.whole, what, "leave out what the arm does not need")
 
     def _is_used(self, element: ET.Element, parent: ET.Element) -> bool:
         """Whether an element stays. What the arm may miss is noted."""
@@ -138,11 +131,7 @@ class Mjcf:
         if once and any(path == each.path for each in self.readings):
             raise self.error(element, f"its file {name!r} is included already", "include each file once")
         self.readings.append(Reading(path, main.packages))
-        root = parse_xml(text, self.readings[-1])
-        if sum(len(each.lines) for each in self.readings) > MAX_PARTS:
-            what = f"with its other files it has more than {MAX_PARTS:,} elements"
-            raise refusal("file-unreadable", self.readings[0].whole, what, "leave out what the arm does not need")
-        return root, self.readings[-1]
+        return parse_xml(text, self.readings[-1]), self.readings[-1]
 
     def _rename_mesh(self, mesh: ET.Element, compiler: dict[str, str], reading: Reading) -> None:
         """Give a mesh the name that it has by default, and its file a name without a folder."""
@@ -167,14 +156,3 @@ class Mjcf:
         name = f"{len(self.models)}.xml"
         self.models[name] = ET.tostring(root)
         element.set("file", name)
-        self._sizes[element.get("name") or root.get("model") or ""] = self._size(root)
-
-    def _size(self, element: ET.Element) -> int:
-        """The number of elements, with the copies that MuJoCo makes."""
-        size = 1 + sum(map(self._size, element))
-        if element.tag == "attach":
-            return size + self._sizes.get(element.get("model", ""), 0)
-        if element.tag == "replicate":
-            words = re.findall(r"\d+", element.get("count", "1"))
-            return size * int(words[0][:9] if words else 1)
-        return size

@@ -37,7 +37,8 @@ def choose_ends(description: Description, base: str | None = None, groups: Itera
     if the choice is not clear. The error lists the candidates, the likeliest first, and the `groups` of an SRDF.
     """
     found = bodies(description, base or description.root)
-    ends = _ends(found)
+    limbs = [body for body in found if body.joint is not None and all(one.part == "limb" for one in body.path())]
+    ends = sorted((body for body in limbs if not body.on("limb")), key=lambda body: -body.depth)
     end = max(ends, key=lambda end: (_has_tool(end), end.depth), default=None)
     if end is None or not _is_arm(end, found) or not all(_outweighs(end, other) for other in ends if other is not end):
         raise _unclear(description, found, ends, groups)
@@ -67,12 +68,6 @@ def note_choice(description: Description, choice: Choice) -> tuple[Finding, ...]
 
 
 # -- which chain -------------------------------------------------------------------------------------------------------
-
-
-def _ends(found: Sequence[Body]) -> list[Body]:
-    """The bodies at the ends of chains of limbs, the longest first."""
-    limbs = [body for body in found if body.joint is not None and all(one.part == "limb" for one in body.path())]
-    return sorted((body for body in limbs if not body.on("limb")), key=lambda body: -body.depth)
 
 
 def _has_tool(end: Body) -> bool:
