@@ -37,8 +37,8 @@ from ...support.errors import InputError
 from ..numbers import POSE, JointValues, OfJoints, argument, joint_values, of_joints, option, quantity, switch
 from ..options import ArmArgument, Avoid, answers, avoided
 from ..output import STDOUT, Contents, Outputs, note, progress_bar
+from ..rows import Axis, Directions, OrientationTol, Positions, PositionTol, Rpys, typed_targets
 from ..tables import Column, Table, number, theta_values
-from ..targets import Axis, Directions, OrientationTol, Positions, PositionTol, Rpys, typed_targets
 
 CAP = "At most this for every joint, or for those in its unit; the arm's own limits hold as well."
 Velocity = Annotated[OfJoints | None, quantity("rad/s m/s", CAP)]
