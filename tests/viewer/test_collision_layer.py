@@ -16,7 +16,6 @@ from twistarm import Arm, InputError, Scene, UnknownNameError, arm_from_screws, 
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts import collisions
 from twistarm.viewer.stage import Stage
-from twistarm.viewer.state_transfer import carry
 
 ARM = load_arm("rover_arm", limits={"acceleration": 3.0})
 TABLE = [0.8, 0.0, 0.3]
@@ -211,7 +210,7 @@ def test_another_arm_keeps_the_obstacles() -> None:
     old = ready(scene_of())
     again = load_arm("rover_arm")
     new = Stage(again)
-    carry(old, new)
+    new.take_over(old)
     done(new.collisions.due(new))
     assert [obstacle["name"] for obstacle in said(new, "obstacles")["obstacles"]] == ["table"]
     assert new.collisions.scene is not None

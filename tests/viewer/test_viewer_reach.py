@@ -21,7 +21,6 @@ from twistarm.sweeps.mapping import sphere
 from twistarm.sweeps.voxel_map import Grid
 from twistarm.viewer.parts.reach import drawing, hull
 from twistarm.viewer.stage import Stage
-from twistarm.viewer.state_transfer import carry
 from viewer_page import Page, stored
 
 ROVER = load("rover_arm")
@@ -108,7 +107,7 @@ def test_a_map_stays_with_an_arm_that_reaches_the_same(m: ReachMap) -> None:
     stage.show_reach(drawing(m))
     same, other = Stage(load("rover_arm")), Stage(load("scara"))
     for new in (same, other):
-        carry(stage, new)
+        new.take_over(stage)
     assert (len(drawn_on(same)), len(drawn_on(other))) == (1, 0)
     assert other.visible["reach"][0]
 

@@ -83,12 +83,10 @@ def test_theta_poses_layers_and_motion_stay_where_the_arm_allows_them(viewer: Vi
     tighter = changed(path, ('upper="1.5"', 'upper="0.5"'), ('lower="-1.5"', 'lower="-0.5"'))
     left = viewer.load(tighter)
     assert left[0] == "moved to the nearer limit: 'pitch'"
-    assert "2 poses are left out until they fit, the first: the pose 'one': pitch = -40.107° is outside" in left[1]
+    assert "2 poses are left out: the pose 'one': pitch = -40.107° is outside" in left[1]
     assert left[2] == "the motion does not fit the arm any more and is gone"
     assert_allclose(viewer.theta, [THETA[0], -0.5, THETA[2]])
     assert viewer.recorded == {}
-    assert viewer.load(longer) == ()
-    assert_allclose(viewer.recorded["two"], [THETA[0], 1.2, THETA[2]])
 
 
 def test_joints_that_come_and_go(viewer: Viewer, path: Path) -> None:
@@ -99,7 +97,7 @@ def test_joints_that_come_and_go(viewer: Viewer, path: Path) -> None:
     assert_allclose(viewer.theta, THETA[:2])
     viewer.load(changed(path))
     assert_allclose(viewer.theta[:2], THETA[:2])
-    assert list(viewer.recorded) == ["one", "two"]
+    assert viewer.recorded == {}
 
 
 def test_open_pages_are_given_the_arm_and_their_answers(viewer: Viewer, path: Path) -> None:

@@ -1,8 +1,9 @@
-"""The state on show: an arm at a configuration, its trajectory, and the visible layers."""
+"""The state on show: an arm at a configuration, its trajectory, the layers, and their transfer to another arm."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -12,14 +13,25 @@ from numpy.typing import ArrayLike
 from ..arm.arm import Arm
 from ..collision import Scene
 from ..limits.joint_limits import unit_of
-from ..support.errors import unknown_name
-from .parts.arm_data import checked_theta, describe_arm, extra_joints, require_all_inside, require_inside, rest
+from ..planning.trajectory import Trajectory
+from ..planning.within import require_within
+from ..support.checks import Array
+from ..support.errors import LimitError, listed, unknown_name
+from ..sweeps.voxel_map import digest_of
+from .parts.arm_data import (
+    LIMIT_TOL,
+    checked_theta,
+    describe_arm,
+    extra_joints,
+    require_all_inside,
+    require_inside,
+    rest,
+    tool_path,
+)
 from .parts.collisions import Collisions
 from .parts.controls import Controls
 from .parts.findings import loaded
-from .parts.keeping import Keeping
 from .parts.player import Player
-from .parts.pose_list import LeftOut
 from .parts.program import Program
 from .parts.reach import Reach
 from .parts.servo import Gauge
@@ -47,7 +59,6 @@ class Stage(Show):
         self.solutions = Solutions()
         self.collisions = Collisions(scene, self.solutions)
         self.controls = Controls()
-        self.keeping = Keeping()
         self.drawings: dict[str, Message] = {}  # by node
         self.parts: tuple[Part, ...] = (
             Player(),
@@ -59,9 +70,7 @@ class Stage(Show):
             self.solutions,
             self.collisions,
             self.controls,
-            self.keeping,
         )
-        self.left: tuple[LeftOut, ...] = ()
         self.jogging = False
         self.report: dict[str, Any] = NO_REPORT
         self._routes = {
@@ -121,6 +130,55 @@ class Stage(Show):
     def set_visible(self, what: str, visible: bool) -> None:
         """Switch a layer of every page, which may then switch its own."""
         self.visible = {**self.visible, what: [visible, self.visible[what][1] + 1]}
+
+    def take_over(self, old: Stage) -> list[str]:
+        """Take over the state of another arm's stage. Returns the changes and omissions in words.
+
+        Joints keep their values by name, or their limits; new ones take the ready pose. Layers, controls, drawings and
+        obstacles stay. Poses and the motion stay if the joints have the same names and it is inside the limits, and a
+        map if the arm is the same.
+        """
+        self.visible, self.needed, self.tolerances = old.visible, old.needed, old.tolerances
+        self.controls.take_over(old.controls)
+        self.drawings = old.drawings
+        self.collisions.follow(old.collisions)
+        if digest_of(self.arm) == digest_of(old.arm):
+            self.reach.drawn = old.reach.drawn
+        words = [*self._take_values(old), *self.poses.take_over(old.poses)]
+        if (playback := old.playback) is not None:
+            if self._fits(playback.trajectory, old.arm):
+                self.playback = playback
+                self.program.follow(old.program)
+                if old.path["points"]:
+                    self.draw_path(tool_path(self.arm, playback.trajectory))
+            else:
+                words.append("the motion does not fit the arm any more and is gone")
+        return words
+
+    def _take_values(self, old: Stage) -> Iterator[str]:
+        """Take over the values of joints by name; the joints that had to move to a limit."""
+        before = dict(zip(old.arm.joint_names, old.theta.tolist(), strict=True)) | dict(old.others)
+        names, limits = self.arm.joint_names, self.arm.limits
+        values: Array = np.array([before.get(name, start) for name, start in zip(names, self.theta, strict=True)])
+        self.theta = np.clip(values, limits.lower, limits.upper)
+        rest = {name: before.get(name, start) for name, start in self.others.items()}
+        self.others = {
+            name: float(np.clip(rest[name], joint.lower, joint.upper)) for name, joint in self.extra_joints.items()
+        }
+        moved = [name for name, a, b in zip(names, values, self.theta, strict=True) if abs(a - b) > LIMIT_TOL]
+        moved += [name for name, value in rest.items() if abs(value - self.others[name]) > LIMIT_TOL]
+        if moved:
+            yield f"moved to the nearer limit: {listed(moved, 6)}"
+
+    def _fits(self, motion: Trajectory, before: Arm) -> bool:
+        """Whether a motion fits this arm's joints and limits. Limits that it broke before do not count."""
+        if motion.joint_names != self.arm.joint_names:
+            return False
+        for limits in (self.arm.limits, before.limits):
+            with suppress(LimitError):
+                require_within(motion, limits)
+                return limits is self.arm.limits
+        return True
 
     # messages -----------------------------------------------------------------------------------------
 

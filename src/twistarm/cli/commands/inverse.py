@@ -204,16 +204,15 @@ def _show_all(out: Outputs, solutions: AllSolutions) -> None:
 
 
 def _all_csv(solutions: AllSolutions) -> str:
-    """All configurations as CSV, also those outside the limits: theta, joints free to move, within or not.
-
-    Members of one family have one number.
-    """
+    """All configurations as CSV, also those outside the limits: theta, joints free to move, within or not."""
     arm = solutions.arm
-    free = (*solutions.free, *((),) * len(solutions.outside))
-    families = (*solutions.members, *solutions.outside[:, None])
     rows = (
-        [i + 1, *each.tolist(), " ".join(moving), "no" if i >= len(solutions) else "yes"]
-        for i, (members, moving) in enumerate(zip(families, free, strict=True))
-        for each in members
+        [
+            i + 1,
+            *theta.tolist(),
+            " ".join(solutions.free[i]) if i < len(solutions) else "",
+            "no" if i >= len(solutions) else "yes",
+        ]
+        for i, theta in enumerate([*solutions.theta, *solutions.outside])
     )
     return csv_text(["number", *joint_heads(arm), "free", "within_limits"], rows)

@@ -194,39 +194,32 @@ class ServoOutput(Brief):
 
     @classmethod
     def stale(cls, theta_dot: Array, reason: str) -> ServoOutput:
-        """The output without a usable command or state.
+        """The output of a step without a usable command or state.
 
         Args:
-            theta_dot: the rates (n,) [rad/s, m/s].
-            reason: why, in words.
+            theta_dot: Rates (n,) [rad/s, m/s].
+            reason: The reason, in words.
         """
         return cls(theta_dot, ServoReason.STALE, 0.0, _NOTHING_LOST, 0.0, None, (0.0, 0.0), _why=reason)
 
-    @classmethod
-    def of(cls, step: CoreStep, bounds: ServoBounds, asked: StepRequest, contact: Contact | None) -> ServoOutput:
-        """The output for an answer of the compiled step.
 
-        Args:
-            step: the answer.
-            bounds: the limits, whose rows it names.
-            asked: the request that it answers.
-            contact: the pair of bodies that holds the arm.
-        """
-        reason, near = step.reason, step.reason is ServoReason.COLLISION
-        names = asked.arm.joint_names if reason is ServoReason.SINGULARITY else bounds.motion.names
-        joint = names[step.row] if step.row >= 0 and not near else None
-        if reason is ServoReason.MOVING and step.lost_share >= NOTABLE_LOSS:
-            reason = ServoReason.TURN_LOST
-        elif reason is ServoReason.MOVING and step.scale < ALL:
-            reason = ServoReason.CHANGING_SPEED
-        output = cls(
-            step.theta_dot, reason, step.scale, step.lost, step.lost_share, joint, (step.position, step.angle),
-            step.halted, contact, _asked=asked,
-        )  # fmt: skip
-        if joint is not None or near or step.lost_share <= ALL or output._missing_share <= ALL:
-            return output
-        nowhere, why = _missing(asked, step.lost, joint, 0.0)
-        return replace(output, reason=ServoReason.IMPOSSIBLE if nowhere else ServoReason.SINGULARITY, _why=why)
+def output_of(step: CoreStep, bounds: ServoBounds, asked: StepRequest, contact: Contact | None) -> ServoOutput:
+    """The output for an answer of the compiled step, with `contact`, the pair of bodies that holds the arm."""
+    reason, near = step.reason, step.reason is ServoReason.COLLISION
+    names = asked.arm.joint_names if reason is ServoReason.SINGULARITY else bounds.motion.names
+    joint = names[step.row] if step.row >= 0 and not near else None
+    if reason is ServoReason.MOVING and step.lost_share >= NOTABLE_LOSS:
+        reason = ServoReason.TURN_LOST
+    elif reason is ServoReason.MOVING and step.scale < ALL:
+        reason = ServoReason.CHANGING_SPEED
+    output = ServoOutput(
+        step.theta_dot, reason, step.scale, step.lost, step.lost_share, joint, (step.position, step.angle),
+        step.halted, contact, _asked=asked,
+    )  # fmt: skip
+    if joint is not None or near or step.lost_share <= ALL or output._missing_share <= ALL:
+        return output
+    nowhere, why = _missing(asked, step.lost, joint, 0.0)
+    return replace(output, reason=ServoReason.IMPOSSIBLE if nowhere else ServoReason.SINGULARITY, _why=why)
 
 
 def _missing(asked: StepRequest, lost: Array, joint: str | None, share: float) -> tuple[bool, str]:

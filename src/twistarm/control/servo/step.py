@@ -13,7 +13,7 @@ from ...support.checks import Array, as_pose, as_theta, frozen, require
 from ...support.display import Brief
 from ...support.errors import InputError, shown
 from .command import AnyCommand, CommandLike, JogCommand, PoseCommand, TwistCommand
-from .output import CoreStep, ServoOutput, StepRequest
+from .output import CoreStep, ServoOutput, StepRequest, output_of
 from .settings import ServoBounds, ServoSettings, bounds_of
 
 if TYPE_CHECKING:
@@ -153,7 +153,7 @@ def servo_step(
     after = ServoState(answer.theta, answer.theta_dot, answer.held_pose, _held_flags(checked), answer.period)
     if checked is None:
         return after, ServoOutput.stale(after.theta_dot, reason)
-    return after, ServoOutput.of(answer, bounds, StepRequest(arm, state.theta, checked, bounds.stops), contact)
+    return after, output_of(answer, bounds, StepRequest(arm, state.theta, checked, bounds.stops), contact)
 
 
 def _seconds(dt: Any) -> float:

@@ -1,4 +1,4 @@
-// A pose as lines for arm.toml: shown, copied, or written into the arm's own file by a button.
+// A pose as lines for arm.toml, to copy.
 
 import { copyText } from "./copying.js";
 import { $ } from "./element.js";
@@ -9,17 +9,11 @@ export class Keeping {
   // `page` holds state and ask(request).
   constructor(page) {
     this.page = page;
-    this.file = null;
-    this.names = []; // of the poses in the file
     this.poses = [];
-    this.messages = {
-      program: ({ poses }) => this.list(poses),
-      keeping: (message) => this.offer(message),
-    };
+    this.messages = { program: ({ poses }) => this.list(poses) };
     $("keep-which").addEventListener("change", () => this.choose());
     $("keep-name").addEventListener("input", () => this.show());
     $("keep-copy").addEventListener("click", () => copyText(this.text, "pose", "in rad and m"));
-    $("keep-save").addEventListener("click", () => page.ask({ type: "keep_pose", name: this.name, theta: this.theta, replace: this.names.includes(this.name) }));
   }
 
   placed() {
@@ -31,11 +25,6 @@ export class Keeping {
     const before = $("keep-which").value;
     $("keep-which").replaceChildren(new Option("the pose on show", ON_SHOW), ...poses.map(({ id, name }) => new Option(name, id)));
     $("keep-which").value = poses.some(({ id }) => String(id) === before) ? before : ON_SHOW;
-    this.show();
-  }
-
-  offer({ file, names }) {
-    Object.assign(this, { file, names });
     this.show();
   }
 
@@ -62,12 +51,7 @@ export class Keeping {
   }
 
   show() {
-    if (!this.page.state.frame) return;
-    $("keep-text").textContent = this.text;
-    $("keep-save").hidden = this.file === null;
-    const file = this.file?.split("/").at(-1);
-    $("keep-save").textContent = this.names.includes(this.name) ? `Replace ${this.name} in ${file}` : `Save in ${file}`;
-    $("keep-save").title = `Write the pose ${this.name} into ${this.file}; the rest of the file stays`;
+    if (this.page.state.frame) $("keep-text").textContent = this.text;
   }
 }
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -43,10 +42,6 @@ class RecordedPose:
     def entry(self) -> dict[str, Any]:
         """The saved pose: name, theta and by."""
         return {"name": self.name, "theta": self.theta.tolist(), "by": self.by}
-
-
-LeftOut = tuple[tuple[str, ...], Mapping[str, Any]]
-"""A pose that does not fit the arm on show: the joints that it moves, and its name and theta."""
 
 
 class Step(NamedTuple):
@@ -110,14 +105,19 @@ class PoseList:
         """The name of the change that "undo" or "redo" concerns; None without one."""
         return self._steps[kind][-1].words if self._steps[kind] else None
 
-    def take(self, joints: Sequence[str], poses: Iterable[Mapping[str, Any]]) -> list[str]:
-        """Add the poses that fit the arm. Returns the reason for each of the others."""
-        order = self._order(joints)
-        reasons: list[str] = []
-        for pose in poses:
-            with collecting_refusals(reasons):
-                self._keep([*self.poses, self._read(pose, order, self.poses)])
-        return reasons
+    def take_over(self, other: PoseList) -> list[str]:
+        """Take over the poses of another arm with joints of the same names. Returns in words what is left out."""
+        reasons = [why for pose in other.poses if (why := self._why_not_added(other._arm.joint_names, pose))]
+        which = "a pose is" if len(reasons) == 1 else f"{len(reasons)} poses are"
+        return [f"{which} left out: {reasons[0]}"] if reasons else []
+
+    def _why_not_added(self, joints: Sequence[str], pose: RecordedPose) -> str:
+        """Add a pose in the order of `joints`; "" or why that is impossible."""
+        try:
+            self._keep([*self.poses, self._read(pose.entry(), self._order(joints), self.poses)])
+        except (InputError, LimitError) as error:
+            return str(error)
+        return ""
 
     def theta(self, number: int) -> Array:
         """The configuration (n,) of a pose."""
@@ -178,15 +178,6 @@ class PoseList:
         if words and tuple(poses) != self.poses:
             self._steps = {"undo": [*self._steps["undo"][1 - MAX_STEPS :], Step(words, self.poses)], "redo": []}
         self.poses = tuple(poses)
-
-
-@contextmanager
-def collecting_refusals(reasons: list[str]) -> Iterator[None]:
-    """What is refused inside goes to the reasons, and the rest goes on."""
-    try:
-        yield
-    except (InputError, LimitError) as error:
-        reasons.append(str(error))
 
 
 def _free(name: str, others: Sequence[RecordedPose]) -> str:

@@ -23,8 +23,7 @@ from ..protocol.jobs import Job, Progress, Workers
 from ..protocol.messages import ChangePublisher, Message, PageRequest, Source, failure, number_of, parse
 from ..scene.arm_drawing import Drawing
 from ..stage import Stage
-from ..state_transfer import carry
-from .access import LOOPBACK, Authentication, bind
+from .access import Authentication, bind
 from .driver import COMMANDS, Driver, PageCommands
 
 FRAME_TIME = 1.0 / 60.0
@@ -86,8 +85,6 @@ class Server:
     def _adopt(self, stage: Stage, drawing: Drawing) -> None:
         """Make this the arm on show, and make everything that belongs to one arm."""
         self.stage, self.drawing = stage, drawing
-        if self.authentication.host in LOOPBACK:
-            stage.keeping.offer(stage.arm)
         self.commands.arm = stage.arm
         self.show_choice()
         self.driver = Driver(stage, self.commands, self.post)
@@ -125,7 +122,7 @@ class Server:
                 self._loop.call_soon_threadsafe(self._apply_in_time)
 
     def exchange(self, arm: Arm) -> list[str]:
-        """Show another arm; returns the words of `carry`. InputError while a servo drives, and once closed."""
+        """Show another arm. Returns the words of `Stage.take_over`. InputError while a servo drives, or once closed."""
         if not self._thread.is_alive():
             raise InputError("the viewer was closed: there is nothing to show an arm in")
         stage, drawing = Stage(arm), self.drawing.successor(arm)
@@ -201,7 +198,7 @@ class Server:
         old = self.stage
         if old.driven:
             raise InputError(f"a servo drives {old.arm.name}: another arm is shown once it has ended")
-        words = carry(old, stage)
+        words = stage.take_over(old)
         self._consultation.cancel()
         drawing.draw_again(self.drawing.exact)
         self._adopt(stage, drawing)
