@@ -1,12 +1,9 @@
-"""The site: whole, self-contained, ours alone, made anew only where something has changed, and served alone."""
+"""The site: whole, self-contained, ours alone, made anew only where something has changed."""
 
 from __future__ import annotations
 
-import http.client
 import re
 import shutil
-import threading
-from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -17,7 +14,6 @@ from twistarm import InputError, TwistarmError
 from twistarm.guide.building import running
 from twistarm.guide.building.building import RECORD, Built, as_keywords, build
 from twistarm.guide.building.printing import SOLUTION, pdf_of
-from twistarm.guide.building.server import SiteServer
 from twistarm.guide.course import LESSONS, SECTIONS, lesson_named, lessons
 from twistarm.guide.exercises import exercises_of
 
@@ -156,47 +152,3 @@ def test_paths_of_an_arm_mean_the_same_from_anywhere(tmp_path: Path, monkeypatch
     made = as_keywords("mine.urdf", {"srdf": Path("a.srdf"), "tip": None, "ignore_packages": ("x",)})
     assert made == {"source": str(tmp_path / "mine.urdf"), "srdf": str(tmp_path / "a.srdf"), "ignore_packages": ["x"]}
     assert as_keywords("scara", {}) == {"source": "scara"}
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SiteServer]:
-    tmp_path = tmp_path_factory.mktemp("served")
-    folder = tmp_path / "site"
-    (folder / "scenes").mkdir(parents=True)
-    (folder / "index.html").write_text("the guide")
-    (tmp_path / "secret.txt").write_text("secret")
-    with SiteServer(folder) as served:
-        thread = threading.Thread(target=served.serve_forever, daemon=True)
-        thread.start()
-        yield served
-        served.shutdown()
-        thread.join(5)
-
-
-def asked(server: SiteServer, path: str, host: str | None = None, method: str = "GET") -> tuple[int, str]:
-    address = server.url.removeprefix("http://").strip("/")
-    connection = http.client.HTTPConnection(address, timeout=10)
-    connection.request(method, path, headers={} if host is None else {"Host": host})
-    answer = connection.getresponse()
-    return answer.status, answer.read().decode()
-
-
-def test_the_contents_and_nothing_outside(server: SiteServer) -> None:
-    assert server.url.startswith("http://127.0.0.1:")
-    assert asked(server, "/") == (200, "the guide")
-    for path in ("/../secret.txt", "/%2e%2e/secret.txt", "/scenes/", "/nothing.html"):
-        status, text = asked(server, path)
-        assert status == 404, path
-        assert "secret" not in text.replace("secret.txt", "")
-    assert asked(server, "/", method="POST")[0] == 501
-
-
-@pytest.mark.parametrize(("host", "status"), [("evil.example:80", 403), ("localhost:1", 200), ("127.0.0.1", 200)])
-def test_a_name_that_was_made_to_lead_here_is_refused(host: str, status: int, server: SiteServer) -> None:
-    assert asked(server, "/", host)[0] == status
-
-
-def test_a_port_in_use_is_said(server: SiteServer, tmp_path: Path) -> None:
-    port = int(server.url.rstrip("/").rpartition(":")[2])
-    with pytest.raises(InputError, match=f"port {port} is in use; take another, or --port 0"):
-        SiteServer(tmp_path, port)

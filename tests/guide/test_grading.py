@@ -13,7 +13,7 @@ from twistarm.guide import check
 from twistarm.guide.exercises import every_exercise
 from twistarm.guide.exercises.files import python_text
 from twistarm.guide.grading import Report, check_file
-from twistarm.guide.grading.answers import Answer
+from twistarm.guide.grading.answers import ReturnValue
 from twistarm.guide.grading.verdict import cases_of, judged
 from twistarm.guide.teaching import outlet
 from twistarm.support.errors import InputError, UnknownNameError
@@ -172,7 +172,7 @@ def test_of_a_large_answer_the_part_that_differs_is_shown(rover: Arm) -> None:
     cases = cases_of(exercise, rover, 0)
     wrong = [np.array(case.expected.value) for case in cases]
     wrong[0][4, 2] += 1.0
-    verdict = judged(exercise, cases, [Answer(value) for value in wrong])
+    verdict = judged(exercise, cases, [ReturnValue(value) for value in wrong])
     assert verdict.words.startswith("Column 3 of adjoint(g=[[")
     assert verdict.words.count("[") == 5 + 2  # of the argument, and of both columns
 
@@ -189,7 +189,7 @@ def test_an_argument_that_hides_a_module_is_named(tmp_path: Path, rover: Arm) ->
 def test_a_changed_argument_is_named(rover: Arm) -> None:
     exercise = every_exercise()["transform_points"]
     cases = cases_of(exercise, rover, 0)
-    answers = [Answer(case.expected.value, changed=(1,)) for case in cases]
+    answers = [ReturnValue(case.expected.value, changed=(1,)) for case in cases]
     verdict = judged(exercise, cases, answers)
     assert (verdict.state, verdict.slip) == ("wrong", "argument changed")
     assert "points_b is another after the call" in verdict.words

@@ -103,6 +103,11 @@ def test_what_was_built_is_said(built: Built, capsys: Capture, monkeypatch: pyte
     assert run(["guide", "-o", str(built.folder)]) == 0
     assert capsys.readouterr().out == f"written: {built.folder / 'index.html'} (opens in a browser, offline)\n"
     assert (built.folder / RECORD).is_file()
+    opened: list[str] = []
+    monkeypatch.setattr("twistarm.cli.commands.guide.SITE", built.folder)
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    assert run(["guide"]) == 0
+    assert opened == [(built.folder / "index.html").as_uri()]
 
 
 def test_it_is_the_readers_or_the_rover(monkeypatch: pytest.MonkeyPatch) -> None:

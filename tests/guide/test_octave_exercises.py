@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 from twistarm import Arm
 from twistarm.guide.exercises import every_exercise
 from twistarm.guide.exercises.octave_files import MARK, SCRIPTS, octave_files, octave_solution, script_text, template
+from twistarm.guide.exercises.words import OCTAVE, PYTHON
 from twistarm.guide.grading import check_file
 from twistarm.guide.grading.results import HEADER
 from twistarm.support.errors import InputError, UnknownNameError
@@ -82,6 +84,14 @@ def test_a_template_says_what_to_do_and_not_how() -> None:
         head, _, own = solution.partition(MARK)
         assert template(solution).startswith(head)
         assert own.splitlines()[0] not in template(solution)
+
+
+def test_slips_speak_the_language_of_their_exercise() -> None:
+    exercises = every_exercise()
+    for slip in (slip for exercise in exercises.values() for slip in exercise.slips):
+        assert "{" not in slip.words.format(**PYTHON)
+    for slip in (slip for names in SCRIPTS.values() for name in names for slip in exercises[name].slips):
+        assert not re.search(r"np\.|scipy|\.T\b| @", slip.words.format(**OCTAVE))
 
 
 ANSWER = "rotation_z,1,argument,1,1,1,0.5\nrotation_z,1,answer,0,3,3"

@@ -53,12 +53,12 @@ class AllSolutions:
 
     Nearest to theta0 first, by the largest joint difference relative to the joint's range (else 2π or 1 m).
     `solutions[i]` is theta[i]. Where a wrist is singular, or an arm redundant, configurations form continuous families.
-    A family counts once: by a member with a free joint at theta0's value, or else the nearest. `given` chooses another.
+    A family counts once: by a member with a free joint at theta0's value, or else the nearest. `fixed_joints`
+    chooses another.
     """
 
     _arm: Arm
     _found: AllAnswers
-    _members: tuple[Array, ...]
     _method: Method
     _complete: bool
     _target: AnyTarget | None
@@ -104,11 +104,6 @@ class AllSolutions:
     def colliding(self) -> NDArray[np.bool_]:
         """(k,): which of theta collide with the scene of the call; none without a scene."""
         return np.zeros(len(self), dtype=bool) if self._colliding is None else self._colliding.copy()
-
-    @property
-    def members(self) -> tuple[Array, ...]:
-        """For each of theta, its family's members (m, n) inside the limits, itself first."""
-        return self._members or tuple(self.theta[:, None])
 
     @property
     def complete(self) -> bool:
@@ -208,6 +203,5 @@ class AllSolutions:
         return _unpickled, (arm, found, *known)
 
 
-def _unpickled(arm: Arm, fields: list[Any], members: tuple[Array, ...], *known: Any) -> AllSolutions:
-    # An array is writeable again when it comes out of a pickle.
-    return AllSolutions(arm, AllAnswers(*fields), tuple(map(frozen, members)), *known)
+def _unpickled(arm: Arm, fields: list[Any], *known: Any) -> AllSolutions:
+    return AllSolutions(arm, AllAnswers(*fields), *known)  # which makes the arrays read-only again

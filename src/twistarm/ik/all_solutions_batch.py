@@ -103,7 +103,7 @@ class AllSolutionsBatch:
         target = Pose(self.targets[i]) if isinstance(self.targets, np.ndarray) else self.targets[i]
         method, complete = self.known[i % len(self.known)]
         found = AllAnswers(self.thetas[own], self.moves[own] > 0.5, count, start, target.kind, target.numbers.ravel())
-        return AllSolutions(self.arm, found, (), method, complete, target, self.tolerances)
+        return AllSolutions(self.arm, found, method, complete, target, self.tolerances)
 
 
 def solve_ik_all_batch(

@@ -6,17 +6,17 @@ import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.checks import Array, frozen
+from ..support.checks import Array
 from .all_solutions import AllAnswers, AllSolutions
 from .batch import Progress
 from .certainty import EXACT
 from .closed_form.methods import Method
-from .closed_form.roots import DEPENDENT, ROUNDED_LIMIT, Asked, Root, apart, copies_inside
+from .closed_form.roots import ROUNDED_LIMIT, Asked, Root, apart, copies_inside
 from .deadline import Deadline
 from .ranges import holding, joint_ranges
 from .searches import searched
@@ -33,9 +33,6 @@ STARTS = 1000
 
 EXTRA_SEARCHES = 64
 """Searches besides elimination, or a family that the axes miss. They find what rounding loses."""
-
-IN_FAMILY = 32
-"""Searches along a continuous family whose configuration nearest to theta0 lies outside the limits."""
 
 BETWEEN = np.linspace(0.0, 1.0, 9)[1:-1]
 """Shares of the way from one configuration to another at which the target must be met if both are of one branch."""
@@ -176,7 +173,10 @@ class Gathering(Asked):
         targets = [self.target] * len(starts)
         arm = holding(self.arm, self.method.given, self.near)
         done = searched(arm, targets, starts, Tolerances(EXACT, EXACT), max_time=self.deadline.left, progress=progress)
-        return self.new_roots(done.met, self.method.given, known), done.run, int(done.converged.sum())
+        idle = [i in self.method.idle for i in range(self.arm.n)]  # their values do not tell answers apart
+        met = np.where(idle, self.stand, done.met)
+        held = (*self.method.given, *self.method.idle)
+        return self.new_roots(met, held, known), done.run, int(done.converged.sum())
 
     @cached_property
     def stand(self) -> Array:
@@ -193,64 +193,16 @@ class Gathering(Asked):
         """Whether a root belongs to no continuous family, apart from the motions of idle joints."""
         return {*self.motions.still}.issuperset(root.free)
 
-    def families(self, found: list[Root]) -> list[list[Root]]:
+    def families(self, found: list[Root]) -> list[Members]:
         """The roots, those of one self-motion together."""
         moving = [root for root in found if not self.alone(root)]
-        places = self.motions.families([root.theta for root in moving])
-        return [[root] for root in found if self.alone(root)] + [[moving[i] for i in each] for each in places]
-
-    def brought_inside(self, families: list[list[Root]]) -> bool:
-        """Add to each family a member with a joint at theta0's value, and one inside the limits.
-
-        The result says whether every family was met inside. If not, searches along it found nothing, but there may be
-        one.
-        """
-        all_seen = True
-        for members in families:
-            if self.alone(members[0]) or self.deadline.passed:
-                continue
-            if not {*self.method.held}.issuperset(members[0].free) and all(
-                self.inside(root) is None for root in members
-            ):
-                along = [root for root in self.along(members[0], members) if self.inside(root) is not None]
-                passed = self.motions.passed(members[0].theta, [root.theta for root in along])
-                members += [along[i] for i in passed]
-                all_seen = all_seen and self.inside(members[-1]) is not None
-            members += self.keeping(members)
-        return all_seen
-
-    def keeping(self, members: list[Root]) -> list[Root]:
-        """The first family member with a free joint at theta0's value, unless one exists."""
-        free = [i for i in members[0].free if i not in self.motions.still]
-        there = [theta for root in members if (theta := self.inside(root)) is not None]
-        if any(self.at_start(theta, free) for theta in there):
-            return []
-        known = np.array(there or [members[0].theta])
-        for i in free:
-            begin = known[int(np.argmin(np.abs(known[:, i] - self.stand[i])))]
-            theta = np.array(begin)
-            theta[i] = self.stand[i]
-            theta = self.corrected(theta, (*self.motions.still, i), DEPENDENT)
-            root = Root(theta, members[0].free)
-            if self.met(theta) and self.inside(root) is not None and self.motions.together(theta, begin):
-                return [root]
-        return []
+        connected = self.motions.families([root.theta for root in moving])
+        alone = [Members([root], root.theta[None]) for root in found if self.alone(root)]
+        return alone + [Members([moving[i] for i in places], curve) for places, curve in connected]
 
     def at_start(self, theta: Array, joints: Sequence[int]) -> int:
         """How many of the joints are at theta0's value."""
         return int((np.abs(theta - self.stand)[list(joints)] <= SAME_VALUE).sum())
-
-    def along(self, root: Root, known: list[Root]) -> list[Root]:
-        """New roots from starts that differ from this one in the free joints."""
-        lower, upper = self.arm.sampling_bounds
-        starts = np.tile(np.clip(root.theta, lower, upper), (IN_FAMILY, 1))
-        free = list(root.free)
-        starts[:, free] = self.arm.random_theta(0, IN_FAMILY)[:, free]
-        return self.from_starts(starts, known)[0]
-
-    def inside(self, root: Root) -> Array | None:
-        """The root inside the limits, or None."""
-        return self.inside_limits(root.theta, self.near)
 
     def distance(self, theta: Array) -> float:
         """The largest joint difference from theta0, in shares of the joint's range (else 2π or 1 m)."""
@@ -259,33 +211,50 @@ class Gathering(Asked):
         shares = np.abs(theta - self.near) / np.where(np.isfinite(span) & (span > 0.0), span, usual)
         return float(shares.max(initial=0.0))
 
-    def entry(self, members: list[Root], swept: bool) -> Entry:
-        """An answer, or one member of a family: most joints at theta0's value, then the nearest."""
-        there = [theta for root in members if (theta := self.inside(root)) is not None]
-        free = {i for root in members for i in root.free}
-        own = [i for i in free if i not in self.motions.still]
-        there.sort(key=lambda theta: (-self.at_start(theta, own), self.distance(theta)))
-        first = there[0] if there else members[0].theta
-        if swept and not self.deadline.passed:
-            free |= {*self.self_motion(first, self.motions.still)}
+    def entry(self, family: Members) -> Entry:
+        """An answer, or one of a family inside the limits: with free joints at theta0's value, then the nearest."""
+        free = {i for root in family.roots for i in root.free}
+        own = sorted(free - {*self.motions.still})
+        inside = self.inside([root.theta for root in family.roots])
+        if not any(self.at_start(theta, own) for theta in inside):
+            inside += self._first_inside(family.curve, [(i, self.stand[i]) for i in own])
+        if own and not inside:  # a part of a curve inside the limits begins at one of them
+            limits = [(i, bound[i]) for i in own for bound in (self.arm.limits.lower, self.arm.limits.upper)]
+            inside = self._first_inside(family.curve, [(i, value) for i, value in limits if np.isfinite(value)])
+            inside = inside or self.inside(self.motions.toward(family.roots[0].theta, self.stand))
+        inside.sort(key=lambda theta: (-self.at_start(theta, own), self.distance(theta)))
+        theta = inside[0] if inside else family.roots[0].theta
+        if self.method.swept and not self.deadline.passed:
+            free |= {*self.self_motion(theta, self.motions.still)}
         moving = np.array([i in free for i in range(self.arm.n)])
-        return Entry(first, moving, there, self.distance(first))
+        return Entry(theta, moving, bool(inside), self.distance(theta))
 
-    def told(self, families: list[list[Root]], copies: bool, tries: tuple[int, int], all_seen: bool) -> AllSolutions:
+    def _first_inside(self, curve: Array, values: Iterable[tuple[int, float]]) -> list[Array]:
+        """Members inside the limits for the first joint and value that have any."""
+        found = (self.inside(self.motions.passing(curve, *each)) for each in self.deadline.until(values))
+        return next(filter(None, found), [])
+
+    def inside(self, thetas: Iterable[Array]) -> list[Array]:
+        """Those of the configurations that lie inside the limits, turned near to theta0."""
+        brought = (self.inside_limits(theta, self.near) for theta in thetas)
+        return [theta for theta in brought if theta is not None]
+
+    def told(self, families: list[Members], copies: bool, tries: tuple[int, int], all_seen: bool) -> AllSolutions:
         """The answers inside the limits, nearest first, then those outside. Twins are one answer."""
         arm, kept = self.arm, list[Entry]()
-        entries = [self.entry(members, bool(self.method.swept)) for members in families]
+        entries = [self.entry(family) for family in families]
+        pairs = zip(entries, families, strict=True)
+        all_seen = all_seen and all(entry.inside or self.alone(family.roots[0]) for entry, family in pairs)
         for each in sorted(entries, key=lambda entry: (not entry.inside, entry.distance)):
             i = self.twin(each.theta, [other.theta for other in kept])
             if i is None:
                 kept.append(each)
             else:
                 np.logical_or(kept[i].moving, each.moving, out=kept[i].moving)
-                kept[i].inside.extend(each.inside)
         within = [entry for entry in kept if entry.inside]
         if copies:
             more = [(theta, entry) for entry in within for theta in copies_inside(arm, entry.theta)]
-            within = [Entry(theta, entry.moving, [theta], self.distance(theta)) for theta, entry in more]
+            within = [Entry(theta, entry.moving, True, self.distance(theta)) for theta, entry in more]
             within.sort(key=lambda entry: entry.distance)
         every = [*within, *(entry for entry in kept if not entry.inside)]
         theta = np.array([entry.theta for entry in every]).reshape(-1, arm.n)
@@ -293,18 +262,24 @@ class Gathering(Asked):
         numbers = self.target.numbers.ravel()
         found = AllAnswers(theta, moves, len(within), self.near, self.target.kind, numbers, *tries)
         late = self.deadline.passed
-        members = tuple(frozen(np.array(entry.inside)) for entry in within)
         return AllSolutions(
-            arm, found, members, self.method,
+            arm, found, self.method,
             all_seen and not late and self.complete, self.target, self.tolerances, late,
         )  # fmt: skip
 
 
+class Members(NamedTuple):
+    """Roots of one family, and the curve (k, n) that connects them."""
+
+    roots: list[Root]
+    curve: Array
+
+
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """An answer theta (n,), its moving joints (n,), and its family's members inside the limits."""
+    """An answer theta (n,), the joints (n,) free to move, and whether it is inside the limits."""
 
     theta: Array
     moving: NDArray[np.bool_]
-    inside: list[Array]
+    inside: bool
     distance: float

@@ -97,6 +97,8 @@ def solve_ik(
     asked = checked_target(arm, target)
     request = checked(arm, theta0, posture, position_tol, orientation_tol, restarts, rng, max_time)
     if chain is None:
+        if posture is not None and not (isinstance(posture, str) and posture == "theta0"):
+            arm.require_core("a posture other than 'theta0'")
         return IKResult(arm, textbook.solve(arm, asked, request), asked)
     answer = chain.solve(asked.kind, asked.numbers, *request.for_core)
     assert answer is not None, "what was refused is plain now"

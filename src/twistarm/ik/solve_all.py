@@ -18,7 +18,7 @@ from .batch import Progress
 from .closed_form.methods import closest_miss_of, known_method, method_for
 from .closed_form.roots import Root
 from .deadline import Deadline
-from .gathering import Gathering
+from .gathering import Gathering, Members
 from .ranges import standing
 from .request import checked
 from .solve import as_target
@@ -136,7 +136,9 @@ def solve_ik_all(
     if not (len(answer) or answer.timed_out or met == task.tolerances):
         roots, *tries = task.within(met)
         if roots:
-            answer = task.told([[root] for root in roots], include_turns, (tries[0], tries[1]), False)
+            answer = task.told(
+                [Members([root], root.theta[None]) for root in roots], include_turns, (tries[0], tries[1]), False
+            )
     return replace(answer, _tolerances=met)
 
 
@@ -148,14 +150,14 @@ def _answered(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
         if known.families:
             known = None  # the core keeps one of all families that move the same joints
         elif not include_turns:
-            return AllSolutions(task.arm, known, (), method, task.complete, task.target, task.tolerances)
+            return AllSolutions(task.arm, known, method, task.complete, task.target, task.tolerances)
     if known is None:
         found, starts, hits = task.solved(values)
     else:
         pairs = zip(known.theta, known.moves, strict=True)
         found = [Root(theta, tuple(np.flatnonzero(moves).tolist())) for theta, moves in pairs]
         starts, hits = known.tries, known.hits
-    if method.there and method.swept and all(task.inside(root) is None for root in found) and not task.deadline.passed:
+    if method.there and method.swept and not task.inside([root.theta for root in found]) and not task.deadline.passed:
         members, tried, met = replace(task, progress=None).solved(task.values_met())
         found, starts, hits = found + members, starts + tried, hits + met
     families = task.families(found)
@@ -167,8 +169,7 @@ def _answered(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
         missed = len(families) > before
         if missed or not method.exact:
             starts, hits = starts + run, hits + met
-    all_seen = task.brought_inside(families)
-    return task.told(families, include_turns, (starts, hits), all_seen and not missed)
+    return task.told(families, include_turns, (starts, hits), not missed)
 
 
 def _at_once(
@@ -188,7 +189,7 @@ def _at_once(
     found = method.compiled.solve(numbers, start, None, exact.position, exact.orientation)
     if found is None or found.families:
         return None
-    return AllSolutions(arm, found, (), method, method.exact, asked, tolerances)
+    return AllSolutions(arm, found, method, method.exact, asked, tolerances)
 
 
 def checked_fixed_joints(arm: Arm, fixed_joints: Mapping[str, float] | None) -> dict[int, float]:

@@ -39,12 +39,6 @@ NEAR_POSITION, NEAR_ORIENTATION = 0.02, math.radians(3.0)
 OTHER_BRANCH = 0.2
 """... and an answer that moves a coordinate by more than this [rad, m] is on another branch."""
 
-MOST_POSTURE_STEPS, SHARES, SETTLED_STEP = 200, 0.5 ** np.arange(10), 1e-7
-"""Most steps toward a posture, the shares of a step to try, and the least length of a step [rad, m]."""
-
-RANK_TOL = 1e-6
-"""Singular values of J below this, relative to the largest, are directions in which nothing moves."""
-
 
 class Search(NamedTuple):
     """The end of a search (n,), its errors [m, rad], its steps, and whether it is an answer."""
@@ -80,18 +74,14 @@ def solve(arm: Arm, target: AnyTarget, request: Request) -> Answer:
         found = search(problem, arm.random_theta(rng), start)
         best = min(best, found, key=lambda end: _rank(problem, end))
         searches, steps = searches + 1, steps + found.iterations
-    if best.converged:
-        steps = best.iterations
-        if request.posture is not None:
-            best = toward_posture(problem, best, request.posture, deadline)
     timed_out = deadline.passed and searches < request.restarts
     stop = StopReason.CONVERGED if best.converged else StopReason.TIMED_OUT if timed_out else StopReason.EXHAUSTED
-    leaves = best.converged and request.posture is None and _leaves_branch(problem, start, best.theta)
-    moved = bool((request.theta0 != start).any())
     met = request.tolerances
     return Answer(
         best.theta, np.zeros(arm.n), request.theta0, target.numbers.ravel(), target.kind, met.position, met.orientation,
-        STOPS.index(stop), *best.errors, steps, searches, other_branch=leaves, start_moved=moved,
+        STOPS.index(stop), *best.errors, best.iterations if best.converged else steps, searches,
+        other_branch=best.converged and _leaves_branch(problem, start, best.theta),
+        start_moved=bool((request.theta0 != start).any()),
     )  # fmt: skip
 
 
@@ -102,14 +92,17 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
     theta + d is clipped to the bounds. In e and J rotations are weighed by √ROTATION_WEIGHT.
     Source: S. K. Chan & P. D. Lawrence, General inverse kinematics with the error damped pseudoinverse, ICRA 1988.
     """
-    ranges = problem.ranges
+    ranges, target = problem.ranges, problem.target
     lower, upper = np.where(ranges.turns, [[-np.inf], [np.inf]], [ranges.lower, ranges.upper])
+    weight = math.sqrt(ROTATION_WEIGHT)
     theta, best, stalls, iterations = np.clip(theta, lower, upper), math.inf, 0, 0
     polished = problem.tolerances.at_most(POLISHED)
     while True:
         g, J_b = problem.arm.fk_and_body_jacobian(theta)
-        errors = problem.target.position_error(g), problem.target.orientation_error(g)
-        error, J = _error_and_rows(problem, g, J_b)
+        errors = target.position_error(g), target.orientation_error(g)
+        e_p, J_p = excess_rows(target._position_rows(g, J_b), target._position_tolerance)
+        e_r, J_r = excess_rows(target._rotation_rows(g, J_b), target._rotation_tolerance)
+        error, J = np.append(e_p, weight * e_r), np.vstack([J_p, weight * J_r])
         E = float(error @ error)
         stalls += PROGRESS * best < E
         best = min(best, E)
@@ -124,50 +117,8 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
         iterations += 1
     theta = ranges.wrapped(theta, near)
     g = problem.arm.fk(theta)
-    errors = problem.target.position_error(g), problem.target.orientation_error(g)
+    errors = target.position_error(g), target.orientation_error(g)
     return Search(theta, errors, iterations, problem.tolerances.met(*errors))
-
-
-def toward_posture(problem: Problem, found: Search, posture: Array, deadline: Deadline) -> Search:
-    """The answer, moved toward the posture in the null space of the target's rows, inside the limits.
-
-    Each step is (I − J⁺J)(posture − θ), brought back onto the target by a search. A step that leads no nearer is
-    halved. Source: B. Siciliano et al., Robotics: Modelling, Planning and Control, 2009, §3.5.1.
-    """
-    found = search(problem, found.theta, posture)
-    for _ in range(MOST_POSTURE_STEPS):
-        step, away = _null_space_step(problem, found.theta, posture), np.linalg.norm(found.theta - posture)
-        if np.abs(step).max() <= SETTLED_STEP or deadline.passed:
-            break
-        trials = (search(problem, found.theta + share * step, posture) for share in SHARES)
-        nearer = next((end for end in trials if end.converged and np.linalg.norm(end.theta - posture) < away), None)
-        if nearer is None:
-            break
-        found = nearer
-    return found
-
-
-def _null_space_step(problem: Problem, theta: Array, posture: Array) -> Array:
-    """(I − J⁺J)(posture − θ) on joints inside their bounds, up to the first bound."""
-    J = _error_and_rows(problem, *problem.arm.fk_and_body_jacobian(theta))[1]
-    free = np.ones(len(theta), dtype=np.bool_)
-    while True:
-        step = np.where(free, posture - theta, 0.0)
-        step[free] -= np.linalg.pinv(J[:, free], rcond=RANK_TOL) @ (J @ step)
-        room = np.where(step > 0, problem.ranges.upper - theta, theta - problem.ranges.lower)
-        outward = (room <= SETTLED_STEP) & (step != 0)
-        if not outward.any():
-            return step * min(1.0, float((room / np.maximum(np.abs(step), SETTLED_STEP)).min()))
-        free &= ~outward
-
-
-def _error_and_rows(problem: Problem, g: Array, J_b: Array) -> tuple[Array, Array]:
-    """e (k,) and J (k, n) of the target's constraints, rotations weighed."""
-    target = problem.target
-    e_p, J_p = excess_rows(target._position_rows(g, J_b), target._position_tolerance)
-    e_r, J_r = excess_rows(target._rotation_rows(g, J_b), target._rotation_tolerance)
-    scale = math.sqrt(ROTATION_WEIGHT)
-    return np.concatenate([e_p, scale * e_r]), np.concatenate([J_p, scale * J_r])
 
 
 def _rank(problem: Problem, end: Search) -> tuple[bool, bool, float, float]:

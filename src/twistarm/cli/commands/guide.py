@@ -1,23 +1,18 @@
-"""`guide`: the course on an arm, served or printed, and its exercises, written and graded."""
+"""`guide`: the course on an arm, to read or to print, and its exercises, written and graded."""
 
 from __future__ import annotations
 
-import hashlib
-import json as text_of_json
-import os
-import sys
 import webbrowser
 from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
-from typing import Annotated, Any
+from tempfile import TemporaryDirectory
+from typing import Annotated
 
 import typer
 
 from ...arm.arm import Arm
 from ...guide.building.building import Built, as_keywords, build
 from ...guide.building.printing import pdf_of
-from ...guide.building.server import SiteServer
 from ...guide.course import lesson_named, lessons
 from ...guide.exercises import LESSONS
 from ...guide.exercises.files import HERE, write_exercises
@@ -28,6 +23,9 @@ from ...support.files import as_path
 from ..numbers import argument, option, switch, whole
 from ..options import ArmCommand, ArmGroup, ArmOption, Json, Source, answers
 from ..output import Outputs, progress_bar, say, warn
+
+SITE = Path("guide_site")
+"""The folder of the site where nobody names another."""
 
 guide = typer.Typer(
     name="guide",
@@ -41,7 +39,6 @@ Folder = Annotated[
     Path | None,
     option("DIR", "Write the site into this folder, new or empty or built before, and end.", "--output", "-o"),
 ]
-Port = Annotated[int, whole(0, 65535, "Port to serve on, on this machine alone; 0: a free one.")]
 Browser = Annotated[bool, switch("Open the course in a browser.", "--browser/--no-browser")]
 
 
@@ -54,13 +51,11 @@ Lesson = Annotated[str, argument("LESSON", "A lesson by its name.", autocompleti
 
 
 @guide.callback(invoke_without_command=True)
-def course(
-    context: typer.Context, source: ArmOption = None, output: Folder = None, port: Port = 0, browser: Browser = True
-) -> None:
-    """Build the course on your arm and read it in the browser; served on this machine until Ctrl-C.
+def course(context: typer.Context, source: ArmOption = None, output: Folder = None, browser: Browser = True) -> None:
+    """Build the course on your arm, a site in the folder guide_site, and open it in the browser.
 
-    Every lesson runs on the arm, two at a time, unless nothing has changed. With -o DIR it becomes a site that opens
-    from disk, offline.
+    Every lesson runs on the arm, two at a time, unless nothing has changed. The site opens from disk, offline. With -o
+    DIR it is written there and not opened.
     """
     if context.invoked_subcommand is not None:
         # Options of `guide` itself would say nothing to its commands, which have their own.
@@ -69,16 +64,11 @@ def course(
             command = context.invoked_subcommand
             raise InputError(f"give the options after the command: twistarm guide {command} … --arm ARM")
         return
-    built = _built(source, output)
-    if output is not None:
-        say(f"written: {built.start} (opens in a browser, offline)")
-        raise typer.Exit(bool(built.failed))
-    with SiteServer(built.folder, port) as server:
-        say(f"the guide on {built.arm.name} at {server.url}  (Ctrl-C ends it)")
-        if browser and not webbrowser.open(server.url):
-            warn("no browser found here; open the address yourself, or use -o DIR for a site that needs no server")
-        with suppress(KeyboardInterrupt):
-            server.serve_forever()
+    built = _built(source, SITE if output is None else output)
+    say(f"written: {built.start} (opens in a browser, offline)")
+    if output is None and browser and not webbrowser.open(built.start.as_uri()):
+        warn("no browser found here; open the file yourself")
+    raise typer.Exit(bool(built.failed))
 
 
 Printed = Annotated[Outputs, answers("output force", {"pdf": (".pdf",)}, output="Where to write it; else LESSON.pdf.")]
@@ -96,8 +86,9 @@ def print_lesson(
     """Print one lesson as a PDF, its answers unfolded; needs Chromium, Chrome or Edge."""
     name = lesson_named(lesson)
     out = out if out.files else out.named(f"{name}.pdf")
-    built = _built(source, None, [name])
-    out.say(out.write({"pdf": lambda: pdf_of(built.folder, name, solutions)}))
+    with TemporaryDirectory(prefix="twistarm-guide-") as folder:
+        built = _built(source, Path(folder), [name])
+        out.say(out.write({"pdf": lambda: pdf_of(built.folder, name, solutions)}))
     raise typer.Exit(bool(built.failed))
 
 
@@ -141,31 +132,16 @@ def _arm(source: Source | None) -> Arm:
     return arm_of_the_lessons() if source is None else source.load()
 
 
-def _built(source: Source | None, folder: Path | None, names: Sequence[str] | None = None) -> Built:
+def _built(source: Source | None, folder: Path, names: Sequence[str] | None = None) -> Built:
     """The course on the typed arm, with its failures."""
     typed = source or Source("rover_arm")
     arm = as_keywords(typed.name, typed.keywords)
-    place = folder or _cache_folder(arm, names)
     try:
         with progress_bar(f"the guide on {typed.name}") as progress:
-            built = build(place, arm, names, progress=progress)
+            built = build(folder, arm, names, progress=progress)
     except DescriptionError as error:
         words = f"{error}; no page was written: twistarm doctor says all that is wrong with it"
         raise DescriptionError(words, error.findings) from error
     for words in built.failed:
         warn(words)
     return built
-
-
-def _cache_folder(arm: dict[str, Any], names: Sequence[str] | None) -> Path:
-    """The cache folder for the course on this arm; printed lessons are separate."""
-    given = os.environ.get("XDG_CACHE_HOME", "")
-    home = Path.home() / ("Library/Caches" if sys.platform == "darwin" else ".cache")
-    root = Path(given) if os.path.isabs(given) and sys.platform != "darwin" else home
-    digest = hashlib.sha256(text_of_json.dumps([arm, names], sort_keys=True).encode()).hexdigest()[:16]
-    place = root / "twistarm" / "guide" / digest
-    try:
-        place.mkdir(mode=0o700, parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"cannot use {place}: {error.strerror or error}; give a folder by -o DIR") from error
-    return place

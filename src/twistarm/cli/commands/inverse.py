@@ -14,9 +14,23 @@ from ...support.messages import plural
 from ..numbers import VALUES, JointValues, joint_values, option, quantity, switch
 from ..options import ArmArgument, Avoid, CsvAnswer, Theta, avoided
 from ..output import Outputs, entries, progress_bar
-from ..rows import ROWS_SHOWN, TARGET_COLUMNS, Columns, few, targets_in
+from ..rows import (
+    ROWS_SHOWN,
+    TARGET_COLUMNS,
+    Axis,
+    Columns,
+    Direction,
+    Orientation,
+    OrientationTol,
+    PositionTol,
+    Quaternion,
+    QuaternionXyzw,
+    Rpy,
+    Xyz,
+    few,
+    targets_in,
+)
 from ..tables import Column, Table, joint_heads, pose_entries, theta_typed
-from ..targets import Axis, Direction, Orientation, OrientationTol, PositionTol, Quaternion, QuaternionXyzw, Rpy, Xyz
 
 Targets = Annotated[str | None, option("CSV", f"A target in each row: {TARGET_COLUMNS}; - is standard input.")]
 Posture = Annotated[
@@ -190,16 +204,15 @@ def _show_all(out: Outputs, solutions: AllSolutions) -> None:
 
 
 def _all_csv(solutions: AllSolutions) -> str:
-    """All configurations as CSV, also those outside the limits: theta, joints free to move, within or not.
-
-    Members of one family have one number.
-    """
+    """All configurations as CSV, also those outside the limits: theta, joints free to move, within or not."""
     arm = solutions.arm
-    free = (*solutions.free, *((),) * len(solutions.outside))
-    families = (*solutions.members, *solutions.outside[:, None])
     rows = (
-        [i + 1, *each.tolist(), " ".join(moving), "no" if i >= len(solutions) else "yes"]
-        for i, (members, moving) in enumerate(zip(families, free, strict=True))
-        for each in members
+        [
+            i + 1,
+            *theta.tolist(),
+            " ".join(solutions.free[i]) if i < len(solutions) else "",
+            "no" if i >= len(solutions) else "yes",
+        ]
+        for i, theta in enumerate([*solutions.theta, *solutions.outside])
     )
     return csv_text(["number", *joint_heads(arm), "free", "within_limits"], rows)

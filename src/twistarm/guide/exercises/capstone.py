@@ -158,7 +158,7 @@ EXERCISES = (
             ),
             Slip(
                 "degrees",
-                "Your joint values are in degrees: leave np.degrees out.",
+                "Your joint values are in degrees: leave {degrees} out.",
                 {"return x": "return np.degrees(x)"},
             ),
             Slip(

@@ -30,7 +30,7 @@ class Slip:
     """A mistake known by its results.
 
     `edits` {text of the model solution: its replacement} make it. `words` say what was done, its effect, and the
-    remedy.
+    remedy, with terms of the language in braces (`words.PYTHON`).
     """
 
     name: str

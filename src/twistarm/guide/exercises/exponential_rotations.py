@@ -145,13 +145,13 @@ EXERCISES = (
             ),
             Slip(
                 "number by number",
-                "You square ω̂ number by number (`*` or `**`). The formula has the matrix product: W @ W.",
+                "You square ω̂ number by number ({squares}). The formula has the matrix product: W {matmul} W.",
                 {"W @ W": "W * W"},
             ),
             Slip(
                 "exponential of each number",
-                "You take the exponential of each number by itself (np.exp). That of a matrix is the series I + X + "
-                "X²/2! + …, which Rodrigues' formula sums (scipy.linalg.expm, or expm in Octave, does as well).",
+                "You take the exponential of each number by itself ({exp}). That of a matrix is the series I + X + "
+                "X²/2! + …, which Rodrigues' formula sums ({expm} does as well).",
                 {
                     "        return np.eye(3)\n": "        return np.ones((3, 3))\n",
                     "np.eye(3) + W * np.sin(turn) + W @ W * (1.0 - np.cos(turn))": "np.exp(W * turn)",
@@ -159,7 +159,8 @@ EXERCISES = (
             ),
             Slip(
                 "ωωᵀ for ω̂²",
-                "You have ωωᵀ where ω̂² stands: ω̂² = ωωᵀ − I for a unit vector. The square of ω̂ is the product W @ W.",
+                "You have ωωᵀ where ω̂² stands: ω̂² = ωωᵀ − I for a unit vector. The square of ω̂ is the product "
+                "W {matmul} W.",
                 {"W @ W": "np.outer([x, y, z], [x, y, z])"},
             ),
             Slip(
@@ -184,7 +185,8 @@ EXERCISES = (
             ),
             Slip(
                 "zero divided by zero",
-                "For ω = 0 you divide by its length, 0, and get NaN. No axis means no turn: return the identity there.",
+                "For ω = 0 you divide by its length, 0, and get {nan}. No axis means no turn: return the identity "
+                "there.",
                 {"    if length < 1e-12:\n        return np.eye(3)\n": ""},
             ),
         ),
@@ -275,7 +277,7 @@ EXERCISES = (
             ),
             Slip(
                 "each transposed",
-                "Each matrix is transposed, but R_ab takes coordinates of B to A as it is: leave out .T.",
+                "Each matrix is transposed, but R_ab takes coordinates of B to A as it is: leave out {transpose}.",
                 {"R_ab @ R_bc @ q_c": "R_ab.T @ R_bc.T @ q_c"},
             ),
             Slip(
@@ -285,7 +287,7 @@ EXERCISES = (
             ),
             Slip(
                 "number by number",
-                "You multiply number by number (`*`). Matrices are multiplied with @.",
+                "You multiply number by number ({times}). Matrices are multiplied with {matmul}.",
                 {"R_ab @ R_bc @ q_c": "(R_ab * R_bc) @ q_c"},
             ),
         ),

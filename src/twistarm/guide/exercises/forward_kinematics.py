@@ -118,7 +118,7 @@ EXERCISES = (
             ),
             Slip(
                 "number by number",
-                "You multiply number by number (`*`): poses are multiplied with @.",
+                "You multiply number by number ({times}): poses are multiplied with {matmul}.",
                 {"    g = np.eye(4)\n": "    g = np.ones((4, 4))\n", "g @ step": "g * step"},
             ),
             Slip(

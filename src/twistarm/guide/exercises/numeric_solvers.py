@@ -230,7 +230,7 @@ EXERCISES = (
             ),
             Slip(
                 "identity forgotten",
-                "You add the number λ² to every entry of J Jᵀ. It belongs on the diagonal alone: λ² np.eye(6).",
+                "You add the number λ² to every entry of J Jᵀ. It belongs on the diagonal alone: λ² {eye}(6).",
                 {"damping**2 * np.eye(6)": "damping**2"},
             ),
             Slip(

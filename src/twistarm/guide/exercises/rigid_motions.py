@@ -141,13 +141,14 @@ EXERCISES = (
             Slip(
                 "rows times R",
                 "You multiply the rows by R from the right: each point is turned by Rᵀ. A row is turned by "
-                "`points_b @ R.T`.",
+                "`points_b {matmul} R{transpose}`.",
                 {"points_b @ R.T": "points_b @ R"},
             ),
             Slip(
                 "rows as if they were columns",
-                "R @ points_b takes each column of points_b for a point, which for three points gives wrong numbers "
-                "and for other numbers of them an error. The points are rows: `points_b @ R.T`.",
+                "R {matmul} points_b takes each column of points_b for a point, which for three points gives wrong "
+                "numbers and for other numbers of them an error. The points are rows: "
+                "`points_b {matmul} R{transpose}`.",
                 {"points_b @ R.T + p": "R @ points_b + p"},
             ),
             Slip("origin forgotten", "The points are turned but not moved: add the origin p of frame B.", {" + p": ""}),

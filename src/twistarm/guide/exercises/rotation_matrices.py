@@ -152,7 +152,7 @@ EXERCISES = (
             Slip(
                 "transposed",
                 "This is the transpose of the answer, its inverse: it takes coordinates of A to B and "
-                "not of B to A. Check the sign of the sines in your matrices, or leave out a .T.",
+                "not of B to A. Check the sign of the sines in your matrices, or leave out a {transpose}.",
                 {"return R": "return R.T"},
             ),
             Slip(
@@ -163,7 +163,7 @@ EXERCISES = (
             ),
             Slip(
                 "number by number",
-                "You multiply number by number (`*`). Matrices are multiplied with @.",
+                "You multiply number by number ({times}). Matrices are multiplied with {matmul}.",
                 {"turn_z(alpha) @ turn_y(beta) @ turn_z(gamma)": "turn_z(alpha) * turn_y(beta) * turn_z(gamma)"},
             ),
             Slip(

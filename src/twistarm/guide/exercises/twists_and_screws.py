@@ -315,7 +315,7 @@ EXERCISES = (
             Slip(
                 "number by number",
                 "You take the exponential of each number by itself. That of a matrix is another function, "
-                "scipy.linalg.expm, or Rodrigues' formula.",
+                "{expm}, or Rodrigues' formula.",
                 {
                     "    g = np.eye(4)\n": "    g = np.zeros((4, 4))\n    g[:3, :3] = np.cross(w, np.eye(3)).T\n"
                     "    g[:3, 3] = v\n    return np.exp(g * theta)\n"

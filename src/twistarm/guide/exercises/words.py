@@ -1,10 +1,23 @@
-"""Words about slips that are made in several lessons."""
+"""Words about slips that are made in several lessons, and the terms of each language in them."""
 
 from __future__ import annotations
 
+PYTHON = {
+    "to_radians": "convert the angle with np.radians", "degrees": "np.degrees", "exp": "np.exp",
+    "expm": "scipy.linalg.expm", "times": "`*`", "squares": "`*` or `**`", "matmul": "@", "transpose": ".T",
+    "eye": "np.eye", "nan": "NaN",
+}  # fmt: skip
+"""What the terms in braces of a slip's words are called in Python."""
+
+OCTAVE = {
+    "to_radians": "convert the angle, or take its sine by sind", "degrees": "rad2deg", "exp": "exp", "expm": "expm",
+    "times": "`.*`", "squares": "`.*` or `.^`", "matmul": "*", "transpose": "'", "eye": "eye",
+    "nan": "NaN or a singular matrix",
+}  # fmt: skip
+"""The same in Octave and MATLAB."""
+
 DEGREES = (
-    "You convert the angle with np.radians, but it is in radians already: the turn comes out 57 times too small. "
-    "Leave the conversion out."
+    "You {to_radians}, but it is in radians already: the turn comes out 57 times too small. Leave the conversion out."
 )
 ANGULAR_FIRST = (
     "Your twist is (ω, v), as in Modern Robotics; here the linear part comes first, (v, ω): what should be a velocity "

@@ -52,7 +52,7 @@ class Failure:
 
 
 @dataclass(frozen=True)
-class Answer:
+class ReturnValue:
     """One answer: its value (a number, an array, a list, None), its form and its numbers.
 
     `error` is the error instead of a value. `changed` are the arguments that the function changed. `strange` describes
@@ -82,7 +82,7 @@ class Answer:
         return not self.strange and not bool(np.isfinite(self.numbers).all())
 
 
-def of_function(function: Callable[..., Any], arguments: tuple[Any, ...], file: str = "") -> Answer:
+def of_function(function: Callable[..., Any], arguments: tuple[Any, ...], file: str = "") -> ReturnValue:
     """The answer of a function. An error is an answer too, with its line in `file`, the reader's file."""
     given = [each.copy() if isinstance(each, np.ndarray) else each for each in arguments]
     value, error, strange = None, None, ""
@@ -98,7 +98,7 @@ def of_function(function: Callable[..., Any], arguments: tuple[Any, ...], file: 
     except TypeError as what:
         value, strange = None, str(what)
     changed = tuple(i for i, (now, before) in enumerate(zip(given, arguments, strict=True)) if not _same(now, before))
-    return Answer(value, error, changed, strange)
+    return ReturnValue(value, error, changed, strange)
 
 
 def _same(one: Any, other: Any) -> bool:

@@ -17,32 +17,12 @@ import numpy as np
 from ...arm.loading.load import load_arm
 from ...support.errors import InputError, UnknownNameError, closest, one_line
 from ..exercises import Exercise, every_exercise
-from .answers import Answer, Failure, form_of, of_function
+from ..exercises.words import OCTAVE
+from .answers import Failure, ReturnValue, form_of, of_function
 from .verdict import Case, Verdict, judged
 
 HEADER = "# twistarm guide results 1"
 """The first line of such a file."""
-
-IN_OCTAVE = (
-    ("You convert the angle with np.radians", "You convert the angle, or take its sine by sind"),
-    ("leave np.degrees out", "leave rad2deg out"),
-    ("np.clip(…, -1.0, 1.0)", "max(-1, min(1, …))"),
-    ("np.exp takes the exponential", "exp takes the exponential"),
-    ("scipy.linalg.expm", "expm"),
-    ("np.linalg.", ""),
-    ("np.arctan2", "atan2"),
-    ("np.", ""),
-    ("(`*` or `**`)", "(`.*` or `.^`)"),
-    ("(`*`)", "(`.*`)"),
-    ("multiplied with @", "multiplied with *"),
-    (" @ ", " * "),
-    (".T", "'"),
-    ("Python counts from 0", "Indices begin with 1"),
-    ("get NaN", "get NaN or a singular matrix"),
-    ("nothing (None)", "nothing"),
-    ("`return`", "value for the output"),
-)
-"""What words of the verdicts are called in Octave and MATLAB."""
 
 Rows = dict[tuple[str, int], dict[str, Any]]
 
@@ -56,22 +36,14 @@ def verdicts_on(text: str, path: Path) -> Iterator[Verdict]:
     ran = {tuple(line.split(",")[:2]) for line in lines[1:] if line.strip() and not line.startswith("#")}
     whole = f"# {len(ran)} cases" in lines
     for exercise, cases, answers in read_results(text, path):
-        verdict = judged(exercise, cases, answers)
-        words = in_octave(verdict.words)
+        verdict = judged(exercise, cases, answers, OCTAVE)
         if verdict.ok and not whole:
-            words = f"{words}, but others are missing in {path.name}: run the whole script again"
-            verdict = replace(verdict, state="unusable")
-        yield replace(verdict, words=words)
+            words = f"{verdict.words}, but others are missing in {path.name}: run the whole script again"
+            verdict = replace(verdict, state="unusable", words=words)
+        yield verdict
 
 
-def in_octave(words: str) -> str:
-    """A verdict's words in the terms of Octave and MATLAB."""
-    for python, octave in IN_OCTAVE:
-        words = words.replace(python, octave)
-    return words
-
-
-def read_results(text: str, path: Path) -> Iterator[tuple[Exercise, list[Case], list[Answer]]]:
+def read_results(text: str, path: Path) -> Iterator[tuple[Exercise, list[Case], list[ReturnValue]]]:
     """Each exercise of a results file with its cases and the answers to them.
 
     Raises:
@@ -139,11 +111,11 @@ def _as(numbers: Any, axes: int) -> Any:
     return numbers if axes == 2 else numbers.ravel() if axes == 1 else float(numbers.ravel()[0])
 
 
-def _answer(entry: dict[str, Any], case: Case) -> Answer:
+def _answer(entry: dict[str, Any], case: Case) -> ReturnValue:
     """An answer. A row or column becomes a vector or a number if one is expected."""
     text = entry.get("error", None if "answer" in entry else "it gave no answer")
     if text is not None:
-        return Answer(error=Failure("NotImplementedError" if "not written yet" in text else "an error", text))
+        return ReturnValue(error=Failure("NotImplementedError" if "not written yet" in text else "an error", text))
     numbers = entry["answer"]
     form = form_of(case.expected.value)
     if len(form) < 2 and 1 in numbers.shape and numbers.size == int(np.prod(form)):

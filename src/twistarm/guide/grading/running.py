@@ -20,7 +20,7 @@ from tempfile import TemporaryFile
 from typing import Any, TextIO
 
 from ...support.errors import one_line
-from .answers import Answer, Failure, of_function
+from .answers import Failure, ReturnValue, of_function
 from .verdict import why_stopped
 
 SECONDS = 10.0
@@ -51,7 +51,7 @@ class Run:
 
     functions: tuple[str, ...] = ()
     own: tuple[str, ...] = ()
-    answers: dict[str, list[Answer] | str] = field(default_factory=dict)
+    answers: dict[str, list[ReturnValue] | str] = field(default_factory=dict)
     problem: str = ""
     excerpt: tuple[str, ...] = ()
     printed: str = ""
@@ -63,7 +63,7 @@ def run(source: str, name: str, folder: Path, instances: Mapping[str, Rows], sec
     done = read if isinstance(read, Run) else Run(problem=f"while it was read it {read}")
     done.printed = printed
 
-    def answered(exercise: str) -> list[Answer] | str:
+    def answered(exercise: str) -> list[ReturnValue] | str:
         again, own = _load(source, name, folder)
         return again.problem or _answers(own[exercise], instances[exercise], name)
 
@@ -148,9 +148,9 @@ def _run_copy(work: Callable[[], None], printed: TextIO) -> None:
         os._exit(0)
 
 
-def _answers(function: Callable[..., Any], rows: Rows, file: str) -> list[Answer]:
+def _answers(function: Callable[..., Any], rows: Rows, file: str) -> list[ReturnValue]:
     """A function's answers to the rows, up to the first that is not written."""
-    answers: list[Answer] = []
+    answers: list[ReturnValue] = []
     for row in rows:
         answers.append(of_function(function, row, file))
         if (error := answers[-1].error) is not None and error.kind == "NotImplementedError":

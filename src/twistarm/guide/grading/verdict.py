@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
@@ -13,7 +13,8 @@ import numpy as np
 from ...arm.arm import Arm
 from ...support.errors import one_line
 from ..exercises.exercise import Exercise, whole
-from .answers import Answer, Failure, flat, form_of, in_words, of_function
+from ..exercises.words import PYTHON
+from .answers import Failure, ReturnValue, flat, form_of, in_words, of_function
 
 SEEN_DIGITS = 4
 
@@ -119,7 +120,7 @@ class Case:
     """An instance: the arguments, and the answer that is right."""
 
     arguments: tuple[Any, ...]
-    expected: Answer
+    expected: ReturnValue
 
 
 def cases_of(exercise: Exercise, arm: Arm, seed: int) -> list[Case]:
@@ -128,8 +129,10 @@ def cases_of(exercise: Exercise, arm: Arm, seed: int) -> list[Case]:
     return [Case(row, of_function(exercise.reference, row)) for row in rows]
 
 
-def judged(exercise: Exercise, cases: Sequence[Case], answers: Sequence[Answer] | str) -> Verdict:
-    """The verdict on a function's answers to those cases, or on how its process ended."""
+def judged(
+    exercise: Exercise, cases: Sequence[Case], answers: Sequence[ReturnValue] | str, terms: Mapping[str, str] = PYTHON
+) -> Verdict:
+    """The verdict on a function's answers to those cases, or on how its process ended, in the terms of a language."""
 
     def verdict(state: str, words: str, slip: str = "") -> Verdict:
         return Verdict(exercise.name, exercise.lesson, state, words, slip)
@@ -151,11 +154,11 @@ def judged(exercise: Exercise, cases: Sequence[Case], answers: Sequence[Answer] 
     for slip in exercise.slips:
         function = exercise.wrong(slip)
         if all(_alike(exercise, case, answer, of_function(function, case.arguments)) for case, answer in pairs):
-            return verdict("wrong", slip.words, slip.name)
+            return verdict("wrong", slip.words.format(**terms), slip.name)
     return verdict(*_of_the_case(exercise, *pairs[wrong]))
 
 
-def _graded_numbers(exercise: Exercise, case: Case, answer: Answer) -> Any:
+def _graded_numbers(exercise: Exercise, case: Case, answer: ReturnValue) -> Any:
     """What counts of an answer of the right form, as numbers in a row."""
     if answer.form != case.expected.form or not np.isfinite(answer.numbers).all():
         return answer.numbers
@@ -163,11 +166,11 @@ def _graded_numbers(exercise: Exercise, case: Case, answer: Answer) -> Any:
         return flat(exercise.seen(answer.value, *case.arguments))
 
 
-def _right(exercise: Exercise, case: Case, answer: Answer) -> bool:
+def _right(exercise: Exercise, case: Case, answer: ReturnValue) -> bool:
     return answer.form == case.expected.form and _close(exercise, case, answer, case.expected)
 
 
-def _alike(exercise: Exercise, case: Case, answer: Answer, slip: Answer) -> bool:
+def _alike(exercise: Exercise, case: Case, answer: ReturnValue, slip: ReturnValue) -> bool:
     """Whether a slip explains an answer by form and numbers. NaN equals NaN and an error."""
     if answer.error is not None and slip.error is not None:
         return answer.error.kind == slip.error.kind
@@ -176,13 +179,13 @@ def _alike(exercise: Exercise, case: Case, answer: Answer, slip: Answer) -> bool
     return answer.form == slip.form and _close(exercise, case, answer, slip)
 
 
-def _close(exercise: Exercise, case: Case, one: Answer, other: Answer) -> bool:
+def _close(exercise: Exercise, case: Case, one: ReturnValue, other: ReturnValue) -> bool:
     a, b = _graded_numbers(exercise, case, one), _graded_numbers(exercise, case, other)
     scale = max(1.0, float(np.abs(case.expected.numbers).max(initial=0.0)))
     return a.shape == b.shape and bool(np.allclose(a, b, rtol=0.0, atol=exercise.tolerance * scale, equal_nan=True))
 
 
-def _of_the_case(exercise: Exercise, case: Case, answer: Answer) -> tuple[str, str]:
+def _of_the_case(exercise: Exercise, case: Case, answer: ReturnValue) -> tuple[str, str]:
     """State and words for an answer that no slip explains."""
     call = f"{exercise.name}({_shown_arguments(exercise, case)})"
     expected = in_words(form_of(case.expected.value))
