@@ -44,11 +44,11 @@ def settled(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
     if answer.stop in (0, TIMED_OUT, NOT_FINISHED) or answer.restarts <= 1:
         return answer
     method = family_for(arm, target)
-    if method is None or method.compiled is None:
+    if method is None or method.core is None:
         return answer
     exact = Tolerances(float(answer.position_tol), float(answer.orientation_tol)).at_most(EXACT)
     start = np.array(answer.theta0)
-    found = method.compiled.solve(
+    found = method.core.solve(
         target.numbers, start, _held_values(arm, method, start), exact.position, exact.orientation
     )
     if found is None:
