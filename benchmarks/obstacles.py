@@ -18,7 +18,7 @@ import pinocchio as pin
 import yaml
 
 from twistarm import Arm, FreeMove, PathError, Scene, Trajectory, load_arm, plan
-from twistarm.planning.free_path import free_path
+from twistarm.planning.free_moves import free_path
 
 ARMS = ("ur5", "panda")
 ROUNDS, CHECKS, BATCH = 200, 20, 10_000

@@ -50,7 +50,8 @@ def twistarm_along(asked: Asked) -> Answer:
     from twistarm.limits import JointLimits
     from twistarm.planning.joint_path import JointPath
     from twistarm.planning.piecewise import derivative, evaluate
-    from twistarm.planning.time_laws import PathBounds, time_optimal
+    from twistarm.planning.time_laws.law import PathBounds
+    from twistarm.planning.time_laws.time_optimal import time_optimal
 
     path = JointPath(np.array(asked["breakpoints"]), np.array(asked["coefficients"]))
     given = {rate: np.array(asked[rate]) for rate in ("velocity", "acceleration")}
@@ -67,7 +68,8 @@ def twistarm_along(asked: Asked) -> Answer:
 
 def twistarm_to(asked: Asked) -> Answer:
     from twistarm.limits import JointLimits
-    from twistarm.planning.time_laws import PathBounds, double_s
+    from twistarm.planning.time_laws.law import PathBounds
+    from twistarm.planning.time_laws.straight import double_s
 
     way = np.array(asked["way"])
     given = {rate: np.array(asked[rate]) for rate in ("velocity", "acceleration", "jerk")}

@@ -12,7 +12,7 @@ from .checking.difference import compare
 from .checking.other_readers import require_yourdfpy
 from .collision import Scene, require_scene
 from .planning import Trajectory, load_trajectory
-from .planning.free_motion import first_collision
+from .planning.free_moves import first_collision
 from .support.checks import require
 from .support.errors import ComparisonError
 

@@ -1,6 +1,9 @@
+"""The page: every link where the arm has it, sliders, a second arm beside, and a program's own controls."""
+
 from __future__ import annotations
 
 import io
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -10,7 +13,7 @@ from numpy.testing import assert_allclose
 from PIL import Image
 from scipy.spatial import KDTree
 
-from arms import ARMS, assert_drawn
+from arms import ARMS, assert_drawn, load
 from twistarm import Arm
 from twistarm.planning.joint_space import plan_joint
 from twistarm.viewer import Viewer
@@ -126,3 +129,106 @@ def test_the_tool_s_path_is_a_line_along_its_way(shown: Shown, arm: Arm) -> None
     assert_allclose(off, radius, atol=0.1 * radius)
     viewer.show_path(None)
     until(page, "twistarm.parts.path.lines.children.length === 0")
+
+
+SHOWN = """(links) => {
+  const { shared, arm: { theta, others } } = twistarm.parts.beside;
+  const paths = ["", ...links.map((name) => `/arm/link:${name}`)];
+  const [back, ...drawn] = paths.map((path) => twistarm.view.drawn(`/beside${path}`));
+  return [theta, others, [...shared.keys()], back, drawn];
+}"""
+
+
+def second(page: Any, arm: Arm) -> tuple[list[float], list[str], Any]:
+    """Theta of the second arm, the joints that can follow, and where its base is; its links are at its poses."""
+    names = list(arm.description.links) if arm.description else []
+    theta, others, shared, base, drawn = page.evaluate(SHOWN, names)
+    poses, root = arm.poses(theta, others), np.reshape(base, (4, 4)).T
+    for name, columns in zip(names, drawn, strict=True):
+        assert_allclose(np.reshape(columns, (4, 4)).T, root @ poses[name], atol=1e-9, err_msg=name)
+    return theta, shared, root
+
+
+@pytest.mark.smoke
+def test_a_second_arm_follows_by_name_or_has_its_own_joints(page: Any) -> None:
+    arm, other = load("rover_arm"), load("rover_arm_6dof")
+    with Viewer(arm, open_browser=False, beside=other) as viewer:
+        settled(page, viewer.url)
+        theta = arm.ready + [0.1, 0.2, -0.1, 0.3, 0.4]
+        viewer.show(theta)
+        until(page, f"twistarm.state.frame.theta[0] === {theta[0]}")
+        x, shared, base = second(page, other)
+        assert set(shared) >= set(arm.joint_names) & set(other.joint_names) != set()
+        expected = other.ready.copy()
+        for name, value in zip(arm.joint_names, theta, strict=True):
+            if name in other.joint_names:
+                i = other.joint_names.index(name)
+                expected[i] = np.clip(value, other.limits.lower[i], other.limits.upper[i])
+        assert_allclose(x, expected, atol=1e-12)
+        assert_allclose(base, np.eye(4))
+        ghost = "twistarm.view.node('/beside').getObjectByProperty('isMesh', true).material.opacity"
+        assert page.evaluate(ghost) < 0.5
+
+        page.get_by_label("Side by side").check()
+        assert page.evaluate(ghost) == 1
+        assert second(page, other)[2][1, 3] > 0.3
+
+        page.get_by_label("Follow the first").uncheck()
+        i = next(i for i, name in enumerate(other.joint_names) if name in shared and np.isfinite(other.limits.lower[i]))
+        moved = other.joint_names[i]
+        row = page.get_by_role("region", name="Second arm").get_by_role("slider", name=moved, exact=True)
+        row.focus()
+        page.keyboard.press("Home")
+        assert second(page, other)[0][i] == pytest.approx(other.limits.lower[i])
+        assert viewer.theta == pytest.approx(theta, abs=1e-12), "the first stays"
+        viewer.show(arm.ready)
+        until(page, f"twistarm.state.frame.theta[0] === {arm.ready[0]}")
+        assert second(page, other)[0][i] == pytest.approx(other.limits.lower[i])
+
+
+@pytest.mark.smoke
+def test_a_slider_a_button_a_text_and_a_box(page: Any, viewer: Viewer) -> None:
+    settled(page, viewer.url)
+    assert page.locator("#controls").is_hidden()
+    values: list[float] = []
+    text = viewer.text("last", "nothing")
+    slider = viewer.slider(
+        "weight", 0.0, 10.0, lambda value: (values.append(value), setattr(text, "value", f"{value:g}"))
+    )
+    viewer.button("Fail", lambda: 1 / 0)
+    until(page, "document.getElementById('controls').hidden === false")
+    box = page.get_by_role("slider", name="weight", exact=True).bounding_box()
+    y = box["y"] + box["height"] / 2
+    page.mouse.move(box["x"] + 9, y)
+    page.mouse.down()
+    page.mouse.move(box["x"] + box["width"] / 2, y, steps=5)
+    page.mouse.up()
+    end = time.monotonic() + 10.0
+    while not (values and values[-1] == slider.value and 4.5 < slider.value < 5.5) and time.monotonic() < end:
+        page.wait_for_timeout(20)
+    assert 4.5 < values[-1] < 5.5
+    until(page, f"document.getElementById('controls').textContent.includes('{values[-1]:g}')")
+    slider.value = 8.0
+    until(page, "document.querySelector('#controls input[type=range]').valueAsNumber === 8")
+    page.get_by_role("spinbutton", name="weight").fill("2.5")
+    page.keyboard.press("Enter")
+    until(page, "document.getElementById('controls').textContent.includes('last 2.5')")
+    assert values[-1] == 2.5
+    page.get_by_role("button", name="Fail").click()
+    until(page, "document.getElementById('controls').textContent.includes('ZeroDivisionError')")
+    until(page, "twistarm.link.underway === 0")
+
+    count = "traverse(({ isMesh }) => { n += isMesh ? 1 : 0; })"
+    parts = f"(() => {{ let n = 0; twistarm.view.node('/drawn').{count}; return n; }})()"
+    viewer.draw.box("crate", [0.1, 0.2, 0.3])
+    until(page, f"{parts} === 1")
+    viewer.draw.box("crate", [0.3, 0.2, 0.3])
+    until(page, f"{parts} === 1 && twistarm.view.node('/drawn/name:crate/<object>').geometry.parameters.width === 0.3")
+    viewer.draw.text("crate", "a crate", [0, 0, 0.3])
+    until(page, f"{parts} === 0 && document.getElementById('drawn-text').textContent === 'a crate'")
+    viewer.draw.points("none", np.empty((0, 3)))
+    viewer.draw.line("one", [[1, 1, 1]])
+    viewer.draw.remove("crate")
+    until(page, "document.getElementById('drawn-text').textContent === ''")
+    page.get_by_role("button", name="Fit view").click()
+    assert all(map(np.isfinite, page.evaluate("twistarm.view.viewer.camera.position.toArray()")))

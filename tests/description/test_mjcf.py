@@ -17,7 +17,7 @@ import pytest
 from random_mjcf import Random
 from twistarm import Arm, crosscheck, load_arm
 from twistarm.description.findings import Finding
-from twistarm.description.inertial import bodies
+from twistarm.description.geometry import bodies
 from twistarm.support.errors import DescriptionError, MissingExtraError, TwistarmError
 from twistarm.support.interrupts import ending_at_once
 

@@ -223,7 +223,7 @@ def test_many_waypoints_are_passed_though_the_first_grid_is_coarse(count: int) -
         plan_joint(ARM, points, kind="time_optimal", limits=rates, stop_at_waypoints=stop) for stop in (False, True)
     )
     assert motion(motion.times) == pytest.approx(points, abs=2e-9)
-    assert motion.duration < stops.duration
+    assert motion.duration <= stops.duration * (1 if count > 30 else 0.999)
 
 
 @pytest.mark.parametrize("kind", LAWS)

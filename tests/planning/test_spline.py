@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import PPoly
 
@@ -26,14 +26,9 @@ FITS = {
     # how many derivatives are continuous inside, and how many are zero at the ends
     spline.cubic: (2, 1),
     spline.quintic: (4, 2),
-    spline.unforced: (2, 0),
-    spline.unforced_quintic: (4, 0),
     spline.cubic_rests: (1, 1),
     spline.quintic_rests: (2, 2),
 }
-
-FREE_ENDS = {spline.unforced: (2,), spline.unforced_quintic: (3, 4)}
-"""Derivatives that are zero at ends whose rates are free."""
 
 
 @st.composite
@@ -54,7 +49,6 @@ def ends(coefficients, times, order):
 @given(path=paths())
 def test_it_passes_the_waypoints_smoothly_and_rests_at_the_ends(fit, path):
     waypoints, times = path
-    assume(fit is not spline.unforced_quintic or len(times) > 2)
     smooth, resting = FITS[fit]
     coefficients = fit(waypoints, times)
     for order in range(smooth + 1):
@@ -64,8 +58,33 @@ def test_it_passes_the_waypoints_smoothly_and_rests_at_the_ends(fit, path):
             assert np.allclose(start, waypoints[:-1], atol=SMOOTH * size)
             assert np.allclose(end, waypoints[1:], atol=SMOOTH * size)
         assert np.allclose(end[:-1], start[1:], atol=SMOOTH * size)
-        if order in FREE_ENDS.get(fit, ()) or 0 < order <= resting:
+        if 0 < order <= resting:
             assert np.allclose([start[0], end[-1]], 0.0, atol=SMOOTH * size)
+
+
+@pytest.mark.parametrize("degree", [3, 5])
+@given(path=paths())
+def test_a_natural_spline_passes_the_waypoints_and_is_smooth_wherever_they_lie(degree, path):
+    waypoints, places = path
+    if len(places) < 3:
+        return
+    breakpoints, coefficients = spline.natural(waypoints, places, degree)
+    fit = PPoly(coefficients, breakpoints)
+    size, least = np.abs(waypoints).max(), np.diff(breakpoints).min()
+    np.testing.assert_allclose(fit(places), waypoints, atol=SMOOTH * size)
+    for order in range(degree):
+        start, end = ends(coefficients, breakpoints, order)
+        np.testing.assert_allclose(end[:-1], start[1:], atol=SMOOTH * max(np.abs(start).max(), size / least**order))
+        if order > degree // 2:
+            np.testing.assert_allclose([start[0], end[-1]], 0.0, atol=SMOOTH * max(np.abs(start).max(), size))
+
+
+@pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-6])
+@pytest.mark.parametrize("degree", [3, 5])
+def test_a_waypoint_very_near_another_leaves_a_natural_spline_smooth(degree, gap):
+    places = np.sort(np.append(np.arange(8.0), 3.0 + gap))
+    breakpoints, coefficients = spline.natural(np.sin(places)[:, None], places, degree)
+    assert np.abs(PPoly(coefficients, breakpoints)(np.linspace(0.0, 7.0, 5000), 3)).max() < 5.0
 
 
 @given(paths())

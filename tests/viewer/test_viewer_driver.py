@@ -290,6 +290,3 @@ def test_outside_the_limits_it_does_not_begin(arm: Arm) -> None:
             assert "is outside its limits" in page.latest["error"]["message"]
             assert not page.latest["drive"]["on"]
         assert driving() == []
-
-
-# without a loop: clocks and joints of the test's own -----------------------------------------------------

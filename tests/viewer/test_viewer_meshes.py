@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 
 from test_viewer_scene import drawn_by
 from twistarm import load_arm
-from twistarm.description.meshes.shading import shaded, simplified
+from twistarm.description.meshes.mesh import shaded, simplified
 from twistarm.viewer.scene import links
 from twistarm.viewer.scene.arm_drawing import Drawing
 

@@ -43,7 +43,7 @@ ALLOWED = {
     "collada": ("description/meshes",),
     "yourdfpy": ("checking/other_readers.py",),
     "mujoco": ("description/mjcf/compilation.py",),
-    "ompl": ("planning/free_path.py",),
+    "ompl": ("planning/free_moves.py",),
     "scipy": ("planning", "guide/exercises"),
     "matplotlib": ("guide", "sweeps/voxel_map.py"),
     "jupytext": ("guide/building",),

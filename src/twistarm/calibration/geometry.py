@@ -56,12 +56,14 @@ class Geometry:
         drives = list(zip(arm.joint_names, arm.units, strict=True))
         if self.drive is not None and motors is not None:
             drives = list(zip(motors.names, motors.motor_units, strict=True))
-        moves = {"shift": "m", "turn": "rad", "tilt": "rad"}
+        moves, owners, m = {"shift": "m", "turn": "rad", "tilt": "rad"}, arm.moving_names, arm.screws.shape[1]
+        if len(owners) != m:  # a joint has many columns
+            owners = tuple(f"screw {i + 1}" for i in range(m))
         kinds = product(("base", "tool"), ("shift", "turn"), "xyz")
         frames = [Parameter(owner, f"{what} {axis}", moves[what]) for owner, what, axis in kinds]
         axes = [
             Parameter(name, what, moves[what[:-2]])
-            for name, slides in zip(self._owners, self._sliding, strict=True)
+            for name, slides in zip(owners, self._sliding, strict=True)
             for what in (OF_A_SLIDE if slides else OF_A_TURN)
         ]
         zeros = [Parameter(name, "zero", unit) for name, unit in drives]
@@ -72,12 +74,6 @@ class Geometry:
     def k(self) -> int:
         """How many zeros there are: one for each joint, or each motor."""
         return self.arm.n if self.drive is None else self.drive.shape[1]
-
-    @property
-    def _owners(self) -> tuple[str, ...]:
-        """A name for each moving joint; those of a joint with many columns are numbered."""
-        names, m = self.arm.moving_names, self.arm.screws.shape[1]
-        return names if len(names) == m else tuple(f"screw {i + 1}" for i in range(m))
 
     @cached_property
     def _sliding(self) -> NDArray[np.bool_]:

@@ -12,7 +12,7 @@ import numpy as np
 from ..arm.arm import Arm, require_arm
 from ..arm.baking import BAKED, SUFFIX, Kind, content_of, sealed, unsealed
 from ..arm.loading.load import arm_of, load_arm
-from ..description.inertial import INERTIA, Body, bodies
+from ..description.geometry import INERTIA, Body, bodies
 from ..limits.joint_limits import RATES, JointLimits
 from ..support.checks import Array
 from ..support.errors import ComparisonError, InputError

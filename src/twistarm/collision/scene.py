@@ -412,11 +412,20 @@ class Scene(Obstacles):
         for name in () if isinstance(self._margin, float) else self._margin:
             if name not in self._known_obstacles:
                 self._description.require_link(name, "margin")
+
+        def exempt(one: Body, other: Body) -> bool:
+            pair = sorted_pair(one.name, other.name)
+            if pair in self._allowed_too:
+                return True
+            if one.obstacle or other.obstacle:
+                return other.name in self._touching.get(one.name, ()) or one.name in self._touching.get(other.name, ())
+            return pair in self.find_allowed_pairs()
+
         joints = [self._joint_of(body.carrier) for body in bodies]
         pairs = [
             (i, j)
             for i, j in combinations(range(len(bodies)), 2)
-            if joints[i] != joints[j] and not self._exempt(bodies[i], bodies[j])
+            if joints[i] != joints[j] and not exempt(bodies[i], bodies[j])
         ]
         # theta moves neither body of some pairs against the other, such as a passive wheel and the ground.
         speeds = pair_speeds(self._model, bodies, pairs, self._most)
@@ -433,14 +442,6 @@ class Scene(Obstacles):
     def _most(self) -> Array:
         """The greatest |theta| (n,) inside the arm's limits, and a little more, as bounds of motions are not tight."""
         return 1.1 * np.abs(self.arm.sampling_bounds).max(axis=0)
-
-    def _exempt(self, one: Body, other: Body) -> bool:
-        pair = sorted_pair(one.name, other.name)
-        if pair in self._allowed_too:
-            return True
-        if one.obstacle or other.obstacle:
-            return other.name in self._touching.get(one.name, ()) or one.name in self._touching.get(other.name, ())
-        return pair in self.find_allowed_pairs()
 
 
 def _names(checker: Checker, k: int) -> tuple[str, str]:

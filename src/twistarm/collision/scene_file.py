@@ -37,14 +37,6 @@ SIZES: dict[str, dict[str, Check]] = {
 FILE: dict[str, Check] = {"file": word}
 
 
-def _scale(value: Any, name: str) -> Array:
-    return vector(value, name) if isinstance(value, list) else np.full(3, as_number(value, name))
-
-
-def _margin(value: Any, name: str) -> Any:
-    return table_of(as_number)(value, name) if isinstance(value, dict) else as_number(value, name)
-
-
 def _array(value: Any, name: str) -> Array:
     return as_floats(value, name)
 
@@ -60,7 +52,7 @@ TOP: dict[str, Check] = {
     "arm": text,
     "degrees": as_flag,
     "ground": as_flag,
-    "margin": _margin,
+    "margin": lambda value, name: (table_of(as_number) if isinstance(value, dict) else as_number)(value, name),
     "allow": list_of(list_of(text, 2, 2)),
     "allow_only": as_flag,
     **dict.fromkeys((*SIZES, "mesh"), anything),
@@ -135,8 +127,8 @@ def _entry(kind: str, value: Any, angle: float, folder: Path) -> Entry:
     own = FILE if kind == "mesh" else SIZES[kind]
     if kind == "mesh" and isinstance(value, Mapping) and "vertices" in value:
         own = {"vertices": _array, "triangles": _array}
-    optional = {**PLACE, "scale": _scale} if kind == "mesh" else PLACE
-    table = fields(value, "", {"name": word, **own}, optional)
+    scale: Check = lambda value, name: vector(value if isinstance(value, list) else [value] * 3, name)  # noqa: E731
+    table = fields(value, "", {"name": word, **own}, {**PLACE, "scale": scale} if kind == "mesh" else PLACE)
     mesh: Path | Triangles | None = None
     if kind == "mesh":
         mesh = folder / table["file"] if "file" in table else _triangles(table["vertices"], table["triangles"])

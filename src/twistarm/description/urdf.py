@@ -20,8 +20,7 @@ from .document import Reading, existing_file, floats, parse_xml, read_text
 from .expansion.expand import expand_xacro, is_xacro
 from .expansion.expansion import not_used
 from .findings import Place, refusal
-from .geometry import Geometries, read_origin
-from .inertial import INERTIA, drop_unusable_inertials
+from .geometry import INERTIA, Geometries, drop_unusable_inertials, read_origin
 from .packages import package_index
 from .planar import split_planar_joints
 from .structure import check_structure, end_of, note_unread_words, root_links

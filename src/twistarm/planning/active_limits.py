@@ -13,9 +13,8 @@ from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.errors import InputError, shown
 from .joint_space import completed
-from .motion import as_segments
-from .segments import Move, Segment
-from .time_laws.bounds import PathBounds
+from .segments import Move, Segment, as_segments
+from .time_laws.law import PathBounds
 from .trajectory import Trajectory
 
 Rate = Literal["velocity", "acceleration", "jerk", "linear speed", "angular speed"]

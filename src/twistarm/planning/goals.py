@@ -18,8 +18,7 @@ from ..support.checks import Array
 from ..support.errors import InputError, NotConvergedError, UnknownNameError
 from ..support.messages import joined
 from ..theory import rotations, screws
-from .cartesian.curves import Curve, arc, line, screw
-from .cartesian.moving_target import MovingTarget
+from .cartesian.curves import Curve, MovingTarget, arc, line, screw
 from .segments import CONSTRAINED, ArcMove, Constrained, JointMove, LineMove, ScrewMove
 from .tolerances import are_wide, decided
 from .within import require_waypoints

@@ -17,7 +17,7 @@ ROUNDING = 1e-9
 """A piece may exceed its greatest length by this share before it is cut again."""
 
 STILL = 1e-12
-"""A joint that moves by less [rad, m] stays where it is."""
+"""A joint that moves by less [rad, m] stays where it is, and so does a cut nearer to a breakpoint by such a share."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -35,6 +35,11 @@ class JointPath:
     def __post_init__(self) -> None:
         for name in ("breakpoints", "coefficients"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    @classmethod
+    def straight(cls, start: Array, end: Array) -> JointPath:
+        """The straight line from `start` to `end` (n,), of length 1."""
+        return cls(np.array([0.0, 1.0]), np.stack([end - start, start])[:, None])
 
     def __repr__(self) -> str:
         return told("JointPath", {"n": self.n, "pieces": self.breakpoints.size - 1, "length": self.length})
@@ -75,8 +80,11 @@ class JointPath:
         return JointPath(breakpoints, shifted(self.coefficients[:, piece], by)), piece
 
     def cut_at(self, places: Array) -> JointPath:
-        """Cut the path at these places (k,) too."""
-        breakpoints = np.union1d(self.breakpoints, places)
+        """Cut the path at these places (k,) too, but at none that only rounding tells from a breakpoint."""
+        before = self.piece_at(places)
+        gaps = places - self.breakpoints[before], self.breakpoints[before + 1] - places
+        apart = np.minimum(*gaps) > STILL * self.length
+        breakpoints = np.union1d(self.breakpoints, places[apart])
         piece = self.piece_at(breakpoints[:-1])
         moved = shifted(self.coefficients[:, piece], breakpoints[:-1] - self.breakpoints[piece])
         return JointPath(breakpoints, moved)

@@ -14,11 +14,9 @@ from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, as_flag, as_positive, require_callback, require_choice
 from ..support.errors import InputError, shown
 from . import spline
-from .pulling_in import pulled_in
-from .spans import Progress
-from .time_laws import PathBounds
+from .time_laws.law import PathBounds
 from .tolerances import decided
-from .trajectory import Trajectory
+from .trajectory import Progress, Trajectory
 from .waypoint_motion import Motion, shortest_motion
 from .waypoints import Waypoints, as_times, as_waypoints, distinct, smoothed
 from .within import require_rates, require_waypoints
@@ -142,7 +140,7 @@ def plan_joint(
         if arm.actuators is not None:
             require_rates(motion.to_motors(), arm.actuators.limits, "motor")
     if scene is not None:
-        from .free_motion import require_free
+        from .free_moves import require_free
 
         require_free(scene, arm, motion)
     if progress is not None:
@@ -168,7 +166,7 @@ def _timed_by_law(knots: Array, kind: str, stop: bool, bounds: PathBounds, progr
 def _at_times(points: Array, kind: str, stop: bool, times: Array, bounds: PathBounds) -> Motion:
     if len(points) == 1:
         return times, np.zeros(2), points[None]
-    return times, *pulled_in(FITS[kind, stop](points, times), times, points, bounds.limits)
+    return times, *spline.pulled_in(FITS[kind, stop](points, times), times, points, bounds.limits)
 
 
 def as_limits(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> JointLimits:

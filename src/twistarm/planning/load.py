@@ -17,9 +17,8 @@ from ..support.messages import Quantity, Text, joined
 from .files.csv_file import read_csv
 from .files.joint_trajectory import read_json, read_yaml
 from .files.mcap_file import read_mcap
-from .files.points import Points
 from .piecewise import through
-from .trajectory import Trajectory
+from .trajectory import Points, Trajectory
 from .within import farthest_outside, require_positions
 
 READERS: Mapping[str, Callable[[Arm, Path], Points]] = {

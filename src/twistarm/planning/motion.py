@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -14,24 +14,22 @@ import numpy as np
 from ..arm.arm import Arm, require_arm
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, Row, as_flag, as_positive, require_callback, require_choice
-from ..support.errors import InputError, NotConvergedError, shown
+from ..support.errors import InputError, NotConvergedError
 from ..support.messages import Argument, Text
 from .cartesian.refusal import PathError
 from .goals import Goals
 from .joint_path import JointPath
 from .joint_space import completed
 from .piecewise import side_by_side
-from .route import Leg, Router
-from .segments import SEGMENTS, Dwell, FreeMove, Move, Segment, place
-from .spans import Progress
-from .stops import best_stops
+from .route import PathPart, Router
+from .segments import Dwell, FreeMove, Segment, as_segments, place
 from .stretches import Corner, path_along, runs
-from .time_laws.bounds import PathBounds
-from .time_laws.double_s import double_s
-from .time_laws.law import TimeLaw, quintic
+from .time_laws.law import PathBounds, TimeLaw, quintic
 from .time_laws.s_curve import s_curve
+from .time_laws.straight import double_s
 from .time_laws.time_optimal import time_optimal
-from .trajectory import Trajectory
+from .trajectory import Progress, Trajectory
+from .waypoint_motion import best_stops
 from .within import require_waypoints
 
 if TYPE_CHECKING:
@@ -105,119 +103,85 @@ def plan(
         UnknownNameError: No such configuration or joint.
     """
     require_choice(kind, tuple(LAWS), "kind")
-    progress = _rising(require_callback(progress, "progress", "(fraction)"))
+    require_callback(progress, "progress", "(fraction)")
     moves = as_segments(segments, linear_speed, angular_speed, position_tol, orientation_tol)
     bounds, notes = completed(require_arm(arm), limits)
-    planned = _with_ranges(arm, bounds)
-    origin = planned.ready if start is None else planned.theta_from(start, name="start")
+    same = all(np.array_equal(getattr(bounds, side), getattr(arm.limits, side)) for side in ("lower", "upper"))
+    ranged = arm if same else replace(arm, limits=bounds)  # inverse kinematics looks at the arm's own limits
+    origin = ranged.ready if start is None else ranged.theta_from(start, name="start")
     if origin.shape != (arm.n,):
         raise InputError(f"start must be one configuration ({arm.n},); got {origin.shape}")
     require_waypoints(origin[None], bounds, arm.joint_names, arm.units, "start")
-
-    turning = as_flag(unwrap, "unwrap")
-
-    def planned_through(segments: Sequence[Segment], numbers: Sequence[int] | None = None) -> Trajectory:
-        legs, said = _legs(planned, list(segments), origin, bounds, turning, progress, numbers)
-        timed = [each for run in runs(planned, legs, bounds) for each in _fastest(planned, *run, bounds, kind)]
-        return _assembled(arm, origin, timed, (*notes, *said, *_unrounded(timed)), bounds)
-
-    if scene is not None:
-        from ..collision import require_scene
-        from .free_motion import planned_in
-
-        require_scene(scene, arm)
-        goals = Goals(planned, bounds, turning)
-        motion = planned_in(scene, planned, moves, origin, goals, as_positive(max_time, "max_time"), planned_through)
-    elif any(isinstance(move, FreeMove) for move in moves):
-        what = "a FreeMove needs a scene, which may be the arm alone: give {scene}"
-        raise InputError(Text(what, scene=Argument("scene")))
-    else:
-        motion = planned_through(moves)
-    if progress is not None:
-        progress(1.0)
-    return motion
-
-
-def _rising(progress: Progress | None) -> Progress | None:
-    """Return the callback without fractions that fall: motions with free moves are planned several times."""
-    most = 0.0
-
-    def report(fraction: float) -> None:
-        nonlocal most
-        if progress is not None and fraction > most:
-            most = fraction
-            progress(fraction)
-
-    return report if progress is not None else None
-
-
-def _legs(
-    arm: Arm,
-    moves: list[Segment],
-    origin: Array,
-    limits: JointLimits,
-    unwrap: bool,
-    progress: Progress | None,
-    numbers: Sequence[int] | None,
-) -> tuple[list[Leg], list[str]]:
-    """Return the legs from `origin` (n,) on, and notes. What cannot be followed exactly is within the tolerances."""
+    around, free_path = _obstacles(arm, moves, origin, bounds, scene, as_positive(max_time, "max_time"))
 
     def report(done: int) -> None:
         if progress is not None:
             progress(0.9 * done / len(moves))
 
-    router = Router(arm, moves, limits, report, unwrap, numbers)
+    goals = Goals(ranged, bounds, as_flag(unwrap, "unwrap"))
+    parts, said = _route(Router(ranged, moves, goals, report, around, free_path), origin)
+    motion = _in_time(ranged, origin, parts, bounds, kind, (*notes, *said))
+    if around is not None:
+        sharp = [part if part.last else replace(part, blend=0.0) for part in parts]
+        again = partial(_in_time, ranged, origin, sharp, bounds, kind, (*notes, *said))
+        motion = _free(around, motion, again, moves)
+        if scene is not None and around is not scene and (contacts := scene.contacts(motion.waypoints[-1])):
+            raise PathError(f"the motion ends in collision, as it began: {contacts[0]}", reason="collision")
+    if progress is not None:
+        progress(1.0)
+    return motion
+
+
+def _route(router: Router, origin: Array) -> tuple[list[PathPart], list[str]]:
+    """Return the parts from `origin` (n,) on, and notes. What cannot be followed exactly is within the tolerances."""
     try:
-        return router.legs(origin), router.notes
+        return router.parts(origin), router.notes
     except PathError as error:
-        router = Router(arm, moves, limits, report, unwrap, numbers, exactly=False)
+        if error.reason == "collision":
+            raise
+        loose = replace(router, goals=replace(router.goals, exactly=False), notes=[])
         with suppress(PathError, NotConvergedError):
-            return router.legs(origin), router.notes
+            return loose.parts(origin), loose.notes
         raise error from None
 
 
-def _with_ranges(arm: Arm, limits: JointLimits) -> Arm:
-    """Return the arm with these position limits, because inverse kinematics looks at the arm's own."""
-    same = all(np.array_equal(getattr(limits, side), getattr(arm.limits, side)) for side in ("lower", "upper"))
-    return arm if same else replace(arm, limits=limits)
+def _obstacles(
+    arm: Arm, moves: list[Segment], origin: Array, bounds: JointLimits, scene: Scene | None, max_time: float
+) -> tuple[Scene | None, Callable[[Array, Array], Array] | None]:
+    """Return the scene and the search for paths in it. A start in collision may be left: its pairs come no nearer."""
+    if scene is None:
+        if any(isinstance(move, FreeMove) for move in moves):
+            what = "a FreeMove needs a scene, which may be the arm alone: give {scene}"
+            raise InputError(Text(what, scene=Argument("scene")))
+        return None, None
+    from ..collision import require_scene
+    from .free_moves import free_path
+
+    around = require_scene(scene, arm).leaving(origin)
+    return around, partial(free_path, around, limits=bounds, max_time=max_time)
 
 
-def as_segments(
-    segments: Any,
-    linear_speed: float | None = None,
-    angular_speed: float | None = None,
-    position_tol: float | None = None,
-    orientation_tol: float | None = None,
-) -> list[Segment]:
-    """Return the segments. Moves without a speed of the tool, or a tolerance, take the ones given here."""
-    whole: dict[str, Any] = {
-        "linear_speed": None if linear_speed is None else as_positive(linear_speed, "linear_speed"),
-        "angular_speed": None if angular_speed is None else as_positive(angular_speed, "angular_speed"),
-        "position_tol": position_tol,
-        "orientation_tol": orientation_tol,
-    }
-    given = [segments] if isinstance(segments, SEGMENTS) else list(segments) if np.iterable(segments) else None
-    if not given or isinstance(segments, str):
-        raise InputError(f"segments must be one or more of JointMove, LineMove, …, Dwell; got {shown(segments)}")
-    for i, segment in enumerate(given):
-        if not isinstance(segment, SEGMENTS):
-            raise InputError(
-                f"segment {i + 1} must be a JointMove, FreeMove, LineMove, ScrewMove, ArcMove or Dwell; "
-                f"got {shown(segment)}"
-            )
-        if isinstance(segment, Move):
-            taken = {name: value for name, value in whole.items() if getattr(segment, name) is None}
-            given[i] = replace(segment, **taken)
-            if segment.blend and (i + 1 == len(given) or isinstance(given[i + 1], Dwell)):
-                raise InputError(f"{place(i, segment)} cannot blend: the arm stops at its end; leave blend out")
-    return given
+def _free(around: Scene, motion: Trajectory, sharp: Callable[[], Trajectory], moves: list[Segment]) -> Trajectory:
+    """Return a motion that is proven free: the given one, or the one with sharp corners on the ways of free moves."""
+    from .free_moves import first_collision
+
+    hit = first_collision(around, motion)
+    if hit is not None and any(isinstance(move, FreeMove) for move in moves):
+        motion = sharp()
+        hit = first_collision(around, motion)
+    if hit is not None:
+        raise PathError(
+            f"{hit}; let a free move go round, or choose another goal", theta=hit.theta, reason="collision",
+            segment=hit.leg, place=place(hit.leg, moves[hit.leg]),
+        )  # fmt: skip
+    return motion
 
 
 @dataclass(frozen=True, eq=False)
 class Timed:
-    """Timed legs from stop to stop: breakpoints (m + 1,) [s], coefficients, each leg's end [s]."""
+    """Parts of a path in time, from stop to stop: breakpoints (m + 1,) [s], coefficients, each part's end [s]."""
 
-    legs: list[Leg]
+    parts: list[PathPart]
     breakpoints: Array
     coefficients: Array
     ends: Array
@@ -228,21 +192,33 @@ class Timed:
         return float(self.breakpoints[-1])
 
 
-def _unrounded(timed: list[Timed]) -> list[str]:
-    """Return a note on the corners that were to be rounded and at which the arm stops."""
-    asked = [
-        leg for leg, on in pairwise(leg for each in timed for leg in each.legs)
-        if leg.index != on.index and leg.path and on.path and leg.move.blend
-    ]  # fmt: skip
-    stops = [leg for each in timed for leg in asked if leg is each.legs[-1]]
-    where = (
-        "every corner" if len(stops) == len(asked) > 1 else ", ".join(place(leg.index, leg.segment) for leg in stops)
+def _in_time(
+    arm: Arm, origin: Array, parts: list[PathPart], limits: JointLimits, kind: str, notes: tuple[str, ...]
+) -> Trajectory:
+    """Return the motion along the parts, from stop to stop as fast as the limits allow."""
+    timed = [stretch for run in runs(arm, parts, limits) for stretch in _fastest(arm, *run, limits, kind)]
+    starts = np.cumsum([0.0, *(stretch.duration for stretch in timed)])
+    ends = np.concatenate([start + stretch.ends for start, stretch in zip(starts, timed, strict=False)])
+    moving = [stretch for stretch in timed if stretch.duration]
+    steps = np.concatenate([np.diff(stretch.breakpoints) for stretch in moving] or [np.zeros(1)])
+    breakpoints = np.concatenate([[0.0], np.cumsum(steps)])
+    whole = [k for k, part in enumerate(parts) if part.last]
+    times = np.minimum(np.append(0.0, ends[whole]), breakpoints[-1])
+    # A dwell's label is due when it begins, the label of a move when it ends.
+    due = [(times[i - isinstance(parts[k].segment, Dwell)], parts[k].segment.label) for i, k in enumerate(whole, 1)]
+    labels = tuple((float(time), label) for time, label in due if label)
+    waypoints = np.array([origin, *(parts[k].end for k in whole)])
+    pieces = side_by_side([stretch.coefficients for stretch in moving] or [origin[None, None]])
+    notes = (*notes, *_stops_noted(timed))
+    motion = Trajectory(
+        arm.joint_names, arm.units, waypoints, times, breakpoints, pieces, arm.actuators, labels, notes, limits
     )
-    return [f"stops at {where}: no rounding there is faster"] if stops else []
+    rounded = np.array([False, *(parts[k].blend > 0.0 for k in whole)])
+    return replace(motion, waypoints=np.where(rounded[:, None], motion(times), motion.waypoints))
 
 
-def _fastest(arm: Arm, run: list[Leg], corners: list[Corner], limits: JointLimits, kind: str) -> list[Timed]:
-    """Return the legs of a run in time. Corners are rounded unless stopping there is sooner done."""
+def _fastest(arm: Arm, run: list[PathPart], corners: list[Corner], limits: JointLimits, kind: str) -> list[Timed]:
+    """Return the parts of a run in time. Corners are rounded unless stopping there is sooner done."""
 
     @cache
     def timed(i: int, j: int) -> Timed:
@@ -255,39 +231,30 @@ def _fastest(arm: Arm, run: list[Leg], corners: list[Corner], limits: JointLimit
     return [timed(i, j) for i, j in pairwise([0, *stops, len(run)])]
 
 
-def _timed(arm: Arm, legs: list[Leg], corners: list[Corner], limits: JointLimits, kind: str) -> Timed:
-    """Return the legs in time, all corners between them rounded."""
-    segment, theta = legs[0].segment, legs[0].end
-    if legs[0].path is None:
+def _timed(arm: Arm, parts: list[PathPart], corners: list[Corner], limits: JointLimits, kind: str) -> Timed:
+    """Return the parts in time, all corners between them rounded."""
+    segment, theta = parts[0].segment, parts[0].end
+    if parts[0].path is None:
         stay = segment.seconds if isinstance(segment, Dwell) else 0.0
-        return Timed(legs, np.array([0.0, stay]), theta[None, None], np.array([stay]))
-    path, ends, ceiling = path_along(arm, legs, corners, limits)
+        return Timed(parts, np.array([0.0, stay]), theta[None, None], np.array([stay]))
+    path, ends, ceiling = path_along(arm, parts, corners, limits)
     bounds = PathBounds(limits, arm.actuators, ceiling)
     # A double-S for each joint would leave the straight line along which the free move was proven.
     straight = isinstance(segment, FreeMove)
     if kind == "s_curve" and ceiling is None and not straight and path.coefficients.shape[:2] == (2, 1):
         breakpoints, coefficients = double_s(path.start, path.end, bounds)
-        return Timed(legs, breakpoints, coefficients, breakpoints[-1:])
+        return Timed(parts, breakpoints, coefficients, breakpoints[-1:])
     law = LAWS[kind](path, bounds)
-    return Timed(legs, *law.along(path), law.passes(ends))
+    return Timed(parts, *law.along(path), law.passes(ends))
 
 
-def _assembled(arm: Arm, origin: Array, timed: list[Timed], notes: tuple[str, ...], limits: JointLimits) -> Trajectory:
-    """Join everything in time to one trajectory."""
-    legs = [leg for each in timed for leg in each.legs]
-    starts = np.cumsum([0.0, *(each.duration for each in timed)])
-    times = np.concatenate([[0.0], *(start + each.ends for start, each in zip(starts, timed, strict=False))])
-    moving = [each for each in timed if each.duration]
-    steps = np.concatenate([np.diff(each.breakpoints) for each in moving] or [np.zeros(1)])
-    breakpoints = np.concatenate([[0.0], np.cumsum(steps)])
-    times = np.minimum(times, breakpoints[-1])
-    # A dwell's label is due when it begins, the label of a move when it ends.
-    due = [(times[i - isinstance(leg.segment, Dwell)], leg.segment.label) for i, leg in enumerate(legs, 1)]
-    labels = tuple((float(time), label) for time, label in due if label)
-    waypoints = np.array([origin, *(leg.end for leg in legs)])
-    pieces = side_by_side([each.coefficients for each in moving] or [origin[None, None]])
-    motion = Trajectory(
-        arm.joint_names, arm.units, waypoints, times, breakpoints, pieces, arm.actuators, labels, notes, limits
-    )
-    rounded = np.array([False, *(isinstance(leg.segment, Move) and leg.segment.blend > 0.0 for leg in legs)])
-    return replace(motion, waypoints=np.where(rounded[:, None], motion(times), motion.waypoints))
+def _stops_noted(timed: list[Timed]) -> list[str]:
+    """Return a note on the corners that were to be rounded and at which the arm stops."""
+    asked = [
+        part for part, following in pairwise(part for stretch in timed for part in stretch.parts)
+        if part.last and part.path and following.path and part.blend
+    ]  # fmt: skip
+    stops = [part for stretch in timed for part in asked if part is stretch.parts[-1]]
+    every = len(stops) == len(asked) > 1
+    where = "every corner" if every else ", ".join(place(part.index, part.segment) for part in stops)
+    return [f"stops at {where}: no rounding there is faster"] if stops else []

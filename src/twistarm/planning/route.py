@@ -3,26 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from itertools import groupby
+from dataclasses import dataclass, field, replace
+from itertools import groupby, pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..arm.arm import Arm
+from ..ik.solution import in_one_line
+from ..ik.solve import solve_ik
 from ..ik.targets import KINDS, target_for
-from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
+from ..support.errors import NotConvergedError
+from ..support.messages import Text, joined
 from .cartesian.branches import branches
+from .cartesian.curves import MovingTarget
 from .cartesian.following import follow
-from .cartesian.ladder import climb
-from .cartesian.moving_target import MovingTarget
-from .cartesian.nodes import Blocked, Node, efforts, way
-from .cartesian.refusal import refusal
-from .cartesian.wide_ladder import climb_wide
+from .cartesian.ladder import Blocked, Node, climb, efforts, way
+from .cartesian.refusal import PathError, refusal
 from .goals import CURVED, Goals
 from .joint_path import JointPath
-from .segments import Dwell, JointMove, Move, Segment, place
-from .unwrapping import unwrapped
+from .segments import Dwell, FreeMove, JointMove, Move, Segment, place
+from .waypoints import UNWRAP, unwrapped
+
+if TYPE_CHECKING:
+    from ..collision import Scene
+
+FreePath = Callable[[Array, Array], Array]
+"""Waypoints (k, n) of a path that collides with nothing, from a start to a goal (n,)."""
 
 NEAREST = 8
 """How many of the nearest start configurations of a run of curves are tried before all others."""
@@ -31,14 +39,24 @@ FOLLOWED = 4
 """How many ways through a ladder, least joint motion first, are tried."""
 
 
+CORNER_SHARE, LARGEST_CORNER = 0.45, 0.1
+"""Radius of a corner on a free way: greatest share of the way to the nearer neighbour, and of the arm's reach."""
+
+
 @dataclass(frozen=True, eq=False)
-class Leg:
-    """The joint path of segment `index`. The path is None for a dwell, and if the arm does not move."""
+class PathPart:
+    """A joint path of segment `index`, or all of it. The path is None for a dwell, and if the arm does not move.
+
+    `blend` is the radius [m] of the ball at its end in which the corner may be rounded. A free move round obstacles
+    has several parts; `last` is false for all but the last of them.
+    """
 
     index: int
     segment: Segment
     end: Array
     path: JointPath | None
+    blend: float = 0.0
+    last: bool = True
 
     @property
     def move(self) -> Move:
@@ -64,67 +82,87 @@ class _BlockedError(Exception):
         return self.index + self.blocked.node.s
 
 
+@dataclass(frozen=True, eq=False)
 class Router:
-    """Finds the legs of a motion. It calls `done(k)` when k segments have theirs.
+    """Finds the parts of a motion's path. It calls `report(k)` when k segments have theirs.
 
-    `numbers` are the indices of the segments in the caller's motion, where several may belong to one of the caller's.
+    A `FreeMove` goes along `free_path`, and to a target to the configuration that `scene` leaves free.
     """
 
-    def __init__(
-        self,
-        arm: Arm,
-        segments: Sequence[Segment],
-        limits: JointLimits,
-        done: Callable[[int], object],
-        unwrap: bool = False,
-        numbers: Sequence[int] | None = None,
-        exactly: bool = True,
-    ) -> None:
-        self.arm, self.segments, self.limits, self.done = arm, segments, limits, done
-        self.numbers = range(len(segments)) if numbers is None else numbers
-        self.notes: list[str] = []
-        self.goals = Goals(arm, limits, unwrap, exactly)
+    arm: Arm
+    segments: Sequence[Segment]
+    goals: Goals
+    report: Callable[[int], object]
+    scene: Scene | None = None
+    free_path: FreePath | None = None
+    notes: list[str] = field(default_factory=list)
 
-    def legs(self, origin: Array) -> list[Leg]:
-        """Return the legs from `origin` (n,) on. Raises PathError, LimitError or NotConvergedError if none exist."""
-        legs: list[Leg] = []
-        theta = origin
-        while len(legs) < len(self.segments):
-            legs += self._next(len(legs), theta)
-            theta = legs[-1].end
-            self.done(len(legs))
-        still = (i for i, leg in enumerate(legs) if leg.path is None and isinstance(leg.segment, CURVED))
-        self.notes += [f"{self._place(i)}: it ends where it begins, and the arm stays" for i in still]
-        return legs
+    def parts(self, origin: Array) -> list[PathPart]:
+        """Return the parts from `origin` (n,) on. Raises PathError, LimitError or NotConvergedError if none exist."""
+        parts: list[PathPart] = []
+        theta, i = origin, 0
+        while i < len(self.segments):
+            parts += self._next(i, theta)
+            theta, i = parts[-1].end, parts[-1].index + 1
+            self.report(i)
+        still = (part for part in parts if part.path is None and isinstance(part.segment, CURVED))
+        self.notes.extend([f"{self._place(part.index)}: it ends where it begins, and the arm stays" for part in still])
+        return parts
 
-    def _next(self, i: int, theta: Array) -> list[Leg]:
-        """The leg of segment i. After a joint move to a target, also those of its curves and dwells."""
+    def _next(self, i: int, theta: Array) -> list[PathPart]:
+        """The parts of segment i. After a joint move to a target, also those of its curves and dwells."""
         segment = self.segments[i]
         after = i + 1
         while after < len(self.segments) and not isinstance(self.segments[after], JointMove):
             after += 1
         if isinstance(segment, Dwell):
-            return [self._leg(i, theta, None)]
+            return [self._part(i, theta, None)]
+        if isinstance(segment, FreeMove):
+            return self._around(i, segment, theta)
         if not isinstance(segment, JointMove):
             return self._run(range(i, after), theta[None], theta)[1]
         if isinstance(segment.to, KINDS) and after > i + 1:
             starts = branches(self.arm, target_for(self.arm, segment.to), theta, self.goals.tolerances(segment))
             if len(starts):
-                start, legs = self._run(range(i + 1, after), starts, theta)
-                return [self._straight(i, theta, start), *legs]
+                start, parts = self._run(range(i + 1, after), starts, theta)
+                return [self._straight(i, theta, start), *parts]
+        return [self._straight(i, theta, self._unwrapped_goal(i, segment, theta))]
+
+    def _unwrapped_goal(self, i: int, segment: JointMove, theta: Array) -> Array:
         end = self.goals.configuration(segment, theta, self._place(i))
-        end, said = unwrapped(self.arm, end, theta, self._place(i), self.goals.unwrap)
-        self.notes += said
-        return [self._straight(i, theta, end)]
+        end, notes = unwrapped(self.arm, end, theta, self._place(i), self.goals.unwrap)
+        self.notes.extend(notes)
+        return end
 
-    def _straight(self, i: int, start: Array, end: Array) -> Leg:
-        if not np.abs(end - start).any():
-            return self._leg(i, end, None)
-        path = JointPath(np.array([0.0, 1.0]), np.stack([end - start, start])[:, None])
-        return self._leg(i, end, path)
+    def _around(self, i: int, segment: FreeMove, theta: Array) -> list[PathPart]:
+        """The straight parts of a free move, with corners that may be rounded."""
+        assert self.free_path is not None
+        if isinstance(segment.to, KINDS):
+            tolerances = self.goals.tolerances(segment)
+            found = solve_ik(self.arm, segment.to, theta, scene=self.scene, **tolerances.keywords)
+            if not found.converged:
+                raise NotConvergedError(joined(": ", [self._place(i), in_one_line(found)]), found)
+            goal = found.theta
+        else:
+            goal = self._unwrapped_goal(i, segment, theta)
+        try:
+            corners = self.free_path(theta, goal)
+        except PathError as error:
+            nearer = unwrapped(self.arm, goal, theta, "", asked=True)[0]
+            hint = Text("; {unwrap} takes a nearer turn of the goal", unwrap=UNWRAP)
+            what = error.message if (nearer == goal).all() else joined("", [error.message, hint])
+            raise PathError(what, theta=theta, reason="collision", segment=i, place=self._place(i)) from error
+        steps = np.linalg.norm(np.diff(self.arm.fk(corners)[:, :3, 3], axis=0), axis=1)
+        radii = np.minimum(CORNER_SHARE * np.minimum(steps[:-1], steps[1:]), LARGEST_CORNER * self.arm.reach)
+        parts = [self._straight(i, *ends) for ends in pairwise(corners)]
+        inner = [replace(part, blend=r, last=False) for part, r in zip(parts, radii.tolist(), strict=False)]
+        return [*inner, parts[-1]]
 
-    def _run(self, run: range, starts: Array, theta: Array) -> tuple[Array, list[Leg]]:
-        """The first of `starts` (b, n), nearest first, of a run of curves and dwells, and its legs.
+    def _straight(self, i: int, start: Array, end: Array) -> PathPart:
+        return self._part(i, end, JointPath.straight(start, end) if np.abs(end - start).any() else None)
+
+    def _run(self, run: range, starts: Array, theta: Array) -> tuple[Array, list[PathPart]]:
+        """The first of `starts` (b, n), nearest first, of a run of curves and dwells, and its parts.
 
         A curve may follow several parts of a pose. Each is tried when the one before fails.
         """
@@ -140,28 +178,29 @@ class Router:
                     continue
             farthest = max(errors, key=lambda error: error.reached)
             tried = len(starts) > 1 and farthest.index == run[0]
-            where = self.numbers[farthest.index], self._place(farthest.index)
-            raise refusal(self.arm, self.limits, farthest.blocked, *where, others=not tried)
+            where = farthest.index, self._place(farthest.index)
+            raise refusal(self.arm, self.goals.limits, farthest.blocked, *where, others=not tried)
 
-    def _by_start(self, run: range, starts: Array, theta: Array, options: dict[int, int]) -> tuple[Array, list[Leg]]:
-        """Do the same for the chosen options: nearest starts, then all others, then a wide ladder."""
-        farthest: _BlockedError | None = None
-        for group, wide in ((starts[:NEAREST], False), (starts[NEAREST:], False), (starts, True)):
-            if not len(group) or (wide and farthest and not farthest.blocked.node.moving.freedom(self.arm.n)):
-                continue
-            try:
-                return self._laddered(run, group, theta, options, wide)
-            except _BlockedError as error:
-                if farthest is None or error.reached > farthest.reached:
-                    farthest = error
-        assert farthest is not None
-        raise farthest
+    def _by_start(
+        self, run: range, starts: Array, theta: Array, options: dict[int, int]
+    ) -> tuple[Array, list[PathPart]]:
+        """Do the same for the chosen options, from the nearest starts, then from all others."""
+        try:
+            return self._laddered(run, starts[:NEAREST], theta, options)
+        except _BlockedError as error:
+            if len(starts) <= NEAREST:
+                raise
+            first = error
+        try:
+            return self._laddered(run, starts[NEAREST:], theta, options)
+        except _BlockedError as error:
+            raise max(first, error, key=lambda each: each.reached) from None
 
     def _laddered(
-        self, run: range, starts: Array, theta: Array, options: dict[int, int], wide: bool
-    ) -> tuple[Array, list[Leg]]:
+        self, run: range, starts: Array, theta: Array, options: dict[int, int]
+    ) -> tuple[Array, list[PathPart]]:
         """Do the same by stacked ladders, with the least joint motion."""
-        moved = efforts(theta, starts, self.limits.velocity)
+        moved = efforts(theta, starts, self.goals.limits.velocity)
         ends: list[_End] = [(start, float(effort), None) for start, effort in zip(starts, moved, strict=True)]
         more: dict[int, bool] = {}
         for k in run:
@@ -171,16 +210,16 @@ class Router:
             if not roots:
                 continue
             more[k] = has_more
-            nodes = (climb_wide if wide else climb)(self.arm, self.limits, roots)
+            nodes = climb(self.arm, self.goals.limits, roots)
             if isinstance(nodes, Blocked):
                 raise _BlockedError(k, nodes, more[k])
             ends = [(node.theta, node.cost, node) for node in nodes]
         errors = []
         for end, _, node in ends[:FOLLOWED]:
-            found = self._followed(run, end, node, wide, more)
-            if not isinstance(found, _BlockedError):
-                return found
-            errors.append(found)
+            try:
+                return self._followed(run, end, node, more)
+            except _BlockedError as error:  # noqa: PERF203
+                errors.append(error)
         raise max(errors, key=lambda error: error.reached)
 
     def _roots(self, k: int, ends: list[_End], option: int) -> tuple[list[Node], bool]:
@@ -194,34 +233,31 @@ class Router:
             if not movings:
                 continue
             moving = movings[min(option, len(movings) - 1)]
-            same = next((each for each in known if each.same(moving)), None)
+            same = next((other for other in known if other.same(moving)), None)
             known += [moving] if same is None else []
             roots.append(Node(moving if same is None else same, 0.0, theta, cost, parent))
         return roots, bool(roots) and option + 1 < len(movings)
 
     def _followed(
-        self, run: range, end: Array, last: Node | None, even: bool, more: dict[int, bool]
-    ) -> tuple[Array, list[Leg]] | _BlockedError:
-        """Start and legs of a run that ends at theta (n,) and node `last`, or its error.
-
-        A curve that is not in `more` does not move.
-        """
+        self, run: range, end: Array, last: Node | None, more: dict[int, bool]
+    ) -> tuple[Array, list[PathPart]]:
+        """Start and parts of a run that ends at theta (n,) and node `last`. A curve not in `more` does not move."""
         curves = [list(nodes) for _, nodes in groupby(way(last), key=lambda node: id(node.moving))]
         start = theta = curves[0][0].theta if curves else end
-        legs: list[Leg] = []
+        parts: list[PathPart] = []
         for k in run:
-            if k not in more:
-                legs.append(self._leg(k, theta, None))
-                continue
-            result = follow(self.arm, curves.pop(0), even=even)
-            if isinstance(result, Blocked):
-                return _BlockedError(k, result, more[k])
-            theta = result.end
-            legs.append(self._leg(k, theta, result))
-        return start, legs
+            path = follow(self.arm, curves.pop(0)) if k in more else None
+            if isinstance(path, Blocked):
+                raise _BlockedError(k, path, more[k])
+            theta = theta if path is None else path.end
+            parts.append(self._part(k, theta, path))
+        return start, parts
 
-    def _leg(self, i: int, end: Array, path: JointPath | None) -> Leg:
-        return Leg(self.numbers[i], self.segments[i], end, path)
+    def _part(self, i: int, end: Array, path: JointPath | None) -> PathPart:
+        segment, following = self.segments[i], self.segments[i + 1 : i + 2]
+        # A free way begins at the very end of the move before, so nothing is rounded there.
+        sharp = isinstance(segment, FreeMove) < any(isinstance(move, FreeMove) for move in following)
+        return PathPart(i, segment, end, path, 0.0 if sharp or not isinstance(segment, Move) else segment.blend)
 
     def _place(self, i: int) -> str:
-        return place(self.numbers[i], self.segments[i])
+        return place(i, self.segments[i])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -260,6 +260,37 @@ class Dwell(Segment):
 
 
 SEGMENTS = (JointMove, LineMove, ScrewMove, ArcMove, Dwell)
+
+
+def as_segments(
+    segments: Any,
+    linear_speed: float | None = None,
+    angular_speed: float | None = None,
+    position_tol: float | None = None,
+    orientation_tol: float | None = None,
+) -> list[Segment]:
+    """Return the segments. Moves without a speed of the tool, or a tolerance, take the ones given here."""
+    whole: dict[str, Any] = {
+        "linear_speed": None if linear_speed is None else as_positive(linear_speed, "linear_speed"),
+        "angular_speed": None if angular_speed is None else as_positive(angular_speed, "angular_speed"),
+        "position_tol": position_tol,
+        "orientation_tol": orientation_tol,
+    }
+    given = [segments] if isinstance(segments, SEGMENTS) else list(segments) if np.iterable(segments) else None
+    if not given or isinstance(segments, str):
+        raise InputError(f"segments must be one or more of JointMove, LineMove, …, Dwell; got {shown(segments)}")
+    for i, segment in enumerate(given):
+        if not isinstance(segment, SEGMENTS):
+            raise InputError(
+                f"segment {i + 1} must be a JointMove, FreeMove, LineMove, ScrewMove, ArcMove or Dwell; "
+                f"got {shown(segment)}"
+            )
+        if isinstance(segment, Move):
+            unset = {name: value for name, value in whole.items() if getattr(segment, name) is None}
+            given[i] = replace(segment, **unset)
+            if segment.blend and (i + 1 == len(given) or isinstance(given[i + 1], Dwell)):
+                raise InputError(f"{place(i, segment)} cannot blend: the arm stops at its end; leave blend out")
+    return given
 
 
 def place(i: int, segment: Segment) -> str:

@@ -11,10 +11,10 @@ import numpy as np
 from ..arm.arm import Arm
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
-from .cartesian.nodes import efforts
+from .cartesian.ladder import efforts
 from .joint_path import JointPath
 from .piecewise import bisected, derivative, extremes, rescaled, shifted, side_by_side, through
-from .route import Leg
+from .route import PathPart
 from .segments import Move
 from .within import POSITION_TOL, farthest_outside
 
@@ -36,7 +36,7 @@ ROUNDING = 1e-12
 """A piece shorter than this part of its path is rounding."""
 
 ROOM = 0.9
-"""Greatest share of a leg's path that rounded corners take together."""
+"""Greatest share of a path that rounded corners take together."""
 
 LEAST = 1e-4
 """Where the tool moves by less [m], it only turns: a rounded corner would skip its orientation there."""
@@ -46,24 +46,24 @@ SHRINKS, SMALLER = 20, 0.8
 
 
 class Corner(NamedTuple):
-    """Where a leg's path of unit speed is left, the rounding, and where the next leg's is joined."""
+    """Where a path of unit speed is left, the rounding, and where the next path is joined."""
 
     begins: float
     bend: JointPath
     ends: float
 
 
-def runs(arm: Arm, legs: list[Leg], limits: JointLimits) -> Iterator[tuple[list[Leg], list[Corner]]]:
-    """Yield the legs between stops in order, and the corners between them.
+def runs(arm: Arm, parts: list[PathPart], limits: JointLimits) -> Iterator[tuple[list[PathPart], list[Corner]]]:
+    """Yield the parts between stops in order, and the corners between them.
 
-    The arm stops where that is asked for, where no rounding fits, and before and after a leg without a path.
+    The arm stops where that is asked for, where no rounding fits, and before and after a part without a path.
     """
-    paths = [None if leg.path is None else _of_unit_speed(leg, limits) for leg in legs]
-    radii = [leg.move.blend if leg.path and on.path else 0.0 for leg, on in pairwise(legs)]
+    paths = [None if part.path is None else _of_unit_speed(part, limits) for part in parts]
+    radii = [part.blend if part.path and following.path else 0.0 for part, following in pairwise(parts)]
     shares = [ROOM / 2 if all(ends) else ROOM for ends in pairwise([0.0, *radii, 0.0])]
-    run, corners = list[Leg](), list[Corner]()
-    for i, (leg, radius) in enumerate(zip(legs, [*radii, 0.0], strict=True)):
-        run.append(leg)
+    run, corners = list[PathPart](), list[Corner]()
+    for i, (part, radius) in enumerate(zip(parts, [*radii, 0.0], strict=True)):
+        run.append(part)
         before, after = paths[i], paths[i + 1] if radius else None
         corner = _rounded(arm, before, after, radius, shares[i : i + 2], limits) if before and after else None
         if corner is not None:
@@ -74,42 +74,42 @@ def runs(arm: Arm, legs: list[Leg], limits: JointLimits) -> Iterator[tuple[list[
 
 
 def path_along(
-    arm: Arm, run: list[Leg], corners: list[Corner], limits: JointLimits
+    arm: Arm, run: list[PathPart], corners: list[Corner], limits: JointLimits
 ) -> tuple[JointPath, Array, Array | None]:
-    """One path along moving legs, the end of each leg, and the greatest ṡ per piece (m,).
+    """One path along moving parts, the end of each part, and the greatest ṡ per piece (m,).
 
-    A rounded leg ends in the middle of its corner. The greatest ṡ is None without a limit.
+    A rounded part ends in the middle of its corner. The greatest ṡ is None without a limit.
     """
-    at, begins, parts, ends, caps = 0.0, 0.0, list[JointPath](), list[float](), list[Array]()
-    for leg, following, corner in zip(run, [*run[1:], None], [*corners, None], strict=True):
-        path = _of_unit_speed(leg, limits)
-        parts.append(_part(path, begins, path.length if corner is None else corner.begins))
-        caps.append(_caps(arm, parts[-1], leg.move, limits))
-        at += parts[-1].length
+    at, begins, pieces, ends, caps = 0.0, 0.0, list[JointPath](), list[float](), list[Array]()
+    for part, following, corner in zip(run, [*run[1:], None], [*corners, None], strict=True):
+        path = _of_unit_speed(part, limits)
+        pieces.append(_between(path, begins, path.length if corner is None else corner.begins))
+        caps.append(_caps(arm, pieces[-1], part.move, limits))
+        at += pieces[-1].length
         if corner is not None and following is not None:
             bend, begins = corner.bend.in_pieces(corner.bend.length / BEND_PIECES)[0], corner.ends
-            parts.append(bend)
-            caps.append(np.minimum(_caps(arm, bend, leg.move, limits), _caps(arm, bend, following.move, limits)))
+            pieces.append(bend)
+            caps.append(np.minimum(_caps(arm, bend, part.move, limits), _caps(arm, bend, following.move, limits)))
             ends.append(at + 0.5 * bend.length)
             at += bend.length
     ends.append(at)
-    steps, cap = np.concatenate([np.diff(each.breakpoints) for each in parts]), np.concatenate(caps)
+    steps, cap = np.concatenate([np.diff(path.breakpoints) for path in pieces]), np.concatenate(caps)
     breakpoints = np.concatenate([[0.0], np.cumsum(steps)])
-    whole = JointPath(breakpoints, side_by_side([each.coefficients for each in parts]))
+    whole = JointPath(breakpoints, side_by_side([path.coefficients for path in pieces]))
     return whole, np.array(ends), cap if np.isfinite(cap).any() else None
 
 
-def _of_unit_speed(leg: Leg, limits: JointLimits) -> JointPath:
-    """Return the leg's path by a parameter that counts the least time at full velocity. So corners round evenly.
+def _of_unit_speed(part: PathPart, limits: JointLimits) -> JointPath:
+    """Return the part's path by a parameter that counts the least time at full velocity. So corners round evenly.
 
     A straight path is cut into pieces where the tool's speed is limited.
     """
-    path = leg.path
+    path = part.path
     assert path is not None
     points = path(path.breakpoints)
     length = float(efforts(points[:-1], points[1:], limits.velocity).sum()) / path.length
     scaled = JointPath(path.breakpoints * length, rescaled(path.coefficients, 1.0 / length))
-    if len(path.breakpoints) > 2 or (leg.move.linear_speed is None and leg.move.angular_speed is None):
+    if len(path.breakpoints) > 2 or (part.move.linear_speed is None and part.move.angular_speed is None):
         return scaled
     return scaled.in_pieces(scaled.length / STRAIGHT_PIECES)[0]
 
@@ -186,7 +186,7 @@ def _distance(arm: Arm, path: JointPath, s: Array, centre: Array) -> Array:
     return np.linalg.norm(arm.fk(path(s))[..., :3, 3] - centre, axis=-1)
 
 
-def _part(path: JointPath, begins: float, ends: float) -> JointPath:
+def _between(path: JointPath, begins: float, ends: float) -> JointPath:
     """Return the path between two values of its parameter, as a path that begins at 0."""
     rounding = ROUNDING * path.length
     inner = path.breakpoints[(path.breakpoints > begins + rounding) & (path.breakpoints < ends - rounding)]

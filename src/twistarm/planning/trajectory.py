@@ -1,8 +1,8 @@
-"""Trajectory: a joint motion in time, as plain data."""
+"""Trajectory: a joint motion in time, as plain data; and what files hold of it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import ceil
 from typing import NamedTuple
@@ -16,6 +16,9 @@ from ..support.checks import Array, as_floats, as_number, frozen, require, requi
 from ..support.display import in_brief, told
 from ..support.errors import InputError, listed, shown
 from .piecewise import derivative, evaluate, extremes
+
+Progress = Callable[[float], object]
+"""Called with the fraction done, in (0, 1]."""
 
 RATE_UNITS = ("", "/s", "/s²", "/s³")
 """What follows a joint's unit for the derivative of each order."""
@@ -198,3 +201,25 @@ def require_motors(motors: Actuators | None) -> Actuators:
     if motors is None:
         raise InputError("this trajectory knows no motors: give actuators=, or plan for an arm with [actuators]")
     return motors
+
+
+def motor_values(trajectory: Trajectory, motors: Actuators, t: Array) -> list[Array]:
+    """Return position and velocity of the k motors at t (m,), then both in counts: four arrays (m, k)."""
+    moved = trajectory.to_motors(motors)
+    turned = [moved(t), moved(t, 1)]
+    return [*turned, *map(motors.to_counts, turned)]
+
+
+class Points(NamedTuple):
+    """k instants t (k,) [s] of n joints (k, n) in a file. Rates, accelerations and the planner's limits are optional.
+
+    `place(i)` tells the place of point i in the file.
+    """
+
+    t: Array
+    labels: list[tuple[float, str]]
+    place: Callable[[int], str]
+    limits: JointLimits | None
+    theta: Array
+    theta_dot: Array | None = None
+    theta_ddot: Array | None = None

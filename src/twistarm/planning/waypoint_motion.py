@@ -1,7 +1,8 @@
-"""The shortest motion through waypoints under a time law: along a spline, straight, or both."""
+"""The shortest motion through waypoints under a time law: along a spline, straight, or both, with few stops."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from functools import cache
 from itertools import pairwise
 
@@ -9,20 +10,34 @@ import numpy as np
 
 from ..support.checks import Array
 from .joint_path import JointPath
-from .piecewise import side_by_side
-from .spans import Progress, require_span
-from .stops import best_stops
-from .time_laws import PathBounds, double_s, double_s_durations, line_durations, s_curve, time_optimal
-from .waypoint_path import spline_paths
+from .piecewise import bernstein, side_by_side
+from .spline import cubic_not_forced, natural, outside, pulled_in
+from .time_laws.law import PathBounds
+from .time_laws.s_curve import s_curve
+from .time_laws.straight import double_s, double_s_durations, line_durations
+from .time_laws.time_optimal import time_optimal
+from .trajectory import Progress
+from .within import require_span
 
 Motion = tuple[Array, Array, Array]
 """Times of the waypoints (k,), breakpoints (p + 1,) and coefficients (degree + 1, p, n)."""
+
+FEW_WAYPOINTS = 30
+"""With at most so many waypoints the centripetal spline is a candidate. It is slow on many uneven ones."""
 
 WORTH_A_LAW = 1.05
 """A path that takes longer than the fastest by this factor without jerk limits gets no s-curve."""
 
 FIRST_PART = 0.8
 """Share of the work when the motion without stops is there."""
+
+MOST_STOPS = 16
+"""Greatest number of stops on the way, unless the motion stops after every leg."""
+
+SHORT = 0.4
+"""A leg is short if it takes less than this share of the time of either leg beside it."""
+
+GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 def shortest_motion(
@@ -51,13 +66,40 @@ def shortest_motion(
     return _joined([timed(i, j) for i, j in pairwise([0, *stops, len(alone)])])
 
 
+def best_stops(duration: Callable[[int, int], float], alone: Array, ends: Array) -> tuple[int, ...]:
+    """Return after which of m legs to stop: none, all, or a few that save time.
+
+    A stop may save time where both legs beside it take longer on the way than from rest to rest, and at both ends of a
+    short leg. Such stops that do not help are left out one by one.
+
+    Args:
+        duration: The time [s] of legs i … j − 1 from rest to rest, without a stop between them.
+        alone: The time of each leg from rest to rest (m,) [s].
+        ends: When the motion without stops ends each leg (m,) [s].
+    """
+    count = len(alone)
+
+    def whole(stops: Iterable[int]) -> float:
+        return sum(duration(i, j) for i, j in pairwise([0, *stops, count]))
+
+    passed = np.append(0.0, ends)
+    slow = np.flatnonzero(passed[2:] - passed[:-2] > alone[1:] + alone[:-1]) + 1
+    short = np.flatnonzero(alone[1:-1] < SHORT * np.minimum(alone[:-2], alone[2:])) + 1
+    few = [tuple(stops.tolist()) for stops in (slow, np.union1d(short, short + 1)) if len(stops) <= MOST_STOPS]
+    best = min(((), tuple(range(1, count)), *few), key=whole)
+    if best in few:
+        for stop in best:
+            best = min(best, tuple(other for other in best if other != stop), key=whole)
+    return best
+
+
 def _double_s(ends: Array, bounds: PathBounds) -> Motion:
     breakpoints, coefficients = double_s(ends[0], ends[1], bounds)
     return breakpoints[[0, -1]], breakpoints, coefficients
 
 
 def _along_line(ends: Array, bounds: PathBounds) -> Motion:
-    line = JointPath(np.array([0.0, 1.0]), np.stack([ends[1] - ends[0], ends[0]])[:, None])
+    line = JointPath.straight(ends[0], ends[1])
     breakpoints, coefficients = time_optimal(line, bounds).along(line)
     return breakpoints[[0, -1]], breakpoints, coefficients
 
@@ -73,6 +115,38 @@ def _along_spline(points: Array, law: str, bounds: PathBounds) -> Motion:
     best = min(range(len(laws)), key=lambda i: laws[i].duration)
     path, places = paths[best]
     return laws[best].passes(places), *laws[best].along(path)
+
+
+def spline_paths(points: Array, bounds: PathBounds) -> list[tuple[JointPath, Array]]:
+    """Return candidate paths through distinct waypoints (k, n), k ≥ 3, with the place s of each waypoint (k,).
+
+    Distances are Euclidean in C q / velocity: s counts seconds at full speed. Candidates are the C² cubic by chords,
+    the C⁴ quintic by its own arc length, and for few waypoints the centripetal C² cubic (Lee 1989). A path that would
+    leave the position limits becomes the natural cubic with its knots at the waypoints, pulled inside.
+    """
+    chords = _length(np.diff(points, axis=0), bounds)
+    rough = JointPath(*natural(points, _summed(chords), 5))
+    at = _summed(chords)[:-1] + 0.5 * (GAUSS_POINTS[:, None] + 1.0) * chords
+    arcs = 0.5 * chords * (GAUSS_WEIGHTS @ _length(rough(at, 1), bounds))
+    candidates = [(chords, 3), (arcs, 5), *([(np.sqrt(chords), 3)] if len(points) <= FEW_WAYPOINTS else [])]
+    return [_through(points, _summed(steps), degree, bounds) for steps, degree in candidates]
+
+
+def _through(points: Array, s: Array, degree: int, bounds: PathBounds) -> tuple[JointPath, Array]:
+    breakpoints, coefficients = natural(points, s, degree)
+    lower, upper = np.minimum(bounds.limits.lower, points.min(0)), np.maximum(bounds.limits.upper, points.max(0))
+    if outside(bernstein(coefficients, np.diff(breakpoints)), lower, upper).any():
+        return JointPath(*pulled_in(cubic_not_forced(points, s, "natural"), s, points, bounds.limits)), s
+    return JointPath(breakpoints, coefficients).cut_at(s), s
+
+
+def _length(way: Array, bounds: PathBounds) -> Array:
+    """Return the Euclidean length (...) of ways (..., n) in C q / velocity [s]."""
+    return np.linalg.norm(way @ bounds.C.T / bounds.velocity, axis=-1)
+
+
+def _summed(steps: Array) -> Array:
+    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def _joined(motions: list[Motion]) -> Motion:

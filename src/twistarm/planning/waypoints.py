@@ -1,4 +1,4 @@
-"""Waypoints in joint space: configurations from what a user gives, without repetitions, smoothed."""
+"""Waypoints in joint space: configurations from what a user gives, unwrapped, without repetitions, smoothed."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm
+from ..ik.ranges import joint_ranges
 from ..ik.solution import in_one_line
 from ..ik.solve import solve_ik
 from ..ik.targets import KINDS as TARGETS
@@ -17,10 +18,9 @@ from ..ik.task_space import Tolerances
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, RealArray, Row, as_floats, as_reals
 from ..support.errors import InputError, NotConvergedError, shown
-from ..support.messages import joined
-from .spans import LONGEST, SHORTEST
+from ..support.messages import Argument, Quantity, Text, joined
 from .spline import scipy
-from .unwrapping import unwrapped
+from .within import LONGEST, SHORTEST
 
 MERGE_TOL = 1e-6
 """Consecutive waypoints nearer than this [rad, m] in every joint are one."""
@@ -42,6 +42,11 @@ LEAST_STEP = 0.1
 
 FEWEST = 5
 """A smoothing spline needs so many waypoints."""
+
+HALF_TURN = np.pi * (1.0 + 1e-9)
+"""A joint that turns farther than this [rad] can reach the same place by a shorter way."""
+
+UNWRAP = Argument("unwrap", True)
 
 Waypoints = RealArray | Sequence[Row | Mapping[str, float] | str | TargetLike]
 """Configurations as arrays, mappings {joint: value} or names of states, and targets of the tool."""
@@ -83,6 +88,25 @@ def _is_pose(waypoint: Any) -> bool:
         return False
     numbers = waypoint if isinstance(waypoint, np.ndarray) else as_reals(waypoint, "a waypoint")
     return numbers.shape == (4, 4)
+
+
+def unwrapped(arm: Arm, theta: Array, near: Array, where: str, asked: bool) -> tuple[Array, list[str]]:
+    """Return theta (n,) and notes. If `asked`, whole turns bring it nearest to `near` (n,) within the limits.
+
+    It moves only joints that come back to the same place after a whole turn.
+    """
+    nearest = joint_ranges(arm).wrapped(theta, near)
+    shorter = np.abs(nearest - near) < np.minimum(np.abs(theta - near), HALF_TURN)
+    notes: list[str] = []
+    for j in np.flatnonzero(shorter & (np.abs(theta - near) > HALF_TURN)):
+        unit = arm.units[j]
+        given, taken = Quantity(float(theta[j]), unit), Quantity(float(nearest[j]), unit)
+        long, short = (Quantity(abs(float(value - near[j])), unit, 4) for value in (theta[j], nearest[j]))
+        offered = Text("turns by {long}; {unwrap} makes that {short}", long=long, short=short, unwrap=UNWRAP)
+        done = Text("goes to {taken} in place of {given}, by whole turns", taken=taken, given=given)
+        does = done if asked else offered
+        notes.append(Text("{where}: joint {joint!r} {does}", where=where, joint=arm.joint_names[j], does=does))
+    return np.where(shorter, nearest, theta) if asked else theta, notes
 
 
 def as_times(times: ArrayLike, count: int) -> Array:

@@ -1,4 +1,4 @@
-"""Joint limits along a motion, checked at its exact extremes, and their errors."""
+"""Limits of a motion: of its joints, checked at the exact extremes, and of its length in time; and their errors."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
-from ..support.errors import LimitError
+from ..support.errors import InputError, LimitError
 from ..support.messages import Argument, Quantity, Text
 from ..support.units import theta_hint
 from .piecewise import derivative, extremes, largest
@@ -19,6 +19,12 @@ POSITION_TOL = 1e-9
 
 RATE_TOL = 1e-9
 """Relative excess over a rate limit that is rounding of a motion timed to meet it exactly."""
+
+MARGIN = 1e-10
+"""Times exceed the limits' least times by this share, so that rounding falls on the safe side."""
+
+SHORTEST, LONGEST = 1e-9, 1e9
+"""Lengths [s] of motions whose coefficients keep clear of overflow."""
 
 RATES = ("velocity", "acceleration", "jerk")
 
@@ -144,3 +150,12 @@ def require_waypoints(
             hint=Text(" ({hint})", hint=hint) if hint else "",
         )
     )
+
+
+def require_span(duration: float) -> None:
+    """Raise InputError where a motion of this duration [s] is too short or too long."""
+    if not SHORTEST <= duration <= LONGEST:
+        raise InputError(
+            f"this path and these limits make a motion of {duration:.3g} s; {SHORTEST:g} s to {LONGEST:g} s can be "
+            "planned: check the units of both"
+        )

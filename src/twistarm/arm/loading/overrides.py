@@ -13,7 +13,7 @@ from ...description.chain import Affine
 from ...description.companions.arm_file import ArmSpecification, Motor
 from ...description.companions.joint_limits import read_joint_limits
 from ...description.findings import Finding, Place, finding, refusal
-from ...description.semantics import Semantics
+from ...description.tree import Semantics
 from ...limits.actuators import Actuators
 from ...limits.joint_limits import JointLimits, by_field
 from ...support.checks import Array

@@ -12,7 +12,7 @@ import numpy as np
 from ...arm.arm import Arm
 from ...description.chain import Affine
 from ...description.findings import Finding, Place, finding
-from ...description.inertial import Body, bodies
+from ...description.geometry import Body, bodies
 from ...description.meshes import UnreadableMeshError, read_mesh
 from ...description.tree import Description, Joint, Link
 from ...limits.joint_limits import AS_GOOD_AS_UNBOUNDED, unit_of

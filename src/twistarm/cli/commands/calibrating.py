@@ -136,7 +136,10 @@ def calibrate(
     replace(outputs, files=()).show(data, *_parts(found, arm, more))
     contents: dict[str, Callable[[], str | bytes]] = {
         "urdf": lambda: corrected_urdf(found, zeros=not apart, here=outputs.force),
-        "toml": lambda: _toml(found.require(here=outputs.force)),
+        "toml": lambda: "\n".join(
+            f"[actuators.{name}]\noffset = {offset!r}\n"
+            for name, offset in found.require(here=outputs.force).motor_offsets().items()
+        ),
     }
     outputs.say(outputs.write(contents))
     return 0 if found.confirmed else 1
@@ -181,8 +184,3 @@ def _parts(found: Calibration, arm: Arm, more: Any) -> Iterator[Table | str]:
         yield f"warning: {far}: measure at other configurations, as --next names them"
     here = "confirmed only where the log was taken (--force writes it)" if found.confirmed_here else "not confirmed"
     yield "confirmed" if found.confirmed else f"{here}: {found.why_not}"
-
-
-def _toml(found: Calibration) -> str:
-    offsets = found.motor_offsets().items()
-    return "\n".join(f"[actuators.{name}]\noffset = {offset!r}\n" for name, offset in offsets)

@@ -17,8 +17,8 @@ from ...theory.rotations import to_rpy
 from ..numbers import PLACE, argument, numbers, option, parse_numbers, quantity, whole
 from ..options import Answer, ArmArgument, Avoid, CsvAnswer, Source, Theta, answers, avoided
 from ..output import STDOUT, Outputs, note, plain, progress_bar
+from ..rows import Directions, Positions, Rpys, typed_targets
 from ..tables import Column, Table, joint_heads, number, quantity_text, theta_typed, unit_text
-from ..targets import Directions, Positions, Rpys, typed_targets
 from .arms import joints_table
 from .motion import MOTION_KINDS, MaxTime, Step, Unwrap, motion_of_file, motion_texts
 

@@ -39,7 +39,12 @@ def init(source: File, outputs: Written, motion: Motion = False) -> None:
     if output != STDOUT and not output.endswith(".toml"):
         raise InputError(f"{'a motion' if motion else 'an arm'} file is named *.toml; got {output}")
     if motion:
-        _motion(source, output, outputs)
+        arm = source.load()
+        outputs.write({"toml": lambda: draft_motion_file(arm)})
+        if output != STDOUT:
+            options = [written(Argument(name, value)) for name, value in source.keywords.items() if value]
+            plan = " ".join(["twistarm plan", shlex.quote(source.name), shlex.quote(output), *options])
+            say(f"{output}: a motion with every kind of segment; next: {plan}")
         return
     for name in ("limits", "locked_joints"):
         if name in source.keywords:
@@ -49,13 +54,3 @@ def init(source: File, outputs: Written, motion: Motion = False) -> None:
     if output != STDOUT:
         arm = load_arm(output, env_vars=source.keywords["env_vars"])
         say(f"{output}: {arm.n} joints from {arm.base} to {arm.tip}; next: twistarm info {output}")
-
-
-def _motion(source: Source, output: str, outputs: Outputs) -> None:
-    """A first motion.toml for an arm: a description, an arm.toml or a name."""
-    arm = source.load()
-    outputs.write({"toml": lambda: draft_motion_file(arm)})
-    if output != STDOUT:
-        options = [written(Argument(name, value)) for name, value in source.keywords.items() if value]
-        plan = " ".join(["twistarm plan", shlex.quote(source.name), shlex.quote(output), *options])
-        say(f"{output}: a motion with every kind of segment; next: {plan}")

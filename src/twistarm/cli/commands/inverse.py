@@ -14,9 +14,23 @@ from ...support.messages import plural
 from ..numbers import VALUES, JointValues, joint_values, option, quantity, switch
 from ..options import ArmArgument, Avoid, CsvAnswer, Theta, avoided
 from ..output import Outputs, entries, progress_bar
-from ..rows import ROWS_SHOWN, TARGET_COLUMNS, Columns, few, targets_in
+from ..rows import (
+    ROWS_SHOWN,
+    TARGET_COLUMNS,
+    Axis,
+    Columns,
+    Direction,
+    Orientation,
+    OrientationTol,
+    PositionTol,
+    Quaternion,
+    QuaternionXyzw,
+    Rpy,
+    Xyz,
+    few,
+    targets_in,
+)
 from ..tables import Column, Table, joint_heads, pose_entries, theta_typed
-from ..targets import Axis, Direction, Orientation, OrientationTol, PositionTol, Quaternion, QuaternionXyzw, Rpy, Xyz
 
 Targets = Annotated[str | None, option("CSV", f"A target in each row: {TARGET_COLUMNS}; - is standard input.")]
 Posture = Annotated[

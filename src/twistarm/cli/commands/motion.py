@@ -30,15 +30,16 @@ from ...planning.files.c_header import SUFFIXES, header_text
 from ...planning.files.csv_file import csv_text
 from ...planning.files.joint_trajectory import json_text
 from ...planning.files.mcap_file import mcap_bytes
-from ...planning.motion import MotionKind, as_segments
+from ...planning.motion import MotionKind
 from ...planning.motion import plan as plan_segments
-from ...planning.spans import Progress
+from ...planning.segments import as_segments
+from ...planning.trajectory import Progress
 from ...support.errors import InputError
 from ..numbers import POSE, JointValues, OfJoints, argument, joint_values, of_joints, option, quantity, switch
 from ..options import ArmArgument, Avoid, answers, avoided
 from ..output import STDOUT, Contents, Outputs, note, progress_bar
+from ..rows import Axis, Directions, OrientationTol, Positions, PositionTol, Rpys, typed_targets
 from ..tables import Column, Table, number, theta_values
-from ..targets import Axis, Directions, OrientationTol, Positions, PositionTol, Rpys, typed_targets
 
 CAP = "At most this for every joint, or for those in its unit; the arm's own limits hold as well."
 Velocity = Annotated[OfJoints | None, quantity("rad/s m/s", CAP)]
@@ -184,7 +185,9 @@ def plan(
     if motion is not None:
         asked = load_motion(motion, arm)
     else:
-        asked = _to_goals(targets or poses[1:], LineMove if line else JointMove if avoid is None else FreeMove, blend)
+        goals, move = targets or poses[1:], LineMove if line else JointMove if avoid is None else FreeMove
+        blends = [blend or 0.0] * (len(goals) - 1) + [0.0]  # rounded corners between them
+        asked = MotionFile(tuple(move(goal, blend=each) for goal, each in zip(goals, blends, strict=True)))
     typed |= {} if start is None else {"start": poses[0]}
     asked = replace(asked, **typed, kind=kind or asked.kind, unwrap=unwrap or asked.unwrap)
     scene = avoided(arm, avoid or asked.scene)
@@ -249,12 +252,6 @@ def _require_fitting(
         raise InputError("--blend rounds the corners between goals: give two of them, or leave it out")
     if kind == "quintic" and by_joints:
         raise InputError("--kind quintic is for moves of the tool; through the poses of --to: s_curve or time_optimal")
-
-
-def _to_goals(goals: Sequence[Any], move: Any, blend: float | None) -> MotionFile:
-    """The same kind of move to each goal, with rounded corners between them."""
-    blends = [blend or 0.0] * (len(goals) - 1) + [0.0]
-    return MotionFile(tuple(move(goal, blend=each) for goal, each in zip(goals, blends, strict=True)))
 
 
 def motion_texts(arm: Arm, planned: Trajectory, outputs: Outputs, dt: float, *, counts: bool = False) -> Contents:

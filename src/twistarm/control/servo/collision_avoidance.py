@@ -12,34 +12,34 @@ from ...support.checks import Array
 from .output import REASON_OF_CAUSE, CoreStep, ServoReason
 from .settings import ServoBounds
 
-Ask = Callable[[Array | None], CoreStep]
+Solve = Callable[[Array | None], CoreStep]
 
 COLLISION = REASON_OF_CAUSE.index(ServoReason.COLLISION)
 
 SPARE = 3e-4
 """The servo aims at so much more than the margin [m], for what a linear step cannot see."""
 
-ROUNDED = 1e-6
+ROUNDING = 1e-6
 """How far [m] below its margin a pair may come by rounding."""
 
-SEEN = 5e-5
+UNSEEN = 5e-5
 """Pairs that come nearer than their aim by more [m] were not seen by the rows before."""
 
-MOST, ROUNDS, TOGETHER = 8, 4, 0.1
+FIRST_ROWS, MOST_ROUNDS, OTHERS_SHARE = 8, 4, 0.1
 """The first rows, how often others are added, and the share of the push of the first that others take."""
 
 
 def avoid_collisions(
-    ask: Ask, rest: Callable[[], CoreStep], start: ArrayLike, dt: float, bounds: ServoBounds, scene: Scene
+    solve: Solve, rest: Callable[[], CoreStep], start: ArrayLike, dt: float, bounds: ServoBounds, scene: Scene
 ) -> tuple[CoreStep, Contact | None]:
     """The answer of a step from `start` (n,) that brings no pair nearer than its margin, and the pair that holds it.
 
-    `ask` steps with rows (k, n + 2) of near pairs or None, `rest` steps toward rest. A pair that is nearer than its
+    `solve` steps with rows (k, n + 2) of near pairs or None, `rest` steps toward rest. A pair that is nearer than its
     margin already comes no nearer. Near pairs are measured where the arm will be after the step, and where it would
     stand after a straight stop. A pair that would come too near becomes another row, and the step is made anew. If that
     does not suffice, the arm comes to rest.
     """
-    pairs, answer = scene.near_pairs, ask(None)  # which raises an error for a state that cannot be used
+    pairs, answer = scene.near_pairs, solve(None)  # which raises an error for a state that cannot be used
     theta = np.asarray(start, dtype=np.float64)
     # The law slows a pair that has less room than a stop in twice its time takes.
     time = 3.0 * answer.period + 2.0 * bounds.stopping_time(answer.theta_dot)
@@ -47,25 +47,25 @@ def avoid_collisions(
     if not len(near.pairs):
         return answer, None
     margins, speeds = pairs.least[near.pairs], pairs.speeds[near.pairs]
-    room, floor = near.distances - margins - SPARE, np.minimum(near.distances, margins) - ROUNDED
+    room, floor = near.distances - margins - SPARE, np.minimum(near.distances, margins) - ROUNDING
     # No pair is pushed where the rounds below leave it, and another corner of flat bodies leaves with the first.
-    room = np.maximum(room, np.clip(room + SEEN, -SPARE, 0.0))
-    aim = np.minimum(near.distances - TOGETHER * dt / time * np.minimum(room, 0.0), margins + SPARE - SEEN)
-    owner = room.argsort()[:MOST]
+    room = np.maximum(room, np.clip(room + UNSEEN, -SPARE, 0.0))
+    aim = np.minimum(near.distances - OTHERS_SHARE * dt / time * np.minimum(room, 0.0), margins + SPARE - UNSEEN)
+    owner = room.argsort()[:FIRST_ROWS]
     rows = _rows(near.approach[owner], room[owner], 0.0)
-    for rounds in range(ROUNDS + 1):
-        answer = ask(rows)
+    for rounds in range(MOST_ROUNDS + 1):
+        answer = solve(rows)
         time = dt + 0.5 * bounds.stopping_time(answer.theta_dot)
-        risky = np.flatnonzero(near.distances - speeds @ np.abs(time * answer.theta_dot) < aim - ROUNDED)
+        risky = np.flatnonzero(near.distances - speeds @ np.abs(time * answer.theta_dot) < aim - ROUNDING)
         if not len(risky):
             break
         # Where it is after the step, on its way to a stop and after it.
         times = dt, 0.5 * (dt + time), time
         there = np.array([pairs.distances_of(theta + at * answer.theta_dot, near.pairs[risky]) for at in times])
-        unseen = there < aim[risky] - ROUNDED
+        unseen = there < aim[risky] - ROUNDING
         if not unseen.any():
             break
-        if rounds == ROUNDS:
+        if rounds == MOST_ROUNDS:
             below = there.min(axis=0) - floor[risky]
             if below.min() < 0.0:
                 still = rest()

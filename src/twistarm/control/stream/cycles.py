@@ -195,8 +195,8 @@ class Cycles(ABC, Generic[C]):
     @property
     def at_rest(self) -> bool:
         """Whether the commanded arm stands."""
-        told = self._observer is None or self._observer.at_rest
-        return self.state is None or (told and not self.state.theta_dot.any())
+        drives_rest = self._observer is None or self._observer.at_rest
+        return self.state is None or (drives_rest and not self.state.theta_dot.any())
 
     @property
     def longest_braking(self) -> float:

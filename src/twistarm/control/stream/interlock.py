@@ -34,21 +34,22 @@ class Interlock:
 
     def enable(self) -> bool:
         """Let the arm move. Returns whether it may now; an emergency stop must be cleared first."""
-        return self._change((ENABLED, ""), (STOPPED,)) == ENABLED
+        return self._change(ENABLED, "", (STOPPED,)) == ENABLED
 
     def stop(self, reason: str = "") -> None:
         """Bring the arm to rest until `enable`; an emergency stop stays one."""
-        self._change((STOPPED, _short(reason)), (ENABLED, STOPPED))
+        self._change(STOPPED, reason, (ENABLED, STOPPED))
 
     def emergency_stop(self, reason: str = "") -> None:
         """Bring the arm to rest until `clear` and then `enable`. The first reason stays until then."""
-        self._change((EMERGENCY_STOP, _short(reason)), (ENABLED, STOPPED))
+        self._change(EMERGENCY_STOP, reason, (ENABLED, STOPPED))
 
     def clear(self) -> None:
         """End an emergency stop. The arm is then stopped and waits for `enable`."""
-        self._change((STOPPED, "the emergency stop was cleared; it waits to be enabled"), (EMERGENCY_STOP,))
+        self._change(STOPPED, "the emergency stop was cleared; it waits to be enabled", (EMERGENCY_STOP,))
 
-    def _change(self, new: tuple[str, str], only_from: tuple[str, ...]) -> str:
+    def _change(self, word: str, reason: str, only_from: tuple[str, ...]) -> str:
+        new = word, one_line(require(reason, str, "reason", "in words"), LONGEST_REASON)
         with self._lock:
             if self._now[0] in only_from:
                 self._now = new
@@ -101,10 +102,6 @@ class Interlock:
         """Why the arm may not move, the word and its reason; "" where it may."""
         word, reason = self._now
         return "" if word == ENABLED else ": ".join(filter(None, (word, reason)))
-
-
-def _short(reason: str) -> str:
-    return one_line(require(reason, str, "reason", "in words"), LONGEST_REASON)
 
 
 @runtime_checkable

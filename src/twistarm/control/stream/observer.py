@@ -105,8 +105,8 @@ class RateObserver:
         """
         error = theta - self._x[:, 0] if follow else np.zeros_like(theta)
         resting = np.abs(theta_dot) < STILL
-        standing = resting & (np.abs(self._u) < STILL)
-        near = np.where(standing, 2.0 * NEAR_AT_REST, np.where(resting, NEAR_AT_REST, HALF_STEP))
+        at_rest = resting & (np.abs(self._u) < STILL)
+        near = np.where(at_rest, 2.0 * NEAR_AT_REST, np.where(resting, NEAR_AT_REST, HALF_STEP))
         correction = STIFFNESS * (error - np.clip(error, -near, near))
         correction[resting & (np.abs(correction) < STILL)] = 0.0
         wanted = theta_dot + np.clip(correction, -CORRECTION * self._velocity, CORRECTION * self._velocity)

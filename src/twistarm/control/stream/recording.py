@@ -44,9 +44,9 @@ class Recorder(Bag):
         try:
             self._sink.write(setpoint)
         finally:
-            now, output, told = setpoint.time, setpoint.output, setpoint_message(self._arm, setpoint)
+            now, output, message = setpoint.time, setpoint.output, setpoint_message(self._arm, setpoint)
             self.add_motion(SETPOINTS, now, [(0.0, setpoint.theta, setpoint.theta_dot)])
-            values = [self.of(f"{DIAGNOSTIC}KeyValue", key, str(told[key] or "")) for key in KEYS]
+            values = [self.of(f"{DIAGNOSTIC}KeyValue", key, str(message[key] or "")) for key in KEYS]
             level, words = int(output.status != "OK"), output.explain()
             status = self.of(f"{DIAGNOSTIC}DiagnosticStatus", level, "twistarm", words, self._arm.name, values)
             self.add("/diagnostics", now, f"{DIAGNOSTIC}DiagnosticArray", [status])

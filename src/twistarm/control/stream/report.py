@@ -107,7 +107,7 @@ class StreamReport(Tally):
 
     @property
     def at_the_end(self) -> str:
-        """What the arm was told at the end, and whether that got through."""
+        """How the arm was left at the end, and whether the last setpoint got through."""
         if not self.started:
             return "never moved"
         lost = "" if self.delivered else "; the last setpoint did not get through"
@@ -117,40 +117,33 @@ class StreamReport(Tally):
 
     def explain(self) -> str:
         """The report in lines."""
-        counts = _counted(self.statuses)
-        lines = [
-            joined(": ", filter(None, [f"ended: {self.ending.value}", self.reason])),
-            f"{self.cycles} cycles in {self.duration:.2f} s at {self.rate:g} Hz, {self.missed} missed",
-            f"cycles began late by {self.late_mean * 1e3:.3f} ms (mean), {self.late_max * 1e3:.3f} ms (most)",
-            f"status: {counts}" if counts else "the arm was never moved: no joint state arrived",
-            *([f"reasons: {_counted({each.name: count for each, count in self.reasons.items()})}"] if counts else []),
-            *filter(None, [self.assumed]),
-            *self._stale(),
-            *(f"setpoints did not get through: {text}" for text in with_counts(self.undelivered)),
-            *(f"while it came to rest: {failure}" for failure in with_counts(self.failures)),
-            f"at the end: {self.at_the_end}",
-        ]
-        return joined("\n", lines)
-
-    def _stale(self) -> list[str]:
+        statuses = ", ".join(f"{status} {count}" for status, count in self.statuses.items())
+        reasons = ", ".join(f"{reason.name} {count}" for reason, count in self.reasons.items())
         spans = (
             (self.waited, "waited for the first joint state", self.blind_reason if not self.started else ""),
             (self.blind, "had no fresh joint state", self.blind_reason),
             (self.uncommanded, "had no command", self.uncommanded_reason),
             (self.barred, "was not allowed to move", self.barred_reason),
         )
-        return [
-            f"{what} for {seconds:.3f} s{', at last because: ' if why else ''}{why}"
-            for seconds, what, why in spans
-            if seconds > 0.0
+        lines = [
+            joined(": ", filter(None, [f"ended: {self.ending.value}", self.reason])),
+            f"{self.cycles} cycles in {self.duration:.2f} s at {self.rate:g} Hz, {self.missed} missed",
+            f"cycles began late by {self.late_mean * 1e3:.3f} ms (mean), {self.late_max * 1e3:.3f} ms (most)",
+            f"status: {statuses}" if statuses else "the arm was never moved: no joint state arrived",
+            *([f"reasons: {reasons}"] if reasons else []),
+            *filter(None, [self.assumed]),
+            *(
+                f"{what} for {seconds:.3f} s{', at last because: ' if why else ''}{why}"
+                for seconds, what, why in spans
+                if seconds > 0.0
+            ),
+            *(f"setpoints did not get through: {text}" for text in with_counts(self.undelivered)),
+            *(f"while it came to rest: {failure}" for failure in with_counts(self.failures)),
+            f"at the end: {self.at_the_end}",
         ]
-
-
-def _counted(counts: dict[str, int]) -> str:
-    """Each name with how often it occurred: "OK 120, STALE 3"."""
-    return ", ".join(f"{name} {count}" for name, count in counts.items())
+        return joined("\n", lines)
 
 
 def with_counts(texts: Counter[str]) -> list[str]:
-    """Each text, with how often it was said."""
+    """Each text, with how often it occurred."""
     return [f"{text} ({count} times)" if count > 1 else text for text, count in texts.items()]

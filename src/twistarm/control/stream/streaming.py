@@ -52,7 +52,8 @@ class Streaming(Cycles[Cycle]):
         self.command_timeout = as_positive(command_timeout, "command_timeout")
         self._interlock(self.source)
         self._released = inf
-        self._held = not self.interlock.allows_motion  # a command since before the arm was enabled, which moves nothing
+        # A command from before the arm was enabled moves nothing until the controls were released once.
+        self._await_release = not self.interlock.allows_motion
 
     def _cycle(self, now: float) -> Cycle:
         measured, theta, blind = self._measure(now)
@@ -61,8 +62,8 @@ class Streaming(Cycles[Cycle]):
         reading = call_device(Ending.SOURCE_FAILED, self.source.read, now, self.state)
         command, uncommanded = self._command(reading)
         barred = self.interlock.barrier
-        self._held = (self._held or bool(barred)) and _asks_for_motion(command)
-        if self._held:
+        self._await_release = (self._await_release or bool(barred)) and _asks_for_motion(command)
+        if self._await_release:
             command, uncommanded = None, RELEASE_FIRST
         if self.state is None:
             self.tally.waited += self.period

@@ -21,8 +21,7 @@ from ..expansion.expand import expand_xacro, is_xacro
 from ..expansion.expansion import arguments_in
 from ..findings import Finding, Place, finding, refusal
 from ..packages import package_index
-from ..semantics import EndEffector, Group, GroupState, Pair, Semantics, pair
-from ..tree import Description, Joint
+from ..tree import Description, EndEffector, Group, GroupState, Joint, Pair, Semantics, pair
 
 MAX_BYTES = 1_000_000
 """A whole humanoid's SRDF has some 200 kB."""

@@ -11,13 +11,11 @@ import numpy as np
 from ...support.checks import Array
 from ...theory.screws import exp
 from ..document import Reading
-from ..inertial import INERTIA
+from ..geometry import INERTIA
 from ..planar import free_name
-from ..semantics import GroupState, Semantics
-from ..tree import GRAVITY
+from ..tree import GRAVITY, GroupState, Semantics
 from ..writing import add_joint, add_mimic, add_origin, number_text
-from .compilation import Compiled, compiled, pose
-from .files import Mjcf
+from .compilation import Compiled, Mjcf, compiled, pose
 
 ROOT = "world"
 """MuJoCo's name of the body that carries all others."""

@@ -10,8 +10,7 @@ from ...support.errors import DescriptionError, listed
 from ...support.messages import Argument, Text, plural
 from ..findings import Finding, finding, refusal
 from ..tree import Description
-from .bodies import Body, bodies
-from .link_names import is_flange, is_tool, tells_of, tool_rank
+from .bodies import Body, bodies, is_flange, is_tool, tells_of, tool_rank
 
 SHOWN = 6
 """Most candidates in one sentence."""

@@ -12,7 +12,7 @@ from ...ik.targets import AnyTarget
 from ...ik.task_space import USUAL, Tolerances
 from ...support.checks import Array
 from ..tolerances import are_wide
-from .nodes import ALL_BUT_EXACT, EXACT
+from .projection import ALL_BUT_EXACT, EXACT
 
 MANY = 96
 """Searches from random starts, besides the one from the arm's configuration; also the most closed-form answers."""

@@ -11,12 +11,11 @@ from ...arm.arm import Arm
 from ...support.checks import Array
 from ..joint_path import JointPath
 from ..piecewise import bernstein, extremes
-from ..spline import unforced
+from ..spline import cubic_not_forced
 from ..within import POSITION_TOL as ROUNDING
-from .meeting import met_near
-from .moving_target import MovingTarget
-from .nodes import EXACT, LONGEST_JUMP, Blocked, Node
-from .projection import projected
+from .curves import MovingTarget
+from .ladder import Blocked, Node
+from .projection import solve_near
 
 Flags = NDArray[np.bool_]
 
@@ -37,23 +36,17 @@ MOST_SAMPLES = 4096
 ROUNDS = 12
 """Halvings of intervals in which the tool is too far from the curve."""
 
-SMOOTHINGS = 20
-"""How often the samples of a redundant arm are smoothed toward the line between their neighbours."""
 
-
-def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> JointPath | Blocked:
+def follow(arm: Arm, samples: Sequence[Node]) -> JointPath | Blocked:
     """Return the joint path through samples of one curve, or the place where it leaps.
 
     A C² cubic spline goes through the samples. Intervals where the tool is too far from the curve are halved. Too far
     means beyond `POSITION_TOL`, `ANGLE_TOL` or wider tolerances, at check points that lie densely in each interval.
-    `even` first evens out the samples of a redundant arm.
     """
     moving = samples[0].moving
     s, theta = np.array([node.s for node in samples]), np.array([node.theta for node in samples])
-    if even:
-        theta = _evened(arm, moving, s, theta)
     for _ in range(ROUNDS):
-        path = JointPath(s, unforced(theta, s, "not-a-knot"))
+        path = JointPath(s, cubic_not_forced(theta, s, "not-a-knot"))
         outside = _outside(arm, path)
         off = _too_far(arm, moving, path) | outside
         if not off.any():
@@ -62,16 +55,14 @@ def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> JointPat
             break
         between = 0.5 * (s[:-1] + s[1:])[off]
         found = path(between)
-        met = _uses_tolerance_well(arm, moving, between, found) & ~outside[off]
-        found[~met], met[~met] = met_near(arm, moving, moving.curve(between[~met]), found[~met])
-        if not met.all():
-            unmet = int(np.flatnonzero(~met)[0])
-            return _blocked(samples[0], s, theta, float(between[unmet]), leap=False)
+        good = _uses_tolerance_well(arm, moving, between, found) & ~outside[off]
+        found[~good], good[~good] = solve_near(arm, moving, moving.curve(between[~good]), found[~good])
+        if not good.all():
+            return _blocked(samples[0], s, theta, float(between[int(np.argmin(good))]), leap=False)
         s, theta = np.concatenate([s, between]), np.concatenate([theta, found])
         order = np.argsort(s, kind="stable")
         s, theta = s[order], theta[order]
-    worst = int(np.flatnonzero(off)[0])
-    return _blocked(samples[0], s, theta, float(s[worst + 1]), leap=True)
+    return _blocked(samples[0], s, theta, float(s[int(np.argmax(off)) + 1]), leap=True)
 
 
 def _uses_tolerance_well(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Flags:
@@ -80,19 +71,6 @@ def _uses_tolerance_well(arm: Arm, moving: MovingTarget, s: Array, theta: Array)
         return np.zeros(len(s), dtype=bool)
     position, angle = moving.errors(s, arm.fk(theta))
     return (position <= SHARE * moving.tolerances.position) & (angle <= SHARE * moving.tolerances.orientation)
-
-
-def _evened(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Array:
-    """Pull the samples (k, n) toward the line between their neighbours. The targets stay met."""
-    ideal = moving.curve(s[1:-1])
-    share = ((s[1:-1] - s[:-2]) / (s[2:] - s[:-2]))[:, None]
-    theta = theta.copy()
-    for _ in range(SMOOTHINGS):
-        between = theta[:-2] + share * (theta[2:] - theta[:-2])
-        found, met = projected(arm, moving.like, ideal, between, EXACT, moving.leeway)
-        met &= np.abs(found - theta[1:-1]).max(axis=1) <= LONGEST_JUMP
-        theta[1:-1][met] = found[met]
-    return theta
 
 
 def _blocked(root: Node, s: Array, theta: Array, ahead: float, *, leap: bool) -> Blocked:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,9 +11,13 @@ from ...arm.arm import Arm
 from ...ik.closed_form.methods import family_method
 from ...limits.joint_limits import JointLimits
 from ...support.checks import Array
-from .meeting import Met, met_near, targets_at
-from .moving_target import MovingTarget
-from .nodes import EXACT, LONGEST_JUMP, Blocked, Node, Rungs, cheapest_first, efforts
+from .curves import MovingTarget
+from .projection import EXACT, LONGEST_JUMP, Solutions, solve_near, targets_at
+
+FIRST_STEP, FIRST_TURN = 0.01, np.radians(1.0)
+"""From rung to rung [m, rad] solve_ik stays on its branch where it can."""
+
+MOST_RUNGS = 2048
 
 MIN_RUNGS = 4
 """Rungs of the shortest curve."""
@@ -25,6 +30,64 @@ LEAST_DISTANCE = 2**-12
 
 MOST_HALVINGS = 4096
 """Rungs in between of one climb, at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A configuration at s of a curve, reached from `parent`. `cost` [s] is the joint motion since the beginning."""
+
+    moving: MovingTarget
+    s: float
+    theta: Array
+    cost: float
+    parent: Node | None = None
+
+
+def way(last: Node | None) -> list[Node]:
+    """Return the nodes on the way to the last one, in order."""
+    nodes = []
+    while last is not None:
+        nodes.append(last)
+        last = last.parent
+    return nodes[::-1]
+
+
+def cheapest_first(nodes: list[Node]) -> list[Node]:
+    """Sort nodes by joint motion, ignoring rounding."""
+    return sorted(nodes, key=lambda node: float(f"{node.cost:.6g}"))
+
+
+@dataclass(frozen=True, eq=False)
+class Blocked:
+    """A curve that can be followed to `node`, but not to s = `ahead`. `leap`: only a leap would meet it there."""
+
+    node: Node
+    ahead: float
+    leap: bool
+
+    @property
+    def start(self) -> Array:
+        """The configuration (n,) at the beginning of the curve."""
+        return next(node.theta for node in way(self.node) if node.moving is self.node.moving)
+
+
+class Rungs:
+    """Places s (k + 1,) close enough for the curves of all nodes, and the poses there."""
+
+    def __init__(self, nodes: Sequence[Node], fewest: int) -> None:
+        movings = {id(node.moving): node.moving for node in nodes}
+        steps = max(max(each.curve.length / FIRST_STEP, each.angle / FIRST_TURN) for each in movings.values())
+        self.s = np.linspace(0.0, 1.0, int(np.clip(np.ceil(steps), fewest, MOST_RUNGS)) + 1)
+        self._poses = {key: each.curve(self.s) for key, each in movings.items()}
+
+    def poses(self, nodes: Sequence[Node], k: int) -> Array:
+        """The ideal poses (b, 4, 4) of each node's curve at rung k."""
+        return np.array([self._poses[id(node.moving)][k] for node in nodes])
+
+
+def efforts(start: Array, end: Array, velocity: Array) -> Array:
+    """Return the least times (...) between configurations (..., n) at full velocity [s]."""
+    return (np.abs(end - start) / velocity).max(axis=-1)
 
 
 def climb(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | Blocked:
@@ -76,13 +139,13 @@ class _Climber:
                 self.farthest = Blocked(node, s, bool(met[i]))
         return found, halved
 
-    def _solved(self, nodes: list[Node], s: float, k: int | None) -> Met:
+    def _solved(self, nodes: list[Node], s: float, k: int | None) -> Solutions:
         """Return answers (b, n) at s, near where each node is heading, and which exist."""
         g = np.array([node.moving.curve(np.array(s)) for node in nodes]) if k is None else self.rungs.poses(nodes, k)
         near = np.clip([_ahead(node, s) for node in nodes], self.arm.limits.lower, self.arm.limits.upper)
-        return met_near(self.arm, nodes[0].moving, g, near, self._by_closed_form)
+        return solve_near(self.arm, nodes[0].moving, g, near, self._by_closed_form)
 
-    def _by_closed_form(self, moving: MovingTarget, ideal: Array, near: Array) -> Met | None:
+    def _by_closed_form(self, moving: MovingTarget, ideal: Array, near: Array) -> Solutions | None:
         """Return the nearest answer to each target. The arm's family must give all of them and hold no joint."""
         method = family_method(self.arm, moving.like)
         if method.compiled is None or method.swept:

@@ -1,28 +1,38 @@
-"""Projection: many configurations brought onto a curve's targets by Newton's method, inside the limits."""
+"""Projection: configurations near others, brought onto the poses of a curve, exactly or within tolerances."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...arm.arm import Arm
 from ...ik.rotation_errors import log_rate
+from ...ik.searches import searched
 from ...ik.targets import AnyTarget, Approach, Pose, TolerancedPose
 from ...ik.task_space import Tolerances
 from ...support.checks import Array
 from ...theory import rotations
-from .moving_target import errors_from
+from .curves import MovingTarget, errors_from
+
+EXACT = 1e-9
+"""Configurations meet the curve to this [m, rad], so that the spline through them is smooth."""
+
+ALL_BUT_EXACT = Tolerances(EXACT, EXACT)
+
+LONGEST_JUMP = 0.5
+"""A joint that moves farther [rad, m] from rung to rung leaps."""
 
 STEPS = 12
 
-DAMPING, LEAST_DAMPING = 0.05, 1e-12
-"""Of a step, as part of the squared error and at least. Far from targets and near singularities it is short."""
-
-TOLERANCE_DAMPING = 1e-6
-"""Least damping within tolerances. It keeps joints from turning far to correct rounding of an axis."""
+DAMPING, LEAST_DAMPING = 0.05, 1e-6
+"""Of a step, as part of the squared error and at least. It is short far from targets and near singularities, and no
+joint turns far to correct rounding of an axis.
+"""
 
 GROWTH, MOST_GROWTH = 10.0, 1e8
-"""Factor and limit of the least damping within tolerances, which grows where a step increases errors."""
+"""Factor and limit of the least damping, which grows where a step increases errors."""
 
 MOST_WEIGHT = 1e3
 """Greatest weight of an error with a narrow tolerance relative to one with a wide tolerance."""
@@ -30,54 +40,84 @@ MOST_WEIGHT = 1e3
 LIMIT = 1e-12
 """A joint this near to a limit [rad, m] is at it."""
 
+Solutions = tuple[Array, NDArray[np.bool_]]
+"""Configurations (k, n), and which of them meet their targets (k,)."""
 
-def projected(
-    arm: Arm, like: AnyTarget, ideal: Array, theta: Array, exact: float, within: Tolerances | None = None
-) -> tuple[Array, NDArray[np.bool_]]:
-    """Return configurations near theta (k, n) for targets at `ideal` (k, 4, 4), and which meet them.
+
+def solve_near(
+    arm: Arm,
+    moving: MovingTarget,
+    ideal: Array,
+    near: Array,
+    closed_form: Callable[[MovingTarget, Array, Array], Solutions | None] | None = None,
+) -> Solutions:
+    """Solve for configurations near `near` (k, n) at poses `ideal` (k, 4, 4).
+
+    They meet targets exactly where possible, so that a spline through them is smooth. With wide tolerances, the nearest
+    configuration within them comes first. A search within tolerances comes last. `closed_form` replaces the search for
+    exact configurations where it applies.
+    """
+
+    def without_leap(ideal: Array, near: Array) -> Solutions:
+        theta, converged = projected(arm, moving.like, ideal, near, moving.tolerances)
+        return theta, converged & (np.abs(theta - near).max(axis=1) <= LONGEST_JUMP)
+
+    def exactly(ideal: Array, near: Array) -> Solutions:
+        found = None if closed_form is None else closed_form(moving, ideal, near)
+        return search(ideal, near, ALL_BUT_EXACT) if found is None else found
+
+    def search(ideal: Array, near: Array, tolerances: Tolerances = moving.tolerances) -> Solutions:
+        found = searched(arm, targets_at(moving.like, ideal), near, tolerances)
+        return found.theta, found.converged
+
+    theta, converged = near.copy(), np.zeros(len(near), dtype=bool)
+    for solve in (*([without_leap] if moving.leeway else []), exactly, search):
+        left = np.flatnonzero(~converged)
+        found, good = solve(ideal[left], near[left])
+        theta[left[good]], converged[left[good]] = found[good], True
+        if converged.all():
+            break
+    return theta, converged
+
+
+def targets_at(like: AnyTarget, ideal: Array) -> Array | list[AnyTarget]:
+    """Return targets like that one at poses (k, 4, 4), in the form that `searched` takes."""
+    return ideal if isinstance(like, Pose) else [like.at(each) for each in ideal]
+
+
+def projected(arm: Arm, like: AnyTarget, ideal: Array, theta: Array, within: Tolerances) -> Solutions:
+    """Return configurations near theta (k, n) for targets at `ideal` (k, 4, 4), and which meet them within tolerances.
 
     Damped Gauss-Newton takes the shortest step: θ ← θ − Jᵀ (J Jᵀ + λ 1)⁻¹ e (Nakamura & Hanafusa 1986). So what a
-    target leaves free stays. A joint at a limit is held if it would leave. Targets are met to `exact` [m, rad], or
-    `within` tolerances. These weigh the errors, and λ grows where errors do not shrink.
+    target leaves free stays. A joint at a limit is held if it would leave. The tolerances weigh the errors, and λ grows
+    where errors do not shrink.
     """
     lower, upper = arm.limits.lower, arm.limits.upper
     theta = np.clip(theta, lower, upper)
-    more, best, kept = np.ones(len(theta)), np.full(len(theta), np.inf), theta
+    more, least, kept = np.ones(len(theta)), np.full(len(theta), np.inf), theta
     for _ in range(STEPS):
         e, J = errors_and_rows(like, ideal, arm.fk(theta), arm.body_jacobian(theta))
-        met: NDArray[np.bool_] = np.abs(e).max(axis=1) <= 0.5 * exact
-        if met.all():
+        exact: NDArray[np.bool_] = np.abs(e).max(axis=1) <= 0.5 * EXACT
+        if exact.all():
             break
-        if within is None:
-            damping = DAMPING * (e**2).sum(axis=1) + LEAST_DAMPING
-        else:
-            weights = _weights(within, e.shape[1])
-            e, J = e * weights, J * weights[:, None]
-            size = (e**2).sum(axis=1)
-            less = size < best
-            more = np.clip(np.where(less, more / GROWTH, more * GROWTH), 1.0, MOST_GROWTH)
-            kept, best = np.where(less[:, None], theta, kept), np.minimum(size, best)
-            if not less.all():
-                theta = kept
-                e, J = errors_and_rows(like, ideal, arm.fk(theta), arm.body_jacobian(theta))
-                e, J = e * weights, J * weights[:, None]
-            damping = DAMPING * best + TOLERANCE_DAMPING * more
-        damped = damping[:, None, None] * np.eye(e.shape[1])
-        step = _shortest(e, J, damped)
+        tolerances = np.array([within.position] * 3 + [within.orientation] * (e.shape[1] - 3))
+        weights = np.minimum(max(within.position, within.orientation) / tolerances, MOST_WEIGHT)
+        size = ((e * weights) ** 2).sum(axis=1)
+        less = size < least
+        more = np.clip(np.where(less, more / GROWTH, more * GROWTH), 1.0, MOST_GROWTH)
+        kept, least = np.where(less[:, None], theta, kept), np.minimum(size, least)
+        if not less.all():
+            theta = kept
+            e, J = errors_and_rows(like, ideal, arm.fk(theta), arm.body_jacobian(theta))
+        e, J = e * weights, J * weights[:, None]
+        damping = (DAMPING * least + LEAST_DAMPING * more)[:, None, None] * np.eye(e.shape[1])
+        step = _shortest(e, J, damping)
         held = ((theta <= lower + LIMIT) & (step < 0.0)) | ((theta >= upper - LIMIT) & (step > 0.0))
         if held.any():
-            step = _shortest(e, J * ~held[:, None], damped)
-        theta = np.where(met[:, None], theta, np.clip(theta + step, lower, upper))
-    if within is not None:
-        position, angle = errors_from(like, ideal, arm.fk(theta))
-        met = (position <= within.position) & (angle <= within.orientation)
-    return theta, met
-
-
-def _weights(within: Tolerances, count: int) -> Array:
-    """Return weights (r,) of an error's rows, greater for the narrower tolerance."""
-    tolerances = np.array([within.position] * 3 + [within.orientation] * (count - 3))
-    return np.minimum(max(within.position, within.orientation) / tolerances, MOST_WEIGHT)
+            step = _shortest(e, J * ~held[:, None], damping)
+        theta = np.where(exact[:, None], theta, np.clip(theta + step, lower, upper))
+    position, angle = errors_from(like, ideal, arm.fk(theta))
+    return theta, (position <= within.position) & (angle <= within.orientation)
 
 
 def _shortest(e: Array, J: Array, damping: Array) -> Array:

@@ -18,9 +18,8 @@ from ...support.units import length_hint
 from ..joint_path import JointPath
 from .branches import branches
 from .following import follow
-from .ladder import climb
-from .moving_target import MovingTarget
-from .nodes import LONGEST_JUMP, Blocked, Node, way
+from .ladder import Blocked, Node, climb, way
+from .projection import LONGEST_JUMP
 
 AT_LIMIT = 0.01
 """A joint nearer to its limit than this [rad, m] at the end of a path is at the limit."""
@@ -69,38 +68,31 @@ class PathError(TwistarmError):
 
 def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, segment: int, place: str, *, others: bool) -> PathError:
     """Return the error for a blocked path. With `others`, other configurations are tried as a remedy too."""
-    moving = blocked.node.moving
-    met = moving.tolerances
-    beyond = None if blocked.leap else solve_ik(arm, moving.at(blocked.ahead), blocked.node.theta, **met.keywords)
-    nowhere = beyond is not None and beyond.certain
+    node, moving = blocked.node, blocked.node.moving
+    beyond = None
+    if not blocked.leap:
+        beyond = solve_ik(arm, moving.at(blocked.ahead), node.theta, **moving.tolerances.keywords)
+    certain = beyond is not None and beyond.certain
     reason, joint, why = _why(arm, blocked, beyond)
-    other = _other_start(arm, limits, blocked) if others and not nowhere else None
+    other = _other_start(arm, limits, blocked) if others and not certain else None
     help_ = "make it shorter, or move its ends"
     if other is not None:
         start = Posture(tuple(other.tolist()), arm.units)
         help_ = Text("begin it in another configuration, {start}, from which all of it can be followed", start=start)
+    turns = moving.curve.length < 1e-9
+    whole, unit = (moving.curve.angle, "rad") if turns else (moving.curve.length, "m")
     hint = length_hint(float(np.linalg.norm(moving.curve(np.array(1.0))[:3, 3])), arm.reach)
     what = Text(
-        "the tool follows the path for {part} and no farther: {why}{certain}{hint}: {help}",
-        part=_part(moving, blocked.node.s),
+        "the tool follows the path for {part} of {whole} ({percent} %) and no farther: {why}{certain}{hint}: {help}",
+        part=Quantity(node.s * whole, unit, 3),
+        whole=Quantity(whole, unit, 3),
+        percent=min(round(100.0 * node.s), 99),
         why=why,
-        certain=CERTAIN * nowhere,
+        certain=CERTAIN * certain,
         hint=f" ({hint})" if hint else "",
         help=help_,
     )
-    return PathError(what, blocked.node.s, blocked.node.theta, reason, joint, other, segment, place)
-
-
-def _part(moving: MovingTarget, share: float) -> str:
-    """Word the part of the path that was followed, in m or rad."""
-    turns = moving.curve.length < 1e-9
-    whole, unit = (moving.curve.angle, "rad") if turns else (moving.curve.length, "m")
-    return Text(
-        "{part} of {whole} ({percent} %)",
-        part=Quantity(share * whole, unit, 3),
-        whole=Quantity(whole, unit, 3),
-        percent=min(round(100.0 * share), 99),
-    )
+    return PathError(what, node.s, node.theta, reason, joint, other, segment, place)
 
 
 def _why(arm: Arm, blocked: Blocked, beyond: IKResult | None) -> tuple[str, str | None, str]:
@@ -118,19 +110,16 @@ def _why(arm: Arm, blocked: Blocked, beyond: IKResult | None) -> tuple[str, str 
             limit = Quantity(float(getattr(limits, side)[j]), arm.units[j])
             what = "joint {joint!r} comes to its {side} limit {limit}"
             return "limit", arm.joint_names[j], Text(what, joint=arm.joint_names[j], side=side, limit=limit)
-    if not (beyond is None or beyond.converged):
-        if beyond.stop is StopReason.BLOCKED_BY_LIMITS:
-            return "limit", None, "the limits of the joints leave no configuration that meets it farther on"
-        if beyond.stop is StopReason.IMPOSSIBLE_DIRECTION:
-            return "impossible direction", None, beyond.stop.value
-        return "out of reach", None, "the path leaves the arm's reach there"
-    if float(arm.manipulability(theta).singular_values[-1]) < SINGULAR:
-        return (
-            "singular",
-            None,
-            "the arm comes to a singular configuration, and would have to leap to another configuration",
-        )
-    return "limit", None, "the arm would have to leap to another configuration"
+    leap = "the arm would have to leap to another configuration"
+    if beyond is None or beyond.converged:
+        if float(arm.manipulability(theta).singular_values[-1]) < SINGULAR:
+            return "singular", None, f"at a singular configuration, {leap}"
+        return "limit", None, leap
+    if beyond.stop is StopReason.BLOCKED_BY_LIMITS:
+        return "limit", None, "the limits of the joints leave no configuration that meets it farther on"
+    if beyond.stop is StopReason.IMPOSSIBLE_DIRECTION:
+        return "impossible direction", None, beyond.stop.value
+    return "out of reach", None, "the path leaves the arm's reach there"
 
 
 def _goes_on(arm: Arm, blocked: Blocked, joints: list[int]) -> bool:

@@ -16,8 +16,7 @@ from ...support.checks import Array, as_flag, number_in
 from ...support.csv_lines import Bounds, Row, csv_lines, csv_rows
 from ...support.csv_lines import csv_text as lines_of
 from ...support.errors import InputError, closest, listed
-from ..trajectory import Trajectory, motors_of, require_motors
-from .points import Points, motor_values
+from ..trajectory import Points, Trajectory, motor_values, motors_of, require_motors
 
 TIME = "time [s]"
 LABEL = "label"

@@ -17,8 +17,7 @@ from ...support.errors import DescriptionError, InputError, closest, listed, sho
 from ...support.fields import numbers
 from ...support.files import read_bounded, why_no_file
 from ...support.strict_json import parsed
-from ..trajectory import Trajectory, motors_of
-from .points import Points, motor_values
+from ..trajectory import Points, Trajectory, motor_values, motors_of
 
 NANOSECOND = 1e-9
 

@@ -19,9 +19,8 @@ from ...support.files import TEMPORARY, why_no_file, writable, write_whole
 from ...support.interrupts import Closeable
 from ...theory.rotations import to_xyzw
 from ...theory.screws import inverse_of
-from ..trajectory import Trajectory
+from ..trajectory import Points, Trajectory
 from .joint_trajectory import FIELDS, points_in
-from .points import Points
 
 TRAJECTORY, STATE, TEXT = "trajectory_msgs/msg/JointTrajectory", "sensor_msgs/msg/JointState", "std_msgs/msg/String"
 GEOMETRY, TIMES = "geometry_msgs/msg/", "builtin_interfaces/msg/"

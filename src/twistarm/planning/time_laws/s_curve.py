@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...support.checks import Array
 from ..joint_path import Indices, JointPath
 from ..piecewise import bernstein, bisected, derivative, evaluate
-from .bounds import PathBounds
-from .law import TimeLaw, apart
+from .law import PathBounds, TimeLaw, distinct_instants
 from .time_optimal import LimitedPath, first_grid, on_grid
 
-WINDOWS = (0.7, 1.0, 1.4, 2.0, 2.8, 4.0)
+WINDOWS = (1.0, 2.0, 2.8)
 """Window widths to try, as multiples of the rise time of the slowest rate to its acceleration limit."""
 
-FIRST, NARROW = 3, 1
-"""Indices of the widths to try first: usually the best, and often the best otherwise."""
+ROUNDS, PATIENCE, GAIN = 8, 3, 5e-3
+"""Greatest number of laws for each width; so many in a row that are not shorter by this share end it."""
+
+MANY_PIECES = 1500
+"""Laws along so many pieces take long, and change little from one to the next: the first without a gain ends it."""
+
+POWER, LEAST, MOST = 0.7, 0.9, 1.2
+"""A ceiling is divided by this power of the piece's need of slowing, which counts within these bounds."""
+
+HEADROOM = 1.05
+"""A ceiling is at most the speed by this factor, so that it may rise again."""
 
 BEND_SHARE = 0.9
 """Share of the jerk for the bend of the path. The rest is for changes of the acceleration along it."""
@@ -26,21 +33,8 @@ BEND_SHARE = 0.9
 PIECES = 64
 """Least number of pieces of the path, so that a ceiling is low only in a short part."""
 
-CLOSE = 1.06
-"""A law that needs less slowing than this factor gets no lower ceilings."""
-
-NEAR_CEILING = 1.05
-"""A ceiling counts if the law comes within this factor of it."""
-
-NEARLY_KEPT = 1.002
-"""A law nearly keeps its limits if it exceeds them by less than this factor."""
-
 SAMPLES = np.array([[0.0], [0.5], [1.0 - 1e-9]])
 """Where in each of its pieces a law is looked at."""
-
-ROUNDS = 6
-GAIN = 5e-3
-"""Greatest number of laws with ever lower ceilings, and the least share by which each must be shorter."""
 
 BISECTIONS = 60
 """To find when a place is reached, to rounding."""
@@ -49,92 +43,37 @@ BISECTIONS = 60
 def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
     """A law of limited jerk that keeps every limit, with zero velocity and acceleration at both ends.
 
-    A moving average of the time-optimal law limits the jerk: to its acceleration jumps over the window's width. Several
-    widths are tried. Where sharp bends exceed the limits, the ceilings of ṡ around them are lowered. The shortest of
-    all laws is then slowed as a whole to its exact extremes. A joint or motor without a jerk limit reaches its
-    acceleration limit in 0.1 s. `double_s` is shorter from rest to rest in a straight line. A path without motion takes
-    no time. Raises InputError as `time_optimal` does.
+    A moving average of the time-optimal law limits the jerk: to its acceleration jumps over the window's width. Some
+    widths are tried. Ceilings of ṡ fall where the law exceeds a limit, and rise where it uses none, so that the whole
+    comes near its limits everywhere. The shortest of all laws is then slowed as a whole to its exact extremes. A joint
+    or motor without a jerk limit reaches its acceleration limit in 0.1 s. `double_s` is shorter from rest to rest in a
+    straight line. A path without motion takes no time. Raises InputError as `time_optimal` does.
     """
     if not path.moves:
         return TimeLaw.at_once()
     fine, piece = path.in_pieces(path.length / PIECES)
     bounds = replace(bounds, ceiling=bounds.ceiling_of(path)[piece])
-    search = _Search(fine, _Needs(fine, bounds), LimitedPath.of(fine, bounds), first_grid(fine.breakpoints))
-    ceiling, limited = _ceiling(fine, bounds), np.isfinite(bounds.acceleration)
-    rise = float((bounds.acceleration[limited] / bounds.jerk[limited]).max())  # of the slowest rate to its limit [s]
-    fastest = search.fastest(ceiling)
-
-    def tried(i: int) -> _Tried:
-        return search.averaged(fastest, ceiling, WINDOWS[i] * rise)
-
-    narrow, first = tried(NARROW), tried(FIRST)
-    best = _downhill(tried, NARROW, narrow) if narrow.duration() < first.duration() else _downhill(tried, FIRST, first)
-    if best.factor.max() > CLOSE:
-        tightened = [*search.tightened(search.slow_in_bends(narrow)), *search.tightened(best)]
-        best = min((best, *tightened), key=_Tried.duration)
-    return _smoothed(best.fastest, best.window, fine).at_full_pace(fine, bounds, bounds.jerk)
-
-
-def _downhill(tried: Callable[[int], _Tried], first: int, best: _Tried) -> _Tried:
-    """The shortest law, from window `first` on in the direction in which laws become shorter."""
-    for step in (-1, 1):
-        i = first + step
-        while 0 <= i < len(WINDOWS) and (other := tried(i)).duration() < best.duration():
-            best, i = other, i + step
-        if i != first + step:
-            break
-    return best
-
-
-@dataclass(frozen=True, eq=False)
-class _Tried:
-    """The fastest law under a ceiling (m,), the window [s] of its average, and each piece's needs."""
-
-    fastest: TimeLaw
-    ceiling: Array
-    window: float
-    factor: Array
-    speed: Array
-
-    def duration(self) -> float:
-        """How long it takes once it is slowed as a whole."""
-        return (self.fastest.duration + self.window) * float(self.factor.max())
-
-
-@dataclass(frozen=True, eq=False)
-class _Search:
-    """A path in fine pieces, the needs of laws along it, and their grid."""
-
-    path: JointPath
-    needs: _Needs
-    limited: LimitedPath
-    grid: Array
-
-    def fastest(self, ceiling: Array) -> TimeLaw:
-        return on_grid(replace(self.limited, ceiling=ceiling), self.grid)
-
-    def averaged(self, fastest: TimeLaw, ceiling: Array, window: float) -> _Tried:
-        return _Tried(fastest, ceiling, window, *self.needs.of(_roughly_smoothed(fastest, window, self.path)))
-
-    def tried(self, ceiling: Array, window: float) -> _Tried:
-        return self.averaged(self.fastest(ceiling), ceiling, window)
-
-    def slow_in_bends(self, at: _Tried) -> _Tried:
-        """The ceiling held for a window about each piece where it counts."""
-        counts = np.where(at.ceiling < at.speed * NEAR_CEILING, at.ceiling, np.inf)
-        return self.tried(np.minimum(at.ceiling, _widened(counts, self.path.breakpoints, at.window)), at.window)
-
-    def tightened(self, at: _Tried) -> Iterator[_Tried]:
-        """It, and laws of ever lower ceilings about the pieces that ask too much."""
-        shortest = np.inf
+    needs, limited, grid = _Needs(fine, bounds), LimitedPath.of(fine, bounds), first_grid(fine.breakpoints)
+    limits = np.isfinite(bounds.acceleration)
+    rise = float((bounds.acceleration[limits] / bounds.jerk[limits]).max())  # of the slowest rate to its limit [s]
+    best, shortest = None, np.inf
+    for window in rise * np.array(WINDOWS):
+        ceiling, least, vain = _ceiling(fine, bounds), np.inf, 0
         for _ in range(ROUNDS):
-            yield at
-            if at.factor.max() < NEARLY_KEPT or at.duration() > shortest * (1.0 - GAIN):
-                return
-            shortest = at.duration()
-            with np.errstate(divide="ignore", invalid="ignore"):
-                low = np.where(at.factor > 1.0, np.minimum(at.ceiling, at.speed / at.factor), np.inf)
-            at = self.tried(np.minimum(at.ceiling, _widened(low, self.path.breakpoints, at.window)), at.window)
+            fastest = on_grid(replace(limited, ceiling=ceiling), grid)
+            factor, speed = needs.of(_roughly_smoothed(fastest, window, fine))
+            duration = (fastest.duration + window) * float(factor.max())  # once it is slowed as a whole
+            if duration < shortest:
+                best, shortest = (fastest, window), duration
+            vain = 0 if duration < least * (1.0 - GAIN) else vain + 1
+            least = min(least, duration)
+            if vain == (PATIENCE if len(piece) < MANY_PIECES else 1):
+                break
+            reached = np.where(speed > 0.0, HEADROOM * speed, np.inf)  # a law may pass a tiny piece between samples
+            ceiling = np.minimum(ceiling, reached) / np.clip(factor, LEAST, MOST) ** POWER
+            ceiling = np.minimum(ceiling, bounds.ceiling_of(fine))
+    assert best is not None
+    return _smoothed(*best, fine).at_full_pace(fine, bounds, bounds.jerk)
 
 
 def _ceiling(path: JointPath, bounds: PathBounds) -> Array:
@@ -174,15 +113,6 @@ class _Needs:
         return np.maximum(factor, fastest / self.ceiling), fastest
 
 
-def _widened(ceiling: Array, breakpoints: Array, window: float) -> Array:
-    """The ceiling (m,), held for half a window [s] around each piece, so that its average keeps it."""
-    slow = np.flatnonzero(np.isfinite(ceiling))
-    reach = 0.5 * window * ceiling[slow, None]
-    before, after = breakpoints[slow, None] - reach, breakpoints[slow + 1, None] + reach
-    near = (breakpoints[:-1] < after) & (breakpoints[1:] > before)
-    return np.where(near, ceiling[slow, None], np.inf).min(axis=0, initial=np.inf)
-
-
 def _smoothed(law: TimeLaw, window: float, path: JointPath) -> TimeLaw:
     """s_w(t) = (1/w) ∫ s(τ) dτ over [t − w, t] is longer by the window w [s], and of one degree more.
 
@@ -213,11 +143,11 @@ class _Average:
         self.integral = np.concatenate([before, integral, after], axis=1)[:, :, None]
         self.starts = np.concatenate([[0.0], law.breakpoints])
         self.window = window
-        self.knots = apart(np.concatenate([law.breakpoints, law.breakpoints + window]))
+        self.knots = distinct_instants(np.concatenate([law.breakpoints, law.breakpoints + window]))
 
     def law(self, instants: Array) -> TimeLaw:
         """The average as a law with ends of pieces at these instants too."""
-        times = apart(np.concatenate([self.knots, instants]))
+        times = distinct_instants(np.concatenate([self.knots, instants]))
         return TimeLaw(times, self.pieces(times))
 
     def at(self, times: Array) -> Array:

@@ -16,9 +16,9 @@ from ...arm import engine
 from ...support.checks import Array
 from ...support.errors import InputError
 from ..joint_path import JointPath
-from ..spans import MARGIN, SHORTEST, Progress, require_span
-from .bounds import PathBounds
-from .law import APART, TimeLaw
+from ..within import MARGIN, SHORTEST, require_span
+from .law import PathBounds, TimeLaw
+from .straight import along_line
 
 FIRST_INTERVALS = 150
 """Intervals to begin with, about."""
@@ -45,7 +45,7 @@ LEAST_DEGREE = 2
 """A straight line counts as a parabola: its curvature is a polynomial too."""
 
 
-def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None = None) -> TimeLaw:
+def time_optimal(path: JointPath, bounds: PathBounds) -> TimeLaw:
     """The shortest law from rest to rest that keeps velocity, acceleration, motors and ceiling.
 
     s̈ is constant on each interval of a grid, so s is a parabola on each. No limit is exceeded between the grid's
@@ -56,17 +56,15 @@ def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None 
     if not path.moves:
         return TimeLaw.at_once()
     if path.coefficients.shape[:2] == (2, 1):
-        return _along_line(path, bounds)
+        return along_line(path, bounds)
     limited, grid, shortest = LimitedPath.of(path, bounds), first_grid(path.breakpoints), np.inf
-    for done in range(1, ROUNDS + 1):
+    for _ in range(ROUNDS):
         profile = path_velocity(limited, grid)
         durations = _durations(grid, profile.x)
         duration = float(durations.sum())
-        if progress is not None:
-            progress(done / ROUNDS)
         endless = np.isinf(durations)
-        # Where both speeds are zero no limit has a share, and the interval is halved.
-        loss = np.where(endless, 0.0, durations) * np.where(endless, 0.0, 1.0 - profile.share)
+        # Where both speeds are zero, or an interval is tiny, no limit has a share; an endless interval is halved.
+        loss = np.where(endless, 0.0, durations) * (1.0 - np.fmax(np.fmin(profile.share, 1.0), 0.0))
         coarse = endless | (loss > LOSS * duration / len(loss))
         fine = loss.sum() < UNUSED_PER_GAIN * GAIN * duration or duration > shortest * (1.0 - GAIN)
         if not endless.any() and (fine or not coarse.any() or len(coarse) > MAX_INTERVALS):
@@ -74,39 +72,6 @@ def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None 
         shortest = duration
         grid = np.sort(np.concatenate([grid, (0.5 * (grid[:-1] + grid[1:]))[coarse]]))
     return _law(grid, profile, durations)
-
-
-def line_durations(ways: Array, bounds: PathBounds) -> Array:
-    """Durations (k,) [s] of the shortest motions along ways (k, n) that are not zero, straight and from rest to rest.
-
-    The fraction travelled may have speed V = min v / |C way| and acceleration A = min a / |C way|. It takes 1/V + V/A,
-    or 2/√A if V² ≥ A (Lynch & Park §9.2.2.2).
-    """
-    V, A = _line_limits(ways, bounds)
-    ramps = np.minimum(V / A, np.sqrt(1.0 / A))
-    return ramps + np.maximum(1.0 / V, ramps)
-
-
-def _line_limits(ways: Array, bounds: PathBounds) -> tuple[Array, Array]:
-    rows = np.abs(ways @ bounds.C.T)
-    with np.errstate(divide="ignore"):
-        return 1.0 / (rows / bounds.velocity).max(axis=-1), 1.0 / (rows / bounds.acceleration).max(axis=-1)
-
-
-def _along_line(path: JointPath, bounds: PathBounds) -> TimeLaw:
-    """The law of a straight path, in closed form: full acceleration, full speed, full braking."""
-    L = path.length
-    V, A = (float(limit[0]) * L * (1.0 - MARGIN) for limit in _line_limits((path.end - path.start)[None], bounds))
-    V = min(V, float(bounds.ceiling_of(path)[0]) * (1.0 - MARGIN))
-    ramp = min(V / A, np.sqrt(L / A))
-    coast = L / V - ramp
-    speed, bend = A * ramp, 0.5 * A * ramp**2
-    phases = [(0.5 * A, 0.0, 0.0), (0.0, speed, bend), (-0.5 * A, speed, L - bend)]
-    durations = [ramp, coast, ramp]
-    if coast <= APART * ramp:
-        del phases[1], durations[1]
-    require_span(sum(durations))
-    return TimeLaw(np.cumsum([0.0, *durations]), np.array(phases).T)
 
 
 def on_grid(limited: LimitedPath, grid: Array) -> TimeLaw:

@@ -26,7 +26,7 @@ from ...support.errors import InputError
 from ..memo import Memo
 from ..protocol.jobs import Job, Progress
 from ..protocol.messages import Message
-from ..scene.kinematics import Placement, standing_at
+from ..scene.kinematics import Placement, link_matrices
 from .arm_data import drawn, tool_path
 from .pose_list import PoseList, RecordedPose
 from .show import Part, Route, Show
@@ -184,7 +184,7 @@ def _planned(
     asked: MotionRequest,
     limits: JointLimits,
     others: Mapping[str, float],
-    met: Mapping[str, Any],
+    tolerances: Mapping[str, Any],
     scene: Scene | None,
     progress: Progress,
 ) -> tuple[Trajectory | PathError, dict[str, Any]]:
@@ -198,7 +198,7 @@ def _planned(
         else:
             moves = segments(arm, poses, 0.0 if asked.stop else asked.corner)
             speed = asked.linear_speed or None
-            motion = plan(arm, moves, start=poses[0].theta, linear_speed=speed, **met, **shared)
+            motion = plan(arm, moves, start=poses[0].theta, linear_speed=speed, **tolerances, **shared)
     except PathError as error:
         return error, {**tool_path(arm, poses[0].theta[None]), **beside, "stopped": _stop(arm, error, others)}
     return motion, {**tool_path(arm, motion), **beside}
@@ -211,15 +211,15 @@ def _stop(arm: Arm, error: PathError, others: Mapping[str, float]) -> dict[str, 
     position = np.round(arm.fk(error.theta)[:3, 3], 6).tolist()
     why = f"{error.joint} at its limit" if error.joint else WHY.get(error.reason, error.reason)
     words = "collides" if error.reason == "collision" else f"stops at {100.0 * error.share:.0f} %: {why}"
-    return {"position": position, "words": words, "arm": standing_at(Placement(arm), error.theta, others)}
+    return {"position": position, "words": words, "arm": link_matrices(Placement(arm), error.theta, others)}
 
 
 def _ghosts(arm: Arm, poses: Sequence[RecordedPose], others: Mapping[str, float]) -> dict[str, Any]:
     """Link poses at MOST_GHOSTS of the recorded poses or fewer, and the numbers of these poses."""
     chosen = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), MOST_GHOSTS)).round().astype(int))
     placement = Placement(arm)
-    standing = [standing_at(placement, poses[i].theta, others) for i in chosen]
-    return {"waypoints": standing, "ids": [poses[i].id for i in chosen]}
+    matrices = [link_matrices(placement, poses[i].theta, others) for i in chosen]
+    return {"waypoints": matrices, "ids": [poses[i].id for i in chosen]}
 
 
 def _ends(poses: Sequence[RecordedPose]) -> list[RecordedPose]:

@@ -19,7 +19,7 @@ from ...support.errors import InputError
 from ...theory import rotations
 from ..protocol.jobs import Job
 from ..protocol.messages import Message
-from ..scene.kinematics import Placement, ghost, standing_at
+from ..scene.kinematics import Placement, ghost, link_matrices
 from .show import Part, Route, Show
 
 MAX_TIME = 0.5
@@ -212,10 +212,14 @@ class Solutions(Part):
         self._choices = self._at = self._stands = self._where = None
 
 
-def _found(arm: Arm, target: AnyTarget, start: Array, others: Mapping[str, float], met: Mapping[str, Any]) -> Choices:
+def _found(
+    arm: Arm, target: AnyTarget, start: Array, others: Mapping[str, float], tolerances: Mapping[str, Any]
+) -> Choices:
     """All configurations; joints that the target does not determine stay where they are."""
     held = {name: float(start[arm.joint_names.index(name)]) for name in closed_form_of(arm, target).held}
-    return choices_of(solve_ik_all(arm, target, start, fixed_joints=held, **met), others, _held_in_words(arm, held))
+    return choices_of(
+        solve_ik_all(arm, target, start, fixed_joints=held, **tolerances), others, _held_in_words(arm, held)
+    )
 
 
 def choices_of(solutions: AllSolutions, others: Mapping[str, float], more: Sequence[str] = ()) -> Choices:
@@ -227,7 +231,7 @@ def choices_of(solutions: AllSolutions, others: Mapping[str, float], more: Seque
         "asked": True,
         "places": [_place(solutions, each, i) for i, each in enumerate(theta)],
         "words": "\n".join([*solutions.explain().splitlines(), *more]),
-        "ghosts": [standing_at(placement, each, others) for each in theta],
+        "ghosts": [link_matrices(placement, each, others) for each in theta],
     }
     return Choices(theta, min(len(solutions), MAX_SHOWN), message)
 

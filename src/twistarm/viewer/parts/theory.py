@@ -138,7 +138,7 @@ def _singularity(arm: Arm, theta: Array) -> dict[str, Any]:
         "yoshikawa": float(found.yoshikawa),
         "smallest": values[-1] if values else 0.0,
         "below": BELOW,
-        "standing": standing(found, rank, BELOW),
+        "standing": rank_in_words(found, rank, BELOW),
     }
 
 
@@ -170,7 +170,7 @@ def _screws(columns: Array) -> dict[str, list[Any]]:
     }
 
 
-def standing(found: Manipulability, rank: int, below: float) -> str:
+def rank_in_words(found: Manipulability, rank: int, below: float) -> str:
     """The rank, and the directions, in tool axes, of singular values under `below`."""
     values = found.singular_values
     if not len(values):

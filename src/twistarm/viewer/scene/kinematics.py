@@ -64,10 +64,10 @@ def ghost(solution: IKResult, others: Mapping[str, float]) -> dict[str, list[flo
     """
     if solution.unlimited is None:
         return None
-    return standing_at(Placement(solution.arm), solution.unlimited, others)
+    return link_matrices(Placement(solution.arm), solution.unlimited, others)
 
 
-def standing_at(placement: Placement, theta: Array, others: Mapping[str, float]) -> dict[str, list[float]]:
+def link_matrices(placement: Placement, theta: Array, others: Mapping[str, float]) -> dict[str, list[float]]:
     """Where each link stands at theta (n,), {node: matrix by columns}."""
     transforms = placement.at(theta, others)["transforms"]
     return {path: matrix for path, matrix in transforms.items() if path.startswith("/arm/")}

@@ -80,7 +80,7 @@ def draw_meshes(description: Description, size: float, exact: bool, known: Mappi
     """
     most = {} if exact else _shares(description)
     read: dict[Path, list[Part] | str] = {}
-    told = {""}
+    reported = {""}
     for link in description.links.values():
         undrawn = _is_only_meshes(link)
         found = _found(link)
@@ -98,8 +98,8 @@ def draw_meshes(description: Description, size: float, exact: bool, known: Mappi
             undrawn = undrawn and not drawn
             if k == len(found) and _is_only_meshes(link):
                 objects += lost_frame(link, size) if undrawn else [drawing.removed(stand_in_path(link))]
-            yield Drawn(node, tuple(objects), "" if note in told else note, drawn, _all_exact(parts), source)
-            told.add(note)
+            yield Drawn(node, tuple(objects), "" if note in reported else note, drawn, _all_exact(parts), source)
+            reported.add(note)
 
 
 def _source(node: str, visual: Geometry, path: Path, most: float, last: bool) -> Source:

@@ -65,9 +65,9 @@ class Watch(Closeable):
     def _run(self) -> None:
         while not self._closed.wait(PERIOD):
             if stamps(self._stamps) != self._stamps:
-                self._take(self._settled())
+                self._take(self._stable_stamps())
 
-    def _settled(self) -> Stamps:
+    def _stable_stamps(self) -> Stamps:
         """The stamps once they no longer change: an editor may still be writing."""
         end = time.monotonic() + CHANGES_TIMEOUT
         before, now = None, stamps(self._stamps)
@@ -103,8 +103,8 @@ class Watch(Closeable):
     def _tell(self, words: str, wrong: bool) -> None:
         self._waiting = False
         if not self._closed.is_set():
-            told = without_places(words, *self._stamps)
-            self._server.notify(f"{time.strftime('%H:%M:%S')} {told}", wrong)
+            text = without_places(words, *self._stamps)
+            self._server.notify(f"{time.strftime('%H:%M:%S')} {text}", wrong)
             self._say(words)
 
 

@@ -1,12 +1,16 @@
-"""Double-S profiles: the shortest rest-to-rest motion within velocity, acceleration and jerk, in closed form."""
+"""The shortest motions from rest to rest along straight lines, in closed form: double-S profiles and trapezoids."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ...support.checks import Array
-from .bounds import PathBounds
-from .law import apart
+from ..joint_path import JointPath
+from ..within import MARGIN, require_span
+from .law import APART, PathBounds, TimeLaw, distinct_instants
+
+SIGNS: Array = np.array([1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0])
+"""The jerk in the seven phases of a double-S profile, as a share of its greatest."""
 
 
 def double_s(start: Array, goal: Array, bounds: PathBounds) -> tuple[Array, Array]:
@@ -68,35 +72,53 @@ def _phases(d: Array, V: Array, A: Array, J: Array) -> tuple[Array, Array, Array
 def _profiles(d: Array, jerk: Array, hold: Array, coast: Array) -> tuple[Array, Array]:
     """Breakpoints and coefficients for the distances d (n,) with these phases, slowed to one duration."""
     own = 4.0 * jerk + 2.0 * hold + coast
-    whole = float(own.max())
-    moves = own > 0
+    whole, moves = float(own.max()), own > 0
     slower = whole / np.where(moves, own, 1.0)
     x, y, z = jerk * slower, hold * slower, np.where(moves, coast * slower, whole)
-    knots = np.zeros((8, len(d)))
-    np.cumsum([x, y, x, z, x, y], axis=0, out=knots[1:7])
-    knots[7] = whole
+    ends = np.cumsum([x, y, x, z, x, y], axis=0)
+    times = distinct_instants(np.vstack([np.zeros_like(d), ends, np.full_like(d, whole)]))
+    phase = (0.5 * (times[:-1] + times[1:])[:, None, None] >= ends).sum(axis=1)
     a = d / np.where(moves, (x + y) * (2.0 * x + y + z), 1.0)
-    j = a / np.where(moves, x, 1.0) / 6.0
-    v1, v2, v3 = 0.5 * a * x, a * (0.5 * x + y), a * (x + y)
-    p1 = a * x * x / 6.0
-    p2 = p1 + (v1 + 0.5 * a * y) * y
-    p3 = p2 + (v2 + a * x / 3.0) * x
-    o, half = np.zeros_like(d), 0.5 * a
-    phases = np.array(
-        [
-            [j, o, -j, o, -j, o, j],
-            [o, half, half, o, o, -half, -half],
-            [o, v1, v2, v3, v3, v2, v1],
-            [o, p1, p2, p3, d - p3, d - p2, d - p1],
-        ]
-    )
-    times = apart(knots)
-    middle = 0.5 * (times[:-1] + times[1:])
-    phase = (middle[:, None, None] >= knots[1:7]).sum(axis=1)
-    joint = np.arange(len(d))
-    c3, c2, c1, c0 = phases[:, phase, joint]
-    tau = times[:-1, None] - knots[phase, joint]
-    bent = c3 * tau
-    return times, np.array(
-        [c3, c2 + 3.0 * bent, c1 + tau * (2.0 * c2 + 3.0 * bent), c0 + tau * (c1 + tau * (c2 + bent))]
-    )
+    # The greatest acceleration a is reached in x, so the third derivative is a / x; then three integrals.
+    c3, h = SIGNS[phase] * (a / np.where(moves, x, 1.0)) / 6.0, np.diff(times)[:, None]
+    c2 = _integrated(3.0 * c3 * h)
+    c1 = _integrated((2.0 * c2 + 3.0 * c3 * h) * h)
+    return times, np.stack([c3, c2, c1, _integrated((c1 + (c2 + c3 * h) * h) * h)])
+
+
+def _integrated(steps: Array) -> Array:
+    """The value at the beginning of each piece (k, n), 0 at the first, by the change on each."""
+    return np.concatenate([np.zeros_like(steps[:1]), np.cumsum(steps[:-1], axis=0)])
+
+
+def line_durations(ways: Array, bounds: PathBounds) -> Array:
+    """Durations (k,) [s] of the shortest motions along ways (k, n) that are not zero, straight and from rest to rest.
+
+    The fraction travelled may have speed V = min v / |C way| and acceleration A = min a / |C way|. It takes 1/V + V/A,
+    or 2/√A if V² ≥ A (Lynch & Park §9.2.2.2).
+    """
+    V, A = _line_limits(ways, bounds)
+    ramps = np.minimum(V / A, np.sqrt(1.0 / A))
+    return ramps + np.maximum(1.0 / V, ramps)
+
+
+def along_line(path: JointPath, bounds: PathBounds) -> TimeLaw:
+    """The law of a straight path: full acceleration, full speed, full braking."""
+    L = path.length
+    V, A = (float(limit[0]) * L * (1.0 - MARGIN) for limit in _line_limits((path.end - path.start)[None], bounds))
+    V = min(V, float(bounds.ceiling_of(path)[0]) * (1.0 - MARGIN))
+    ramp = min(V / A, np.sqrt(L / A))
+    coast = L / V - ramp
+    speed, bend = A * ramp, 0.5 * A * ramp**2
+    phases = [(0.5 * A, 0.0, 0.0), (0.0, speed, bend), (-0.5 * A, speed, L - bend)]
+    durations = [ramp, coast, ramp]
+    if coast <= APART * ramp:
+        del phases[1], durations[1]
+    require_span(sum(durations))
+    return TimeLaw(np.cumsum([0.0, *durations]), np.array(phases).T)
+
+
+def _line_limits(ways: Array, bounds: PathBounds) -> tuple[Array, Array]:
+    rows = np.abs(ways @ bounds.C.T)
+    with np.errstate(divide="ignore"):
+        return 1.0 / (rows / bounds.velocity).max(axis=-1), 1.0 / (rows / bounds.acceleration).max(axis=-1)
