@@ -13,8 +13,7 @@ from ..arm.baking import digest_of
 from ..control.servo import ServoSettings
 from ..control.servo.settings import bounds_of
 from ..ik import AnyTarget, Approach, Pose, Position
-from ..ik.closed_form.compiled import ClosedFormParameters
-from ..ik.closed_form.methods import method_for
+from ..ik.closed_form.methods import ClosedFormParameters, method_for
 from ..support.checks import Array
 from ..support.code_text import c_number, c_string, c_strings, cpp_number, cpp_numbers, filled, identifier_of
 from ..support.errors import TwistarmError
@@ -136,7 +135,7 @@ def _closed_form(arm: Arm) -> str:
     families, choices = "", ""
     for kind, target in kinds.items():
         method = method_for(arm, target)
-        if method.numbers is not None:
+        if method.exact and method.numbers is not None:
             families += _family(arm, kind, method.numbers, method.in_words(arm))
             choices += f"if constexpr (Target::kind == twistarm::target_kind::{kind})\n        "
             choices += f"solve({kind}_family<T>);\n    else "

@@ -49,9 +49,9 @@ def settled(arm: Arm, target: AnyTarget, answer: Answer, patient: bool) -> Answe
         return answer
     method, start = family_for(arm, target), np.array(answer.theta0)
     exact = Tolerances(float(answer.position_tol), float(answer.orientation_tol)).at_most(EXACT)
-    if method is None or method.compiled is None:
+    if method is None or method.core is None:
         return _searched_again(arm, target, answer) if patient and answer.stop == BLOCKED else answer
-    found = method.compiled.solve(
+    found = method.core.solve(
         target.numbers, start, _held_values(arm, method, start), exact.position, exact.orientation
     )
     if found is None:

@@ -9,7 +9,7 @@ import numpy as np
 from ..arm.arm import Arm
 from ..support.checks import Array
 from ..theory.screws import to_screw
-from .closed_form.joint_axis import NO_PITCH
+from .closed_form.chain import NO_PITCH
 from .targets import Approach, Pose, Position
 
 STEPS = 50

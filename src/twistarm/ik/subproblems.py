@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from ..support.checks import Array, as_direction, as_number, as_twist, as_vector, frozen
 from ..support.errors import InputError
-from .closed_form.joint_axis import JointAxis, Point, across, along, axis_of, product, settle
+from .closed_form.chain import JointAxis, Point, across, along, axis_of, product, settle
 from .ranges import Mask
 
 UNIT = 1e-6

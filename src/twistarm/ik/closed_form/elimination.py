@@ -28,7 +28,7 @@ import numpy as np
 
 from ...support.checks import Array
 from ...theory.screws import exp, inverse
-from .joint_axis import JointAxis, Point, across, product, settle
+from .chain import JointAxis, Point, across, product, settle
 
 SIX = 6
 

@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...support.checks import Array
-from .joint_axis import JointAxis, Plane, Point, product
+from .chain import JointAxis, Plane, Point, product
 
 EXACT = 1e-9
 """Axes are exact if they miss a point by less than this share of the reach, or a direction by less than this [rad]."""

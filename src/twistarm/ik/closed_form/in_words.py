@@ -9,8 +9,8 @@ import numpy as np
 
 from ...arm.almost_exact import angle_in_words
 from ...arm.arm import Arm
+from .chain import JointAxis
 from .families import DECOUPLED, SPHERICAL, FittedFamily
-from .joint_axis import JointAxis
 
 PARALLEL = 1e-6
 """Sines below this are those of parallel axes: their distance is measured across them."""

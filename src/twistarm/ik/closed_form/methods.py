@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -19,17 +19,82 @@ from ...arm import engine
 from ...arm.arm import Arm
 from ...support.checks import Array
 from ...support.errors import InputError
+from ...theory.screws import inverse
 from ..ranges import standing
 from ..targets import AnyTarget, Approach, Pose, Position
 from . import elimination
-from .chain import MOST_JOINTS, Chain, chain_for, goal
-from .compiled import SAMPLE, ClosedFormParameters, family_numbers
+from .chain import MOST_JOINTS, Chain, JointAxis, Plane, Point, chain_for, goal
 from .elimination import Rooted, eliminated
 from .families import EXACT, Family, closest_miss, families
 from .in_words import family_in_words, missed_in_words, off_in_words
 
 if TYPE_CHECKING:
     from ..._core import ClosedForm
+
+SAMPLE = 0.3
+"""Value [rad, m] of held joints in the search for their family. Almost every value shows it."""
+
+
+class ClosedFormParameters(NamedTuple):
+    """A family and its axes with held joints at 0, in the core's form (twistarm::solved_arm)."""
+
+    first: int
+    last: int
+    keeps: int
+    axes: Array
+    joint: Array
+    kept: Array
+    held: Array
+    held_axes: Array
+    rate: Array
+    home: Array
+    idle: Array
+
+
+def family_numbers(
+    arm: Arm, chain: Chain, family: Family, held: tuple[int, ...], idle: Set[int]
+) -> ClosedFormParameters:
+    """The numbers of a family with joints `held`. `idle` joints may have any value in an answer.
+
+    The core gets the values of held joints in every call, so its axes have these joints at 0.
+    """
+    axes, _ = chain.held(held, np.full(len(held), SAMPLE))
+    fitted = family.fitted(axes)
+    left = [i for i in range(len(chain.axes)) if i not in held]
+    joints = [left[i] for i in family.order]
+    back = [inverse(_carried(chain, held, joint)) for joint in joints]
+    at_zero = [axis.seen(g) for axis, g in zip(fitted.axes, back, strict=True)]
+    # A slide of the group may stand elsewhere among the joints; what turns carries the normal.
+    carrier = next((i for i in range(family.first, family.last) if not fitted.axes[i].slides), family.first)
+    keeps, kept = _kept(None if fitted.kept is None else fitted.kept.moved(back[carrier]))
+    return ClosedFormParameters(
+        family.first, family.last, keeps, _numbers(at_zero),
+        np.array([joint if joint < arm.n else -1 for joint in joints], dtype=np.float64),
+        kept, np.array(held, dtype=np.float64), _numbers([chain.axes[i] for i in held]),
+        np.array(chain.rates), np.array(arm.home), np.array([float(i in idle) for i in range(arm.n)]),
+    )  # fmt: skip
+
+
+def _kept(kept: Point | Plane | None) -> tuple[int, Array]:
+    """What the group keeps: nothing, a point or a plane, and its four numbers."""
+    if kept is None:
+        return 0, np.zeros(4)
+    return (2, np.append(kept.n, kept.d)) if isinstance(kept, Plane) else (1, np.append(kept.p, 0.0))
+
+
+def _carried(chain: Chain, held: tuple[int, ...], joint: int) -> Array:
+    """The motion (4, 4) that the held joints before this one have given it."""
+    g = np.eye(4)
+    for i in held:
+        if i < joint:
+            g = g @ chain.axes[i].motion(SAMPLE)
+    return g
+
+
+def _numbers(axes: list[JointAxis]) -> Array:
+    """(k, 7): w, o, and 1 for a slide."""
+    return np.array([[*axis.w, *axis.o, float(axis.slides)] for axis in axes]).reshape(-1, 7)
+
 
 SLACK = 1e-6
 """Relative miss of a subproblem that is rounding on an exact arm, as when it is stretched."""
@@ -48,8 +113,8 @@ class Method:
     """A way by a `family`, or by elimination if it is `rooted`. With neither, `reason` says why.
 
     `held`: joints of the arm that are `given` or sampled, because the target does not determine them. `idle`: held
-    joints that move only free parts of the target, so one value is enough. `numbers` and `compiled`: the family for the
-    core and in it, where it is exact. `proposing`: the family in the core that proposes candidates.
+    joints that move only free parts of the target, so one value is enough. `numbers` and `core`: the family for the
+    core and in it.
     """
 
     chain: Chain
@@ -61,8 +126,7 @@ class Method:
     off: float = 0.0
     reason: str = ""
     numbers: ClosedFormParameters | None = None
-    compiled: ClosedForm | None = None
-    proposing: ClosedForm | None = None
+    core: ClosedForm | None = None
 
     @property
     def there(self) -> bool:
@@ -73,6 +137,11 @@ class Method:
     def exact(self) -> bool:
         """Whether the candidates hold every answer: by an exact family or by elimination."""
         return self.rooted is not None or (self.family is not None and self.off <= EXACT)
+
+    @property
+    def compiled(self) -> ClosedForm | None:
+        """The family in the core that finds every answer. One that is not exact only proposes candidates."""
+        return self.core if self.exact else None
 
     @property
     def name(self) -> str:
@@ -104,8 +173,8 @@ class Method:
             return self._eliminated(goal(arm, target), self.rooted, values)
         if len(self.held) == arm.n:
             return values[None]
-        assert self.proposing is not None, "the solvers ask for the core"
-        found = self.proposing.candidates(target.numbers, near, values, SLACK if exact else SLACK_NEARLY)
+        assert self.core is not None, "the solvers ask for the core"
+        found = self.core.candidates(target.numbers, near, values, SLACK if exact else SLACK_NEARLY)
         assert found is not None, "what was checked is plain"
         return found
 
@@ -122,7 +191,7 @@ class Method:
         return theta
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "compiled": None, "proposing": None}  # what is compiled belongs to this process
+        return {**self.__dict__, "core": None}  # what is compiled belongs to this process
 
 
 _KEPT: WeakKeyDictionary[Arm, dict[object, Method]] = WeakKeyDictionary()
@@ -140,12 +209,15 @@ def method_for(arm: Arm, target: AnyTarget, given: tuple[int, ...] = ()) -> Meth
     A joint with limits of one value is given.
     """
     given = tuple(sorted({*given, *standing(arm)}))
-    return _cached_method(arm, target, given, lambda: _with_core(arm, target, _find_method(arm, target, given)))
+    return _cached_method(arm, target, given, lambda: _in_core(arm, target, _find_method(arm, target, given)))
 
 
 def family_method(arm: Arm, target: AnyTarget) -> Method:
     """The method by families alone, without elimination, which takes long to set up."""
-    return _cached_method(arm, target, "family", lambda: _with_core(arm, target, _nearest_family(arm, target)))
+    given = standing(arm)
+    return _cached_method(
+        arm, target, "family", lambda: _in_core(arm, target, _find_method(arm, target, given, families_alone=True))
+    )
 
 
 def family_for(arm: Arm, target: AnyTarget) -> Method | None:
@@ -156,8 +228,8 @@ def family_for(arm: Arm, target: AnyTarget) -> Method | None:
     free = {Pose: 0, Approach: 1, Position: 3}.get(type(target), MOST_JOINTS)
     if arm.n - len(standing(arm)) + free > MOST_JOINTS + 1:
         return None
-    method = _cached_method(arm, target, "nearest family", lambda: _in_core(arm, target, _nearest_family(arm, target)))
-    return method if method.compiled is not None and len(method.swept) <= 1 else None
+    method = family_method(arm, target)
+    return method if method.core is not None and len(method.swept) <= 1 else None
 
 
 def _cached_method(arm: Arm, target: AnyTarget, what: object, made: Callable[[], Method]) -> Method:
@@ -168,23 +240,13 @@ def _cached_method(arm: Arm, target: AnyTarget, what: object, made: Callable[[],
     return kept[key]
 
 
-def _nearest_family(arm: Arm, target: AnyTarget) -> Method:
-    return _find_method(arm, target, standing(arm), families_alone=True)
-
-
-def _with_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
-    """The method with its family in the core; if the axes are not exact, only to propose candidates."""
-    made = _in_core(arm, target, method)
-    return made if method.exact else replace(made, numbers=None, compiled=None)
-
-
 def _in_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
     """The method, with its family in the core."""
     if method.family is None or not method.family.order:  # with every joint given nothing is solved
         return method
     numbers = family_numbers(arm, method.chain, method.family, method.held, {*method.held} - {*method.given})
     made = None if arm.compiled is None else engine.asked("ClosedForm", arm.compiled, target.kind, *numbers)
-    return replace(method, numbers=numbers, compiled=made, proposing=made)
+    return replace(method, numbers=numbers, core=made)
 
 
 def _find_method(arm: Arm, target: AnyTarget, given: tuple[int, ...], *, families_alone: bool = False) -> Method:
