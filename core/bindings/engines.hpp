@@ -121,9 +121,11 @@ inline target<double> target_from(int kind, const double* numbers) {
 // Between metres and reaches, the unit of length of inverse kinematics: so the size of an arm changes no answer.
 class Reaches {
 public:
-    Reaches(const general_chain& arm, const ArmNumbers& metres) : n_(arm.coordinates()), metres_(unit_of(metres)) {
+    Reaches(const general_chain& arm, const ArmNumbers& metres)
+        : n_(arm.coordinates()), metres_(unit_of(metres)), per_metre_(1.0 / metres_) {
         for (int k = 0; k < n_; ++k) {
             unit_[k] = is_length(metres, k) ? metres_ : 1.0;
+            per_unit_[k] = is_length(metres, k) ? per_metre_ : 1.0;
             lower_[k] = metres.lower[k];
             upper_[k] = metres.upper[k];
         }
@@ -151,13 +153,13 @@ public:
     target<double> asked(int kind, const double* numbers) const {
         target<double> asked = target_from(kind, numbers);
         for (int a = 0; a < 3; ++a) {
-            asked.goal.p[a] /= metres_;
-            asked.tolerance[a] /= metres_;
+            asked.goal.p[a] *= per_metre_;
+            asked.tolerance[a] *= per_metre_;
         }
         return asked;
     }
     const double* theta(const double* theta, double* in_reaches) const {
-        for (int k = 0; k < n_; ++k) in_reaches[k] = theta[k] / unit_[k];
+        for (int k = 0; k < n_; ++k) in_reaches[k] = theta[k] * per_unit_[k];
         return in_reaches;
     }
     // θ in metres; what was inside the limits still is.
@@ -170,7 +172,7 @@ public:
 
 private:
     int n_;
-    double metres_, unit_[most_joints], lower_[most_joints], upper_[most_joints];
+    double metres_, per_metre_, unit_[most_joints], per_unit_[most_joints], lower_[most_joints], upper_[most_joints];
 };
 
 // When the time is up, for good.

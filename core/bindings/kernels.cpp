@@ -95,8 +95,9 @@ struct Scaled {
         const double* const from[4] = {metres.lower, metres.upper, metres.start_lower, metres.start_upper};
         for (int k = 0; k < n; ++k) {
             const double own = Reaches::is_length(metres, k) ? unit : 1.0;
+            const double per_own = 1.0 / own;  // as in `Reaches`: θ at a limit stays there
             for (int i = 0; i < joints; ++i) coupling[i * n + k] = metres.coupling[i * n + k] * own;
-            for (int b = 0; b < 4; ++b) bounds[b][k] = from[b][k] / own;
+            for (int b = 0; b < 4; ++b) bounds[b][k] = from[b][k] * per_own;
         }
         numbers.screws = screws;
         numbers.home = home;

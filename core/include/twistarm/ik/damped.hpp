@@ -18,8 +18,8 @@ template <class T> struct search_settings {
     T least_damping = T(sizeof(T) == 8 ? 1e-9 : 1e-6);
     T progress = T(0.8);            ///< an iteration that leaves E above this times the best so far is a stall
     int stalls = 4;                 ///< so many of them end a search
-    int iterations = 30;            ///< as do so many iterations
-    int head_start = 5;             ///< the search from theta0 wins in so many, whatever the others do
+    int iterations = 31;            ///< as do so many iterations
+    int head_start = 6;             ///< the search from theta0 wins in so many, whatever the others do
 };
 
 namespace detail {

@@ -10,7 +10,7 @@ constexpr int most_posture_steps = 100, most_corrections = 6;
 template <class T> constexpr T least_share = T(1e-3);  ///< of a step, before it is given up
 template <class T> constexpr T settled_step = T(sizeof(T) == 8 ? 1e-7 : 1e-4);       ///< [rad, m]
 template <class T> constexpr T singular_shift = T(sizeof(T) == 8 ? 1e-10 : 1e-6);    ///< keeps J Jᵀ invertible
-template <class T> constexpr T corrected = T(sizeof(T) == 8 ? 1e-18 : 1e-11);        ///< E on the target, [m²]
+template <class T> constexpr T corrected = T(sizeof(T) == 8 ? 1e-22 : 1e-11);        ///< E on the target, [m²]
 
 template <class T> constexpr T corrected_inexactly = T(sizeof(T) == 8 ? 1e-14 : 1e-10);  ///< [m²]
 

@@ -43,6 +43,7 @@ constexpr int most_ends = 96;
 /// One search in each lane. Everything of a lane is its own.
 template <class V, int N> struct lane_searches {
     V theta[capacity(N)], position_squared, rotation_squared, error, best, stalls, iterations;
+    V met;  ///< 1 where the search met its target one step ago, and has been polished since
     squared_errors<V> first;
 };
 
@@ -52,7 +53,7 @@ template <class V, int N> TWISTARM_INLINE lane_searches<V, N> searches_at_rest()
     lane_searches<V, N> lanes;
     for (V& coordinate : lanes.theta) coordinate = zero;
     lanes.position_squared = lanes.rotation_squared = lanes.error = lanes.first.position = lanes.first.rotation = zero;
-    lanes.best = lanes.stalls = lanes.iterations = zero;
+    lanes.best = lanes.stalls = lanes.iterations = lanes.met = zero;
     return lanes;
 }
 
@@ -96,10 +97,10 @@ TWISTARM_INLINE V allow_tolerances(const search_settings<T>& settings, residual<
     return left + allow(at, 3, K, sqrt(settings.rotation_weight) * static_cast<T>(angle), n);
 }
 
-/// The thresholds of errors that meet the target itself or, for searches `to_edge`, come within loose tolerances.
-template <class T> thresholds<T> thresholds_of(const search_settings<T>& settings, target_kind kind) {
+/// The thresholds of errors within the tolerances and `enough`, or, for searches `to_edge`, within loose tolerances.
+template <class T> thresholds<T> thresholds_of(const search_settings<T>& settings, target_kind kind, T enough) {
     const auto most = [&](T tolerance) {
-        if (!settings.to_edge || tolerance <= exact_error<T>) return least(tolerance, exact_error<T>);
+        if (!settings.to_edge || tolerance <= exact_error<T>) return least(tolerance, enough);
         return static_cast<T>(edge) * tolerance;
     };
     const T position = most(settings.position_tolerance);
@@ -115,6 +116,7 @@ TWISTARM_INLINE void begin_waiting(lane_searches<V, N>& lanes, lane_starts<T, N,
         set_lane(lanes.best, i, static_cast<T>(__builtin_inf()));
         set_lane(lanes.stalls, i, T(0));
         set_lane(lanes.iterations, i, T(0));
+        set_lane(lanes.met, i, T(0));
     }
     starts.waiting = 0U;
 }
@@ -136,13 +138,14 @@ protected:
 };
 
 /// Runs searches until `owner` has what it wants. E = ‖position error‖² + rotation_weight ‖rotation error‖²; to the edge
-/// of loose tolerances only what is beyond them.
+/// of loose tolerances only what is beyond them. A search that has met its target goes one step on.
 template <class V, target_kind Kind, class T, int N, int M>
 void run_searches(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                   lane_searches<V, N>& lanes, lane_starts<T, N, number<V>::lanes>& starts,
                   search_owner<V, T, N>& owner) {
     const int n = arm.coordinates();
-    const detail::thresholds<T> enough = detail::thresholds_of(settings, Kind);
+    const detail::thresholds<T> enough = detail::thresholds_of(settings, Kind, exact_error<T>);
+    const detail::thresholds<T> finest = detail::thresholds_of(settings, Kind, polished_error<T>);
     const T rotation_scale = sqrt(settings.rotation_weight);
     residual<V, N, rows_of(Kind)> at;
     column<V> columns[capacity(N)];
@@ -161,8 +164,10 @@ void run_searches(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
         const auto begins = lanes.iterations < V(T(1));
         lanes.first.position = select(begins, at.position_squared, lanes.first.position);
         lanes.first.rotation = select(begins, at.rotation_squared, lanes.first.rotation);
-        const auto over = met | (lanes.stalls >= V(static_cast<T>(settings.stalls))) |
+        const auto fine = (at.position_squared <= V(finest.position)) & (at.rotation_squared <= V(finest.rotation));
+        const auto over = fine | (met & (lanes.met > V(T(0)))) | (lanes.stalls >= V(static_cast<T>(settings.stalls))) |
                           (lanes.iterations >= V(static_cast<T>(settings.iterations)));
+        lanes.met = select(met, V(T(1)), V(T(0)));
         const unsigned ended = bits(over);
         if (ended != 0U) owner.settle(lanes, starts, ended, bits(met));
         if (owner.finished(lanes)) return;
