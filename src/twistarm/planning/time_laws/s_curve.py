@@ -15,7 +15,7 @@ from .time_optimal import LimitedPath, first_grid, on_grid
 WINDOWS = (1.0, 2.0, 2.8)
 """Window widths to try, as multiples of the rise time of the slowest rate to its acceleration limit."""
 
-ROUNDS, PATIENCE, GAIN = 8, 3, 5e-3
+ROUNDS, PATIENCE, GAIN = 8, 4, 5e-3
 """Greatest number of laws for each width; so many in a row that are not shorter by this share end it."""
 
 MANY_PIECES = 1500
