@@ -272,7 +272,7 @@ def test_the_poses_at_which_the_arm_stops_in_place_of_rounding_are_named() -> No
         (ARM.ready, "line"), (meeting(0.0, 0.08, -0.08), "via"), (meeting(0.0, 0.16, 0.0), "line"),
         (meeting(0.0, 0.16, -0.15), "line"), (back, "line"), (ARM.ready, "joint"),
     )  # fmt: skip
-    motion = planned(stage, corner=0.03)
+    motion = planned(stage, corner=0.01)
     at_rest = np.abs(motion(motion.times[1:-1], 1)).max(axis=1) < 1e-9
     assert at_rest.tolist() == [False, False, True]
     assert re.findall(r"stops at ('.*?'):", said(stage, "program")["note"]) == ["'pose 5'"]

@@ -132,10 +132,11 @@ def _farthest(arm: Arm) -> float:
 def _volume(arm: Arm) -> float:
     """The volume [m³] reached.
 
-    Centres of cubes err by half a cube at a face along the axes, as that of a rail. Random points do not.
+    Centres of cubes err by half a cube at a face along the axes, as that of a rail. Random points do not. The points
+    are met exactly, or a plane would be as thick as the tolerance.
     """
     centre, radius = sphere(arm)
     grid = Grid.about(centre, radius, 2.0 * radius / CUBES)
     p = grid.centres(np.arange(grid.count))
     p += grid.voxel * np.random.default_rng(0).uniform(-0.5, 0.5, p.shape)
-    return float(grid.voxel**3 * reachable(arm, p).met.sum())
+    return float(grid.voxel**3 * reachable(arm, p, position_tol=1e-9).met.sum())
