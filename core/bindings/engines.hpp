@@ -10,6 +10,7 @@
 #include "twistarm/ik/answer.hpp"
 #include "twistarm/ik/batch.hpp"
 #include "twistarm/ik/reachable.hpp"
+#include "twistarm/ik/reaches.hpp"
 #include "twistarm/kinematics/conversion.hpp"
 
 namespace twistarm {
@@ -30,6 +31,7 @@ using bindings::Query;
 using bindings::Question;
 
 using general_chain = chain<double, dynamic, dynamic>;
+using Reaches = reaches<double, dynamic>;
 
 // -- forward kinematics ----------------------------------------------------------------------------------------------
 
@@ -107,6 +109,10 @@ template <int N> ranges<double, N> ranges_from(const chain<double, N, N>& arm, c
     return ranges_of(arm, numbers.lower, numbers.upper, numbers.start_lower, numbers.start_upper);
 }
 
+inline Reaches units_of(const Model& metres) {
+    return reaches_of(metres.arm, metres.numbers.lower, metres.numbers.upper, metres.numbers.reach);
+}
+
 inline target<double> target_from(int kind, const double* numbers) {
     switch (static_cast<target_kind>(kind)) {
         case target_kind::position: return position_target(numbers);
@@ -117,63 +123,6 @@ inline target<double> target_from(int kind, const double* numbers) {
     }
     return pose_target(frame_from_rows<double>(numbers));
 }
-
-// Between metres and reaches, the unit of length of inverse kinematics: so the size of an arm changes no answer.
-class Reaches {
-public:
-    Reaches(const general_chain& arm, const ArmNumbers& metres)
-        : n_(arm.coordinates()), metres_(unit_of(metres)), per_metre_(1.0 / metres_) {
-        for (int k = 0; k < n_; ++k) {
-            unit_[k] = is_length(metres, k) ? metres_ : 1.0;
-            per_unit_[k] = is_length(metres, k) ? per_metre_ : 1.0;
-            lower_[k] = metres.lower[k];
-            upper_[k] = metres.upper[k];
-        }
-    }
-
-    // The unit [m]: the arm's reach, or 1 m for an arm without one.
-    static double unit_of(const ArmNumbers& metres) {
-        return metres.reach > 0.0 && metres.reach < __builtin_inf() ? metres.reach : 1.0;
-    }
-    // Whether coordinate k moves slides alone.
-    static bool is_length(const ArmNumbers& metres, int k) {
-        bool moves = false;
-        for (int i = 0; i < metres.joints; ++i) {
-            if (metres.coupling[i * metres.coordinates + k] == 0.0) continue;
-            moves = true;
-            for (int a = 3; a < 6; ++a)
-                if (metres.screws[a * metres.joints + i] != 0.0) return false;
-        }
-        return moves;
-    }
-
-    int size() const { return n_; }
-    double metres() const { return metres_; }
-
-    target<double> asked(int kind, const double* numbers) const {
-        target<double> asked = target_from(kind, numbers);
-        for (int a = 0; a < 3; ++a) {
-            asked.goal.p[a] *= per_metre_;
-            asked.tolerance[a] *= per_metre_;
-        }
-        return asked;
-    }
-    const double* theta(const double* theta, double* in_reaches) const {
-        for (int k = 0; k < n_; ++k) in_reaches[k] = theta[k] * per_unit_[k];
-        return in_reaches;
-    }
-    // θ in metres; what was inside the limits still is.
-    void back(const double* in_reaches, bool inside, double* theta) const {
-        for (int k = 0; k < n_; ++k) {
-            theta[k] = in_reaches[k] * unit_[k];
-            if (inside) theta[k] = clamped(theta[k], lower_[k], upper_[k]);
-        }
-    }
-
-private:
-    int n_;
-    double metres_, per_metre_, unit_[most_joints], per_unit_[most_joints], lower_[most_joints], upper_[most_joints];
-};
 
 // When the time is up, for good.
 struct Clock {
@@ -204,7 +153,7 @@ public:
 
     search_settings<double> settings(const Query& query) const {
         search_settings<double> settings;
-        settings.position_tolerance = query.position_tolerance / reaches_.metres();
+        settings.position_tolerance = query.position_tolerance / reaches_.metres;
         settings.orientation_tolerance = query.orientation_tolerance;
         settings.searches = query.searches;
         return settings;
@@ -228,7 +177,7 @@ public:
 
     rotation_split<double> split(int kind, const double* numbers, const double* theta) const {
         double there[most_joints];
-        return split_rotation(arm_, reaches_.asked(kind, numbers), reaches_.theta(theta, there), 1.0);
+        return split_rotation(arm_, reaches_.asked(target_from(kind, numbers)), reaches_.theta(theta, there), 1.0);
     }
 
 private:
@@ -237,7 +186,7 @@ private:
 
     template <int N> void copy(const solution<double, N>& found, Answer& answer) const {
         reaches_.back(found.theta, true, answer.theta);
-        answer.position_error = found.position_error * reaches_.metres();
+        answer.position_error = found.position_error * reaches_.metres;
         answer.orientation_error = found.orientation_error;
         answer.iterations = found.iterations;
         answer.restarts = found.restarts;
@@ -272,7 +221,7 @@ template <int N> struct Job {
 
     std::int64_t count() const { return static_cast<std::int64_t>(end - begin); }
     target<double> asked(std::int64_t t) const {
-        return conclusion.reaches().asked(query.kind, question(t).numbers);
+        return conclusion.reaches().asked(target_from(query.kind, question(t).numbers));
     }
     void start(std::int64_t t, double* theta) const { conclusion.reaches().theta(question(t).theta0, theta); }
     std::uint64_t seed(std::int64_t) const { return query.seed; }
@@ -311,13 +260,14 @@ struct ChunkJob {
 
     std::int64_t count() const { return static_cast<std::int64_t>(chunk.count); }
     target<double> asked(std::int64_t t) const {
-        return reaches.asked(query.kind, chunk.numbers + static_cast<std::size_t>(t) * numbers_of_kind[query.kind]);
+        const double* const numbers = chunk.numbers + static_cast<std::size_t>(t) * numbers_of_kind[query.kind];
+        return reaches.asked(target_from(query.kind, numbers));
     }
     void store(std::int64_t t, const double* theta) {
-        double* const row = chunk.theta + t * reaches.size();
+        double* const row = chunk.theta + t * reaches.n;
         chunk.met[t] = theta != nullptr;
         if (theta != nullptr) return reaches.back(theta, true, row);
-        for (int k = 0; k < reaches.size(); ++k) row[k] = __builtin_nan("");
+        for (int k = 0; k < reaches.n; ++k) row[k] = __builtin_nan("");
     }
     bool operator()() { return clock(); }
 };
@@ -338,7 +288,7 @@ void solve_target(const chain<double, N, N>& arm, const ranges<double, N>& range
     double ends[most_ends * capacity(N)], theta0[most_joints];
     Clock clock{query};
     const Reaches& reaches = conclusion.reaches();
-    solve_kind<Kind>(arm, range, conclusion.settings(query), reaches.asked(query.kind, question.numbers),
+    solve_kind<Kind>(arm, range, conclusion.settings(query), reaches.asked(target_from(query.kind, question.numbers)),
                      reaches.theta(question.theta0, theta0), query.seed, found, ends, most_ends, clock);
     conclusion(query, question, range, found, ends, clock, answer);
 }

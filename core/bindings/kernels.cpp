@@ -14,8 +14,8 @@ void Conclusion::make(const Query& query, const Question& question, const double
     twistarm::answer<double, dynamic> whole;
     double there[most_joints];
     const double* posture = question.posture != nullptr ? reaches_.theta(question.posture, there) : nullptr;
-    conclude(arm_, range_, settings(query), reaches_.asked(query.kind, question.numbers), theta0, query.seed, 1.0, posture,
-             stopped, found, ends, found.restarts, whole);
+    conclude(arm_, range_, settings(query), reaches_.asked(target_from(query.kind, question.numbers)), theta0, query.seed, 1.0,
+             posture, stopped, found, ends, found.restarts, whole);
     copy(whole.found, answer);
     answer.stop = static_cast<int>(whole.stop);
     answer.nearest = whole.nearest;
@@ -26,7 +26,7 @@ void Conclusion::make(const Query& query, const Question& question, const double
 
 GeneralEngine::GeneralEngine(const Model& metres, const Model& in_reaches)
     : arm_(metres.arm), range_(ranges_from(arm_, metres.numbers)), scaled_(in_reaches.arm),
-      within_(ranges_from(scaled_, in_reaches.numbers)), reaches_(arm_, metres.numbers),
+      within_(ranges_from(scaled_, in_reaches.numbers)), reaches_(units_of(metres)),
       conclusion_(scaled_, within_, reaches_) {}
 
 void GeneralEngine::constants(Constants& out) const {
@@ -87,17 +87,15 @@ struct Scaled {
     double screws[6 * most_joints], home[16], coupling[most_joints * most_joints], bounds[4][most_joints];
     ArmNumbers numbers;
 
-    explicit Scaled(const ArmNumbers& metres) : numbers(metres) {
-        const double unit = Reaches::unit_of(metres);
+    Scaled(const ArmNumbers& metres, const Reaches& units) : numbers(metres) {
+        const double unit = units.metres;
         const int joints = metres.joints, n = metres.coordinates;
         for (int i = 0; i < 6 * joints; ++i) screws[i] = i < 3 * joints ? metres.screws[i] / unit : metres.screws[i];
         for (int i = 0; i < 16; ++i) home[i] = i < 12 && i % 4 == 3 ? metres.home[i] / unit : metres.home[i];
         const double* const from[4] = {metres.lower, metres.upper, metres.start_lower, metres.start_upper};
         for (int k = 0; k < n; ++k) {
-            const double own = Reaches::is_length(metres, k) ? unit : 1.0;
-            const double per_own = 1.0 / own;  // as in `Reaches`: θ at a limit stays there
-            for (int i = 0; i < joints; ++i) coupling[i * n + k] = metres.coupling[i * n + k] * own;
-            for (int b = 0; b < 4; ++b) bounds[b][k] = from[b][k] * per_own;
+            for (int i = 0; i < joints; ++i) coupling[i * n + k] = metres.coupling[i * n + k] * units.unit[k];
+            for (int b = 0; b < 4; ++b) bounds[b][k] = from[b][k] * units.per_unit[k];
         }
         numbers.screws = screws;
         numbers.home = home;
@@ -117,7 +115,7 @@ static bool chain_of(const ArmNumbers& numbers, general_chain& arm) {
 static Engine* make(const ArmNumbers& numbers) {
     Model metres{{}, numbers};
     if (numbers.joints > most_joints || numbers.coordinates > most_joints || !chain_of(numbers, metres.arm)) return nullptr;
-    const Scaled scaled(numbers);
+    const Scaled scaled(numbers, units_of(metres));
     Model in_reaches{{}, scaled.numbers};
     if (!chain_of(scaled.numbers, in_reaches.arm)) return nullptr;
     Engine* fixed = metres.arm.identity && in_reaches.arm.identity ? fixed_engine(metres, in_reaches) : nullptr;

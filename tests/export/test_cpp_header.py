@@ -307,7 +307,7 @@ def drawn_targets(arm: Arm, count: int) -> list[Pose | Position | Approach | Tol
 
 @pytest.mark.parametrize("name", OF_EVERY_SIZE)
 def test_every_kind_of_target(name: str, compiler: str, tmp_path: Path) -> None:
-    """Each target is met where Python's own solver meets it, as Pinocchio judges; a pose by the same configuration."""
+    """Each target is met where Python's own solver meets it, by the same configuration, and Pinocchio judges it."""
     arm = ARMS[name](tmp_path) if name in ARMS else load(name)
     # Eight solvers in one file: unoptimised they compile in a third of the time.
     program = build(compiler, arm, tmp_path, "kinds", KINDS)
@@ -329,9 +329,7 @@ def test_every_kind_of_target(name: str, compiler: str, tmp_path: Path) -> None:
         assert target.position_error(g) < 1.001e-6
         assert target.orientation_error(g) < 1.001e-6
     apart = np.abs(answers - [solution.theta for solution in theirs]).max(axis=1)
-    # A header weighs lengths in metres, Python in reaches of the arm. Where a target leaves the arm free, the searches
-    # end elsewhere: only poses of arms that are not redundant mostly have the same root.
-    assert arm.n > 6 or (apart[::5] < 1e-6).mean() > 0.75
+    assert (apart < 1e-6).mean() > 0.985  # where another search wins by a rounding, another root may be the answer
 
 
 WRONG = """

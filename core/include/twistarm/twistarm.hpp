@@ -14,6 +14,7 @@
 #include "ik/batch.hpp"
 #include "ik/race.hpp"
 #include "ik/reachable.hpp"
+#include "ik/reaches.hpp"
 #include "kinematics/actuators.hpp"
 #include "kinematics/conversion.hpp"
 #include "planning/interval_limits.hpp"

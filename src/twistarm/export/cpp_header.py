@@ -70,6 +70,7 @@ def cpp_header(arm: Arm) -> str:
         **{field: _doubles(getattr(arm.limits, field)) for field in (*MOTION, "effort")},
         start_lower=_doubles(lower),
         start_upper=_doubles(upper),
+        reach=repr(float(arm.reach)),
         tool_axis=cpp_numbers(arm.tool_axis),
         pose_count=len(poses),
         pose_names=c_strings(poses),
