@@ -67,13 +67,12 @@ def test_csv_has_those_outside_the_limits_too(tmp_path: Path, capsys: Capture) -
     assert [row["within_limits"] for row in rows_at([0.2, 0.1, 0.7], out)] == ["yes", "no"]
 
 
-def test_a_position_is_a_family_whose_samples_are_in_the_csv(tmp_path: Path, capsys: Capture) -> None:
+def test_a_position_is_a_family_with_one_row_and_its_free_joints(tmp_path: Path, capsys: Capture) -> None:
     out = tmp_path / "all.csv"
     found = answer(capsys, *AT, "-o", str(out))
     assert not found["complete"]
     rows = [row for row in rows_at([0.8, 0.1, 0.7], out) if row["within_limits"] == "yes"]
-    assert len(rows) > 10 > len(found["theta"])
-    assert {int(row["number"]) for row in rows} == {*range(1, len(found["theta"]) + 1)}
+    assert [int(row["number"]) for row in rows] == [*range(1, len(found["theta"]) + 1)] != []
     assert all("wrist_roll" in free for free in found["free"])
 
 
