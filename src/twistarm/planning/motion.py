@@ -110,13 +110,11 @@ def plan(
         raise InputError(f"start must be one configuration ({arm.n},); got {origin.shape}")
     require_waypoints(origin[None], bounds, arm.joint_names, arm.units, "start")
     around, free_path = _obstacles(arm, moves, origin, bounds, scene, as_positive(max_time, "max_time"))
-
-    def report(done: int) -> None:
-        if progress is not None:
-            progress(0.9 * done / len(moves))
-
+    tell = progress or (lambda _: None)
     goals = Goals(ranged, bounds, as_flag(unwrap, "unwrap"))
-    parts, said = _route(Router(ranged, moves, goals, report, around, free_path), origin)
+    parts, said = _route(
+        Router(ranged, moves, goals, lambda done: tell(0.9 * done / len(moves)), around, free_path), origin
+    )
     motion = _in_time(ranged, origin, parts, bounds, kind, (*notes, *said))
     if around is not None:
         sharp = [part if part.last else replace(part, blend=0.0) for part in parts]
@@ -124,8 +122,7 @@ def plan(
         motion = _free(around, motion, again, moves)
         if scene is not None and around is not scene and (contacts := scene.contacts(motion.waypoints[-1])):
             raise PathError(f"the motion ends in collision, as it began: {contacts[0]}", reason="collision")
-    if progress is not None:
-        progress(1.0)
+    tell(1.0)
     return motion
 
 
