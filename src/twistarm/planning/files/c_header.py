@@ -26,7 +26,7 @@ MOST_NUMBERS = 7500
 OFF, RATES_OFF = 1e-6, (1e-3, 1e-2)
 """How far [rad, m] the refitted motion may be off, and by what share of the greatest rate: the second if need be."""
 
-LOOKS: Array = np.array([0.25, 0.75])
+LOOKS: Array = np.array([0.0, 0.5, 1.0])
 """Where in each old piece the refitted motion is compared."""
 
 
@@ -89,14 +89,14 @@ def _refitted(trajectory: Trajectory, most: float) -> Trajectory:
     """Return the motion in the fewest quintic pieces that meet position, velocity and acceleration at their ends.
 
     A quintic replaces a run of pieces if it is nowhere off by more than `OFF`, nor a rate by more than the share `most`
-    of the joint's greatest. A piece that no quintic replaces stays.
+    of the joint's greatest, and has hardly more jerk. A piece that no quintic replaces stays.
     """
     t, steps, c = trajectory.breakpoints, np.diff(trajectory.breakpoints), trajectory.coefficients
     rates = [derivative(c, order) for order in range(3)]
     begin, end = [rate[-1] for rate in rates], [evaluate(rate, steps[:, None]) for rate in rates]
     looks = steps[:, None] * LOOKS
     exact = [evaluate(rate[:, :, None], looks[..., None]) for rate in rates]
-    allowed = OFF, most * trajectory.peak(1), most * trajectory.peak(2)
+    allowed, jerk = (OFF, most * trajectory.peak(1), most * trajectory.peak(2)), (1.0 + most) * trajectory.peak(3)
 
     @cache
     def fitted(i: int, j: int) -> Array | None:
@@ -105,10 +105,9 @@ def _refitted(trajectory: Trajectory, most: float) -> Trajectory:
             return None
         quintic = through(t[[i, j]], *(np.stack([b[i], e[j - 1]]) for b, e in zip(begin, end, strict=True)))
         tau = (t[i:j, None] - t[i] + looks[i:j])[..., None]
-        for order, (values, far) in enumerate(zip(exact, allowed, strict=True)):
-            if (np.abs(evaluate(derivative(quintic, order)[:, :, None], tau) - values[i:j]) > far).any():
-                return None
-        return quintic
+        values = (evaluate(derivative(quintic, order)[:, :, None], tau) for order in range(4))
+        near = (np.abs(next(values) - at[i:j]) <= far for at, far in zip(exact, allowed, strict=True))
+        return quintic if all(map(np.all, near)) and (np.abs(next(values)) <= jerk).all() else None
 
     first, pieces = [0], list[Array]()
     while (i := first[-1]) < len(steps):
@@ -128,13 +127,11 @@ def _fit(planned: Trajectory, fitted: Trajectory) -> str:
     t = (planned.breakpoints[:-1, None] + np.diff(planned.breakpoints)[:, None] * np.linspace(0.0, 1.0, 8)).ravel()
     off = float(np.abs(planned(t) - fitted(t)).max())
     moves = planned.peak(1) > 0.0
-    shares = (float((fitted.peak(order) / planned.peak(order))[moves].max()) for order in (1, 2, 3))
-    velocity, acceleration, jerk = (f"{share:.4f}" for share in shares)
+    shares = [float((fitted.peak(order) / planned.peak(order))[moves].max()) for order in (1, 2, 3)]
     return (
-        f"\n * {len(planned.breakpoints) - 1} pieces were planned. These are off by at most {off:.1e} rad or m. Their "
-        f"greatest velocities are at\n * most {velocity}, accelerations {acceleration} and jerks {jerk} times the "
-        "planned ones of the joint."
-    )
+        f"\n * It is fitted to {len(planned.breakpoints) - 1} planned pieces, and off by at most {off:.1e} rad or m.\n"
+        " * The greatest velocities, accelerations and jerks are at most {:.4f}, {:.4f} and {:.4f} of the planned ones."
+    ).format(*shares)
 
 
 def _numbers(values: Array) -> str:
