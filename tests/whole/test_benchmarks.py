@@ -18,9 +18,8 @@ sys.path.append(str(ROOT))
 from benchmarks import problems  # noqa: E402
 from benchmarks.__main__ import main  # noqa: E402
 from benchmarks.conductor import Worker, interleave  # noqa: E402
-from benchmarks.figures import single_calls  # noqa: E402
-from benchmarks.judge import Judge  # noqa: E402
-from benchmarks.robots import ARMS, make_robot  # noqa: E402
+from benchmarks.measure import single_calls  # noqa: E402
+from benchmarks.problems import ARMS, Judge, make_robot  # noqa: E402
 
 
 @pytest.fixture(scope="module", params=ARMS)
@@ -128,8 +127,8 @@ def test_workers_that_fail_are_reported_and_the_others_go_on(ur5, tmp_path):
     np.testing.assert_array_equal(answers["sound"].theta, cold.starts)
     for name, (_, reason) in TROUBLES.items():
         figures = single_calls("ur5", name, cold, answers[name], Judge(ur5))
-        assert np.isnan(figures.strict)
-        assert figures.remark.startswith(answers[name])
+        assert np.isnan(figures["strict"])
+        assert figures["remark"].startswith(answers[name])
         assert re.match(reason, answers[name]), answers[name]
 
 
