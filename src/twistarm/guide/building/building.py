@@ -17,7 +17,7 @@ from ...arm.arm import Arm
 from ...arm.loading.load import load_arm
 from ...support.errors import InputError
 from ...support.files import as_path, stamp, write_whole
-from ...viewer.server.watching import loaded
+from ...viewer.server.watching import load_with_files
 from ..course import ERRATA, lesson_file, lessons
 from .cells import cells_of, title_of
 from .pages import SCRIPTS, STYLE, before_page, index_page, lesson_page, site_file
@@ -67,7 +67,7 @@ def build(
         TwistarmError: The arm cannot be loaded.
     """
     wanted = lessons() if names is None else tuple(names)
-    the_arm, read = loaded(partial(load_arm, **arm))
+    the_arm, read = load_with_files(partial(load_arm, **arm))
     site = _made(as_path(folder).absolute())
     made_of = _stamps(arm, wanted, read)
     if all((site / f"{name}.html").is_file() for name in ("index", *wanted)) and _recorded(site) == made_of:

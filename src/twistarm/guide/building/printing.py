@@ -6,7 +6,7 @@ import re
 import shutil
 from pathlib import Path
 
-from ...viewer.files.screenshot import browser_at_work, printed
+from ...viewer.screenshot import browser_at_work, printed
 
 SOLUTION = r"<details[^>]*><summary>Show a solution</summary>.*?</details>"
 """The model solution of an exercise in a page."""

@@ -14,9 +14,8 @@ from ...arm.arm import Arm
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ...support.files import write_whole
-from ...viewer.files.page_export import Inline, beside, stand_alone
-from ...viewer.files.scene_snapshot import SceneSnapshot, of_arm
-from ...viewer.parts.findings import loaded
+from ...viewer.parts.arm_data import loading_findings
+from ...viewer.saved_page import Inline, SceneSnapshot, beside, of_arm, stand_alone
 from ..exercises.exercise import Exercise
 from . import stills, svg
 from .markup import block, inline, program
@@ -99,7 +98,7 @@ def _snapshot(arm: Arm, theta: Array, trajectory: Trajectory | None, screws: boo
         # Nobody looks yet: the reader plays it, from its beginning.
         shown = replace(shown, playback=replace(shown.playback, running=False), theta=trajectory(0.0))
     # No doctor is going to look, so nothing is said of one; where loading noted nothing, the page shows no findings.
-    findings = {**loaded(arm), "note": ""}
+    findings = {**loading_findings(arm), "note": ""}
     return replace(shown, visible={**shown.visible, "screws": screws}, findings=findings)
 
 
