@@ -21,10 +21,7 @@ import tornado.web
 import tornado.websocket
 
 from ...collision.scene_file import scene_text
-from ...planning.files.c_header import header_text
-from ...planning.files.csv_file import csv_text
-from ...planning.files.joint_trajectory import json_text
-from ...planning.trajectory import Trajectory
+from ...planning.trajectory_files import Writing, written
 from ...support.errors import InputError, TwistarmError
 from ...support.strict_json import LARGEST_MESSAGE, encode
 from ..saved_page import meshcat_bundle, modules, on_show, stand_alone
@@ -81,14 +78,18 @@ class Download(NamedTuple):
 
     content_type: str
     ending: str
-    prepare: Callable[[Stage, Drawing], Callable[[], str]]
+    prepare: Callable[[Stage, Drawing], Callable[[], str | bytes]]
 
 
-def _motion(write: Callable[[Trajectory, float], str], stage: Stage, drawing: Drawing) -> Callable[[], str]:
+def _motion(kind: str, stage: Stage, drawing: Drawing) -> Callable[[], str | bytes]:
     at = stage.playback
     if at is None:
         raise InputError("nothing to export: no trajectory is loaded")
-    return partial(write, at.trajectory, max(SAMPLE_TIME, at.duration / MOST_SAMPLES))
+    return partial(written, at.trajectory, kind, Writing(max(SAMPLE_TIME, at.duration / MOST_SAMPLES)))
+
+
+def _page(stage: Stage, drawing: Drawing) -> Callable[[], str]:
+    return partial(stand_alone, on_show(stage, drawing))
 
 
 def _scene(stage: Stage, drawing: Drawing) -> Callable[[], str]:
@@ -98,15 +99,11 @@ def _scene(stage: Stage, drawing: Drawing) -> Callable[[], str]:
 
 
 DOWNLOADS: Mapping[str, Download] = {
-    "arm.html": Download(
-        "text/html; charset=utf-8", ".html", lambda stage, drawing: partial(stand_alone, on_show(stage, drawing))
-    ),
+    "arm.html": Download("text/html; charset=utf-8", ".html", _page),
     "scene.toml": Download("application/toml", "_scene.toml", _scene),
-    "motion.csv": Download("text/csv; charset=utf-8", "_motion.csv", partial(_motion, csv_text)),
-    "motion.json": Download("application/json", "_motion.json", partial(_motion, json_text)),
-    "motion.h": Download(
-        "text/plain; charset=utf-8", "_motion.h", partial(_motion, lambda motion, dt: header_text(motion))
-    ),
+    "motion.csv": Download("text/csv; charset=utf-8", "_motion.csv", partial(_motion, "csv")),
+    "motion.json": Download("application/json", "_motion.json", partial(_motion, "json")),
+    "motion.h": Download("text/plain; charset=utf-8", "_motion.h", partial(_motion, "header")),
 }
 """Downloads by their name under the token."""
 
@@ -249,9 +246,9 @@ class DownloadHandler(Guarded):
         await self.finish(text)
 
 
-async def _in_daemon_thread(call: Callable[[], str]) -> str:
+async def _in_daemon_thread(call: Callable[[], str | bytes]) -> str | bytes:
     """What `call` returns or raises. The threads of a loop's executor would hold up the end of the program."""
-    done: Future[str] = Future()
+    done: Future[str | bytes] = Future()
     done.set_running_or_notify_cancel()
 
     def run() -> None:
