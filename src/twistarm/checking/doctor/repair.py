@@ -20,8 +20,7 @@ import numpy as np
 from ...arm.pinocchio_model import model_of, why_no_pinocchio
 from ...description.document import Reading, floats
 from ...description.geometry import inertial_problem
-from ...description.mesh_paths import plain
-from ...description.packages import package_index, package_name
+from ...description.packages import package_index, package_name, plain
 from ...description.source_text import SourceText
 from ...description.tree import Description
 from ...description.urdf import build_description
