@@ -48,10 +48,9 @@ def excess(rates: tuple[np.ndarray, np.ndarray], asked: Asked) -> float:
 
 def twistarm_along(asked: Asked) -> Answer:
     from twistarm.limits import JointLimits
-    from twistarm.planning.joint_path import JointPath
-    from twistarm.planning.piecewise import derivative, evaluate
-    from twistarm.planning.time_laws.law import PathBounds
-    from twistarm.planning.time_laws.time_optimal import time_optimal
+    from twistarm.planning.piecewise import JointPath, derivative, evaluate
+    from twistarm.planning.time_law import PathBounds
+    from twistarm.planning.time_optimal import time_optimal
 
     path = JointPath(np.array(asked["breakpoints"]), np.array(asked["coefficients"]))
     given = {rate: np.array(asked[rate]) for rate in ("velocity", "acceleration")}
@@ -68,8 +67,8 @@ def twistarm_along(asked: Asked) -> Answer:
 
 def twistarm_to(asked: Asked) -> Answer:
     from twistarm.limits import JointLimits
-    from twistarm.planning.time_laws.law import PathBounds
-    from twistarm.planning.time_laws.straight import double_s
+    from twistarm.planning.s_curve import double_s
+    from twistarm.planning.time_law import PathBounds
 
     way = np.array(asked["way"])
     given = {rate: np.array(asked[rate]) for rate in ("velocity", "acceleration", "jerk")}

@@ -23,7 +23,7 @@ from twistarm import (
     rotations,
 )
 from twistarm.limits import JointLimits
-from twistarm.planning.joint_path import JointPath
+from twistarm.planning.piecewise import JointPath
 from twistarm.planning.stretches import greatest_tool_speeds
 from twistarm.support.errors import InputError
 

@@ -8,11 +8,10 @@ from scipy.interpolate import CubicSpline
 
 from reference.phase_plane import least_time
 from twistarm.limits import Actuators, JointLimits
-from twistarm.planning.joint_path import JointPath
-from twistarm.planning.time_laws.law import PathBounds, TimeLaw, quintic
-from twistarm.planning.time_laws.s_curve import s_curve
-from twistarm.planning.time_laws.straight import double_s
-from twistarm.planning.time_laws.time_optimal import LimitedPath, path_velocity, time_optimal
+from twistarm.planning.piecewise import JointPath
+from twistarm.planning.s_curve import double_s, s_curve
+from twistarm.planning.time_law import PathBounds, TimeLaw, quintic
+from twistarm.planning.time_optimal import LimitedPath, path_velocity, time_optimal
 from twistarm.planning.trajectory import Trajectory
 
 LAWS = {"quintic": quintic, "time_optimal": time_optimal, "s_curve": s_curve}

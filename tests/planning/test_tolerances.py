@@ -30,8 +30,8 @@ from twistarm import (
 )
 from twistarm.cli.application import run
 from twistarm.ik.targets import target_for
-from twistarm.planning.cartesian import branches as finding
-from twistarm.planning.cartesian.projection import ALL_BUT_EXACT, errors_and_rows, projected
+from twistarm.planning import configurations as finding
+from twistarm.planning.configurations import ALL_BUT_EXACT, errors_and_rows, projected
 from twistarm.support.errors import InputError
 
 RATES = {"velocity": 1.0, "acceleration": 3.0}

@@ -16,7 +16,7 @@ from ..ik import reachable, solve_ik
 from ..ik.solution import in_one_line
 from ..ik.targets import Approach
 from ..planning import FreeMove, JointMove, PathError, Segment, Trajectory, plan
-from ..planning.cartesian.branches import branches
+from ..planning.configurations import branches
 from ..support.checks import Array, Matrix, as_frame, as_pose, require, require_callback
 from ..support.display import Brief
 from ..support.errors import InputError

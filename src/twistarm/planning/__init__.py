@@ -1,14 +1,13 @@
 """Motions in time: planning inside the limits, evaluation at any instant, files."""
 
 from .active_limits import ActiveLimit, active_limits
-from .cartesian.refusal import PathError
 from .joint_space import plan_joint
-from .load import load_trajectory
 from .motion import plan
 from .motion_file import MotionFile, load_motion
-from .save import save_trajectory
+from .refusal import PathError
 from .segments import ArcMove, Dwell, FreeMove, JointMove, LineMove, ScrewMove, Segment
 from .trajectory import Samples, Trajectory
+from .trajectory_files import load_trajectory, save_trajectory
 
 __all__ = [
     "ActiveLimit", "ArcMove", "Dwell", "FreeMove", "JointMove", "LineMove", "MotionFile", "PathError", "Samples",

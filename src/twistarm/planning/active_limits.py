@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from itertools import groupby
+from typing import Any
 
 import numpy as np
 
@@ -14,11 +15,8 @@ from ..support.checks import Array
 from ..support.errors import InputError, shown
 from .joint_space import completed
 from .segments import Move, Segment, as_segments
-from .time_laws.law import PathBounds
+from .time_law import PathBounds
 from .trajectory import Trajectory
-
-Rate = Literal["velocity", "acceleration", "jerk", "linear speed", "angular speed"]
-Owner = Literal["joint", "motor", "tool"]
 
 SAMPLES = 2000
 """How many instants of a motion are sampled: ten or more in each stretch that is no sliver."""
@@ -40,8 +38,8 @@ class ActiveLimit:
 
     begin: float
     end: float
-    rate: Rate
-    owner: Owner
+    rate: str
+    owner: str
     name: str
     share: float
 
@@ -78,8 +76,7 @@ def active_limits(
     require_arm(arm)
     if not isinstance(motion, Trajectory) or motion.joint_names != arm.joint_names:
         raise InputError(f"motion must be a Trajectory of the arm's joints; got {shown(motion)}")
-    none = isinstance(segments, Sequence) and not segments
-    moves = [] if none else as_segments(segments)
+    moves = [] if isinstance(segments, Sequence) and not segments else as_segments(segments)
     if moves and len(moves) + 1 != len(motion.times):
         raise InputError(
             f"a motion of {len(moves)} segments has {len(moves) + 1} waypoints; this one has {len(motion.times)}"
@@ -90,14 +87,17 @@ def active_limits(
     t = motion.duration * (np.arange(SAMPLES) + 0.5) / SAMPLES
     shares = _shares(arm, motion, bounds, moves, t)
     names = {"joint": arm.joint_names, "motor": () if arm.actuators is None else arm.actuators.names}
-    rates: tuple[Rate, ...] = ("velocity", "acceleration", "jerk")
-    rows: list[tuple[Rate, Owner, str]] = [
-        (rate, owner, names[owner][index]) for rate in rates for owner, index in bounds.owners
-    ]
+    rates = ("velocity", "acceleration", "jerk")
+    rows = [(rate, str(owner), names[owner][index]) for rate in rates for owner, index in bounds.owners]
     rows += [("linear speed", "tool", ""), ("angular speed", "tool", "")]
-    return tuple(
-        ActiveLimit(begin, end, *rows[row], share) for begin, end, row, share in _stretches(motion.duration, t, shares)
-    )
+    found, first = [], 0
+    for row, count in _stretches(shares):
+        share = float(shares[first : first + count, row].max())
+        begin, end = (motion.duration * (sample / SAMPLES) for sample in (first, first + count))
+        if row >= 0:
+            found.append(ActiveLimit(begin, end, *rows[row], share))
+        first += count
+    return tuple(found)
 
 
 def _shares(arm: Arm, motion: Trajectory, bounds: PathBounds, moves: Sequence[Segment], t: Array) -> Array:
@@ -113,33 +113,25 @@ def _shares(arm: Arm, motion: Trajectory, bounds: PathBounds, moves: Sequence[Se
             continue
         among = (t >= begin) & (t < end)
         rates[0][among, : motion.n] /= move.velocity_scaling
-        if move.linear_speed is None and move.angular_speed is None:
-            continue
-        twist = (arm.body_jacobian(motion(t[among])) @ motion(t[among], 1)[..., None])[..., 0]
-        for column, (most, part) in enumerate(((move.linear_speed, twist[:, :3]), (move.angular_speed, twist[:, 3:]))):
-            if most is not None:
-                tool[among, column] = np.linalg.norm(part, axis=-1) / most
+        twist = (arm.body_jacobian(motion(t[among])) @ motion(t[among], 1)[..., None]).reshape(-1, 2, 3)
+        most = [np.inf if speed is None else speed for speed in (move.linear_speed, move.angular_speed)]
+        tool[among] = np.linalg.norm(twist, axis=-1) / most
     return np.concatenate([*rates, tool], axis=1)
 
 
-def _stretches(duration: float, t: Array, shares: Array) -> Iterator[tuple[float, float, int, float]]:
-    """Yield begin, end, row and greatest share of each stretch with one leading row."""
-    rows, row = [], -1
+def _stretches(shares: Array) -> list[tuple[int, int]]:
+    """The row that leads each stretch, -1 where all stand, and its number of samples."""
+    leaders, row = [], -1
     for share, leader, greatest in zip(shares, shares.argmax(axis=1).tolist(), shares.max(axis=1), strict=True):
         if greatest == 0.0:
             row = -1
         elif row < 0 or share[row] < (1.0 - EQUAL_SHARE) * greatest:
             row = leader
-        rows.append(row)
-    changes = np.flatnonzero(np.diff(rows)) + 1
-    edges = np.concatenate([[0.0], duration * changes / SAMPLES, [duration]])
-    first = np.concatenate([[0], changes])
-    long = np.diff(edges) >= SLIVER * duration
-    long[0] = True
-    kept = np.flatnonzero(long)
-    kept = kept[np.append(True, np.diff(np.array(rows)[first[kept]]) != 0)]
-    ends = np.append(edges[kept[1:]], duration)
-    for i, end in zip(kept, ends, strict=True):
-        if (row := rows[first[i]]) >= 0:
-            among = (t >= edges[i]) & (t < end)
-            yield float(edges[i]), float(end), row, float(shares[among, row].max())
+        leaders.append(row)
+    stretches: list[tuple[int, int]] = []
+    for row, group in groupby(leaders):
+        count = len(list(group))
+        if stretches and (count < SLIVER * SAMPLES or row == stretches[-1][0]):
+            row, count = stretches[-1][0], stretches.pop()[1] + count
+        stretches.append((row, count))
+    return stretches

@@ -15,7 +15,7 @@ from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.errors import missing_extra
 from ..support.messages import Argument, Text
-from .cartesian.refusal import PathError
+from .refusal import PathError
 from .trajectory import Trajectory
 
 CLEARANCE = 0.004

@@ -18,9 +18,10 @@ from ..support.checks import Array
 from ..support.errors import InputError, NotConvergedError, UnknownNameError
 from ..support.messages import joined
 from ..theory import rotations, screws
-from .cartesian.curves import Curve, MovingTarget, arc, line, screw
+from .configurations import are_wide
+from .curves import Curve, MovingTarget, arc, line, screw
 from .segments import CONSTRAINED, ArcMove, Constrained, JointMove, LineMove, ScrewMove
-from .tolerances import are_wide, decided
+from .waypoints import as_tolerances
 from .within import require_waypoints
 
 Curved = LineMove | ScrewMove | ArcMove
@@ -42,7 +43,7 @@ class Goals:
 
     def tolerances(self, move: JointMove | Curved) -> Tolerances:
         """Return how far off the targets of a move still count as met."""
-        return decided(move.position_tol, move.orientation_tol)
+        return as_tolerances(move.position_tol, move.orientation_tol)
 
     def configuration(self, move: JointMove | Curved, theta: Array, where: str) -> Array:
         """Return the end of a move from theta (n,). Joints that a mapping leaves out stay."""

@@ -16,20 +16,17 @@ from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, Row, as_flag, as_positive, require_callback, require_choice
 from ..support.errors import InputError, NotConvergedError
 from ..support.messages import Argument, Text
-from .cartesian.refusal import PathError
 from .goals import Goals
-from .joint_path import JointPath
-from .joint_space import completed
-from .piecewise import side_by_side
+from .joint_space import best_stops, completed
+from .piecewise import JointPath, side_by_side
+from .refusal import PathError
 from .route import PathPart, Router
+from .s_curve import double_s, s_curve
 from .segments import Dwell, FreeMove, Segment, as_segments, place
 from .stretches import Corner, path_along, runs
-from .time_laws.law import PathBounds, TimeLaw, quintic
-from .time_laws.s_curve import s_curve
-from .time_laws.straight import double_s
-from .time_laws.time_optimal import time_optimal
+from .time_law import PathBounds, TimeLaw, quintic
+from .time_optimal import time_optimal
 from .trajectory import Progress, Trajectory
-from .waypoint_motion import best_stops
 from .within import require_waypoints
 
 if TYPE_CHECKING:

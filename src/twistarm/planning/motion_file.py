@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from math import inf
 from pathlib import Path
@@ -21,23 +22,26 @@ from ..support.fields import Check, anything, fields, inside, list_of, numbers, 
 from ..support.files import as_path
 from ..theory.rotations import from_quaternion_wxyz, from_rpy
 from .motion import LAWS
-from .segments import ArcMove, Dwell, FreeMove, Goal, JointMove, LineMove, ScrewMove, Segment
+from .segments import ArcMove, Dwell, FreeMove, Goal, JointMove, LineMove, Move, ScrewMove, Segment
 
 STEP = {"rad": 0.2, "m": 0.05}
 """How far the first joint that can moves away from the ready pose."""
 
+KINDS = {"joint": JointMove, "free": FreeMove, "line": LineMove, "screw": ScrewMove, "arc": ArcMove, "dwell": Dwell}
+
+WAYS: Mapping[str, list[tuple[Callable[..., Segment], tuple[str, ...], tuple[str, ...]]]] = {
+    "line": [(LineMove.by, ("by",), ("frame", "constrain"))],
+    "screw": [(ScrewMove.about, ("axis", "point", "angle"), ("pitch", "constrain"))],
+    "arc": [(ArcMove.about, ("axis", "centre", "angle"), ("turn", "constrain")), (ArcMove, ("via", "to"), ())],
+}
+"""The moves of each kind that are given by a table other than a goal: what makes them, needed and optional entries."""
+
+OPTIONS = tuple(option.name for option in dataclasses.fields(Move))
+
+ROTATIONS = ("rpy", "quaternion_wxyz", "direction")
+
 GO_WITH = {"tool_axis": ("direction",), "tolerance": ("rpy", "quaternion_wxyz"), "frame": ("tolerance",)}
 """Entries of a target that have no meaning without one of the others."""
-
-KINDS: Mapping[str, Callable[..., Segment]] = {
-    "joint": JointMove,
-    "free": FreeMove,
-    "line": LineMove,
-    "screw": ScrewMove,
-    "arc": ArcMove,
-    "dwell": Dwell,
-}
-"""The moves to a goal, and the stay."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +82,7 @@ def load_motion(path: str | os.PathLike[str], arm: Arm) -> MotionFile:
     with inside(file, "at the top"):
         angle = np.pi / 180.0 if as_flag(content.get("degrees", False), "degrees") else 1.0
         reader = _Reader(arm, angle)
-        top = fields(content, "", {"segment": list_of(anything, 1)}, reader.top)
+        top = fields(content, "", {"segment": list_of(anything, 1)}, reader.checks(("degrees", *SETTINGS)))
         arm.limits.with_(top.get("limits", {}), arm.joint_names)  # says what is wrong with them
     segments = []
     for i, entry in enumerate(top.pop("segment")):
@@ -90,54 +94,38 @@ def load_motion(path: str | os.PathLike[str], arm: Arm) -> MotionFile:
     return MotionFile(tuple(segments), **top)
 
 
+SETTINGS = tuple(setting.name for setting in dataclasses.fields(MotionFile) if setting.name != "segments")
+
+
 class _Reader:
-    """The formats of a motion.toml for an arm, with angles in units of `angle` [rad]."""
+    """Reads the tables of a motion.toml for an arm, with angles in units of `angle` [rad]."""
 
     def __init__(self, arm: Arm, angle: float) -> None:
         self.arm, self.angle = arm, angle
-        speeds: dict[str, Check] = {
-            "linear_speed": as_positive,
-            "angular_speed": lambda value, name: angle * as_positive(value, name),
-            "position_tol": as_positive,
-            "orientation_tol": lambda value, name: angle * as_positive(value, name),
-        }
-        self.top: dict[str, Check] = {
-            "degrees": as_flag,
+        self.known: dict[str, Check] = {
+            **dict.fromkeys(("by", "axis", "point", "centre", "xyz", "direction", "tool_axis"), vector),
+            **dict.fromkeys(("linear_speed", "position_tol"), as_positive),
+            **dict.fromkeys(("angular_speed", "orientation_tol"), lambda value, name: angle * as_positive(value, name)),
+            **dict.fromkeys(("degrees", "unwrap"), as_flag),
+            **dict.fromkeys(("blend", "velocity_scaling", "pitch"), as_number),
+            "angle": lambda value, name: angle * as_number(value, name),
+            "rpy": lambda value, name: from_rpy(angle * vector(value, name)),
+            "quaternion_wxyz": lambda value, _: from_quaternion_wxyz(value),
+            "tolerance": self._tolerance,
+            "via": self._via,
+            "to": self._goal,
             "start": self._start,
             "kind": one_of(tuple(LAWS)),
             "limits": table_of(anything),
-            "unwrap": as_flag,
             "scene": word,
-            **speeds,
-        }
-        self.options: dict[str, Check] = {
-            "blend": as_number,
-            "velocity_scaling": as_number,
-            "label": anything,
-            **speeds,
-        }
-        about: dict[str, Check] = {"axis": vector, "angle": lambda value, name: angle * as_number(value, name)}
-        constrain: dict[str, Check] = {"constrain": anything}
-        # The moves without a goal: what makes them, what they need and what they may have.
-        self.ways: dict[str, list[tuple[Callable[..., Segment], dict[str, Check], dict[str, Check]]]] = {
-            "line": [(LineMove.by, {"by": vector}, {"frame": anything, **constrain})],
-            "screw": [(ScrewMove.about, about | {"point": vector}, {"pitch": as_number, **constrain})],
-            "arc": [
-                (ArcMove.about, about | {"centre": vector}, {"turn": anything, **constrain}),
-                (ArcMove, {"via": self._via, "to": self._goal}, {}),
-            ],
-        }
-        self.target: dict[str, Check] = {
-            "rpy": lambda value, name: from_rpy(angle * vector(value, name)),
-            "quaternion_wxyz": lambda value, _: from_quaternion_wxyz(value),
-            "direction": vector,
-            "tool_axis": vector,
-            "tolerance": self._tolerance,
-            "frame": anything,
         }
 
+    def checks(self, names: Iterable[str]) -> dict[str, Check]:
+        """The checks of these entries. What has none is checked by the segment that takes it."""
+        return {name: self.known.get(name, anything) for name in names}
+
     def segment(self, entry: Any) -> Segment:
-        table = fields(entry, "", {}, dict.fromkeys(KINDS, anything) | self.options)
+        table = fields(entry, "", {}, dict.fromkeys(KINDS, anything) | self.checks(OPTIONS))
         kinds = [kind for kind in KINDS if kind in table]
         if len(kinds) != 1:
             raise InputError(f"it needs one of {', '.join(KINDS)}; got {listed(kinds) or 'none of them'}")
@@ -146,11 +134,11 @@ class _Reader:
         if kind == "dwell":
             only(table, ("label",))
             return Dwell(as_number(value, kind, least=0.0), **table)
-        for make, needed, others in self.ways.get(kind, ()):
+        for make, needed, others in WAYS.get(kind, ()):
             if isinstance(value, dict) and value.keys() & {*needed, *others}:
-                way = fields(value, kind, needed, others)
-                first = way.pop("by", None)  # whose name in Python is `offset`
-                return make(**way, **table) if first is None else make(first, **way, **table)
+                way = fields(value, kind, self.checks(needed), self.checks(others))
+                first = [way.pop("by")] if "by" in way else []  # whose name in Python is `offset`
+                return make(*first, **way, **table)
         if kind == "arc":
             raise InputError(f"arc takes via and to, or axis, centre and angle; got {shown(value)}")
         return KINDS[kind](self._goal(value, kind), **table)
@@ -183,8 +171,8 @@ class _Reader:
         return {joint: as_number(each, joint) * sizes[names.index(joint)] for joint, each in value.items()}
 
     def _target(self, value: Any, name: str) -> Pose | Position | Approach | TolerancedPose:
-        table = fields(value, name, {"xyz": vector}, self.target)
-        turned = [each for each in ("rpy", "quaternion_wxyz", "direction") if each in table]
+        table = fields(value, name, self.checks(("xyz",)), self.checks((*ROTATIONS, *GO_WITH)))
+        turned = [each for each in ROTATIONS if each in table]
         if len(turned) > 1:
             which = " or ".join(turned)
             raise InputError(f"give {which}, not both: a whole orientation, or only where the tool points")

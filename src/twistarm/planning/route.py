@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import groupby, pairwise
 from typing import TYPE_CHECKING
 
@@ -16,13 +17,12 @@ from ..ik.targets import KINDS, target_for
 from ..support.checks import Array
 from ..support.errors import NotConvergedError
 from ..support.messages import Text, joined
-from .cartesian.branches import branches
-from .cartesian.curves import MovingTarget
-from .cartesian.following import follow
-from .cartesian.ladder import Blocked, Node, climb, efforts, way
-from .cartesian.refusal import PathError, refusal
+from .configurations import branches
+from .curves import MovingTarget
+from .following import Blocked, Node, climb, efforts, follow, way
 from .goals import CURVED, Goals
-from .joint_path import JointPath
+from .piecewise import JointPath
+from .refusal import PathError, refusal
 from .segments import Dwell, FreeMove, JointMove, Move, Segment, place
 from .waypoints import UNWRAP, unwrapped
 
@@ -170,7 +170,8 @@ class Router:
         errors: list[_BlockedError] = []
         while True:
             try:
-                return self._by_start(run, starts, theta, options)
+                near, far = (partial(self._laddered, run, some, theta, options) for some in np.split(starts, [NEAREST]))
+                return _first_followed([near] if len(starts) <= NEAREST else [near, far])
             except _BlockedError as error:
                 errors.append(error)
                 if error.more:
@@ -181,25 +182,10 @@ class Router:
             where = farthest.index, self._place(farthest.index)
             raise refusal(self.arm, self.goals.limits, farthest.blocked, *where, others=not tried)
 
-    def _by_start(
-        self, run: range, starts: Array, theta: Array, options: dict[int, int]
-    ) -> tuple[Array, list[PathPart]]:
-        """Do the same for the chosen options, from the nearest starts, then from all others."""
-        try:
-            return self._laddered(run, starts[:NEAREST], theta, options)
-        except _BlockedError as error:
-            if len(starts) <= NEAREST:
-                raise
-            first = error
-        try:
-            return self._laddered(run, starts[NEAREST:], theta, options)
-        except _BlockedError as error:
-            raise max(first, error, key=lambda each: each.reached) from None
-
     def _laddered(
         self, run: range, starts: Array, theta: Array, options: dict[int, int]
     ) -> tuple[Array, list[PathPart]]:
-        """Do the same by stacked ladders, with the least joint motion."""
+        """Do the same for the chosen options by stacked ladders, with the least joint motion."""
         moved = efforts(theta, starts, self.goals.limits.velocity)
         ends: list[_End] = [(start, float(effort), None) for start, effort in zip(starts, moved, strict=True)]
         more: dict[int, bool] = {}
@@ -214,13 +200,7 @@ class Router:
             if isinstance(nodes, Blocked):
                 raise _BlockedError(k, nodes, more[k])
             ends = [(node.theta, node.cost, node) for node in nodes]
-        errors = []
-        for end, _, node in ends[:FOLLOWED]:
-            try:
-                return self._followed(run, end, node, more)
-            except _BlockedError as error:  # noqa: PERF203
-                errors.append(error)
-        raise max(errors, key=lambda error: error.reached)
+        return _first_followed([partial(self._followed, run, end, node, more) for end, _, node in ends[:FOLLOWED]])
 
     def _roots(self, k: int, ends: list[_End], option: int) -> tuple[list[Node], bool]:
         """The first nodes of curve k at the `ends` before it, and whether more options follow."""
@@ -261,3 +241,14 @@ class Router:
 
     def _place(self, i: int) -> str:
         return place(i, self.segments[i])
+
+
+def _first_followed(attempts: Sequence[Callable[[], tuple[Array, list[PathPart]]]]) -> tuple[Array, list[PathPart]]:
+    """The first attempt that is not blocked. Otherwise raise the error of the one that came farthest."""
+    errors = []
+    for attempt in attempts:
+        try:
+            return attempt()
+        except _BlockedError as error:  # noqa: PERF203
+            errors.append(error)
+    raise max(errors, key=lambda error: error.reached)

@@ -5,6 +5,7 @@ Coefficients are laid out as in `piecewise`.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from importlib import import_module
 from math import factorial
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, frozen
 from ..support.errors import missing_extra
-from .piecewise import bernstein, derivative, evaluate, rescaled, through
+from .piecewise import bernstein, derivative, evaluate, rescaled
 
 EASING, LEAST_SHARE = 0.7, 0.05
 """Factor that lowers a joint's velocity at a waypoint until the joint stays inside; below such a share it is zero."""
@@ -40,18 +41,15 @@ def cubic(waypoints: Array, times: Array) -> Array:
 
     Acceleration is continuous inside and starts and ends with a step. Lynch & Park §9.3 (via points).
     """
-    return np.asarray(scipy("interpolate").CubicSpline(times, waypoints, bc_type="clamped").c)
+    return interpolating(waypoints, times, times[1:-1], (1,))[1]
 
 
-def cubic_not_forced(waypoints: Array, times: Array, ends: str) -> Array:
-    """The C² cubic spline with free velocities at both ends, (4, k − 1, n).
+def quintic(waypoints: Array, times: Array) -> Array:
+    """The C⁴ quintic spline with zero velocity and acceleration at both ends, (6, k − 1, n).
 
-    At the `ends` the second derivative is 0 ("natural"), or the third is continuous nearby ("not-a-knot").
+    Of all paths through the waypoints at these times it has the least ∫ jerk² dt.
     """
-    # From the first waypoint on: a joint that does not move then stays free of rounding.
-    coefficients = np.array(scipy("interpolate").CubicSpline(times, waypoints - waypoints[0], bc_type=ends).c)
-    coefficients[-1] += waypoints[0]
-    return coefficients
+    return interpolating(waypoints, times, times[1:-1], (1, 2))[1]
 
 
 def natural(waypoints: Array, s: Array, degree: int) -> tuple[Array, Array]:
@@ -59,68 +57,29 @@ def natural(waypoints: Array, s: Array, degree: int) -> tuple[Array, Array]:
 
     The derivatives (d + 1)/2 … d − 1 are zero at both ends. The knots are not at the waypoints, but at the means of d
     consecutive s. At even spacing both agree inside. A piece is then never as short as the way between two very near
-    waypoints, where the highest derivative would have to change by much. Source: de Boor, A Practical Guide to Splines,
-    chapter XIII.
+    waypoints, where the highest derivative would have to change by much.
     """
-    free = degree // 2
-    sites = np.pad(s, free, mode="edge")
-    inner = np.lib.stride_tricks.sliding_window_view(sites, degree).mean(axis=1)[1:-1]
-    knots = np.concatenate([np.repeat(s[0], degree + 1), inner, np.repeat(s[-1], degree + 1)])
-    ends = [(order, np.zeros(waypoints.shape[1])) for order in range(free + 1, degree)]
+    sites = np.pad(s, degree // 2, mode="edge")
+    knots = np.lib.stride_tricks.sliding_window_view(sites, degree).mean(axis=1)[1:-1]
+    return interpolating(waypoints, s, knots, range(degree // 2 + 1, degree))
+
+
+def interpolating(waypoints: Array, s: Array, knots: Array, zero: Sequence[int]) -> tuple[Array, Array]:
+    """Breakpoints and coefficients (d + 1, m + 1, n) of a spline with m inner knots through waypoints (k, n) at s (k,).
+
+    The derivatives of the orders `zero` are zero at both ends. The numbers of knots and conditions make the degree d:
+    m + d + 1 = k + 2 · their number. Source: de Boor, A Practical Guide to Splines, chapter XIII.
+    """
+    degree = len(s) + 2 * len(zero) - len(knots) - 1
+    padded = np.concatenate([np.repeat(s[0], degree + 1), knots, np.repeat(s[-1], degree + 1)])
+    ends = [(order, np.zeros(waypoints.shape[1])) for order in zero]
     make = scipy("interpolate").make_interp_spline
     # From the first waypoint on: a joint that does not move then stays free of rounding.
-    spline = make(s, waypoints - waypoints[0], k=degree, t=knots, bc_type=(ends, ends))
-    breakpoints = knots[degree:-degree]
-    coefficients = [spline(breakpoints[:-1], order) / factorial(order) for order in range(degree, -1, -1)]
+    spline = make(s, waypoints - waypoints[0], k=degree, t=padded, bc_type=(ends or None, ends or None))
+    breakpoints = padded[degree : len(padded) - degree]
+    coefficients = np.stack([spline(breakpoints[:-1], order) / factorial(order) for order in range(degree, -1, -1)])
     coefficients[-1] += waypoints[0]
-    return breakpoints, np.stack(coefficients)
-
-
-def quintic(waypoints: Array, times: Array) -> Array:
-    """The C⁴ quintic spline with zero velocity and acceleration at both ends, (6, k − 1, n).
-
-    Of all paths through the waypoints at these times it has the least ∫ jerk² dt. The unknowns are velocity and
-    acceleration at each inner waypoint. Continuous jerk and snap give a banded system of equations.
-    """
-    rates = np.zeros((2, *waypoints.shape))
-    if len(waypoints) > 2:
-        rates[:, 1:-1] = _smooth_rates(np.diff(waypoints, axis=0), np.diff(times))
-    return through(times, waypoints, *rates)
-
-
-def _smooth_rates(way: Array, h: Array) -> Array:
-    """Velocity and acceleration (2, k − 2, n) at the inner waypoints, where jerk and snap are continuous."""
-    bands, given = _jerk_and_snap(way, h)
-    solve = scipy("linalg").solve_banded
-    solved: Array = solve((3, 3), bands, given, overwrite_ab=True, overwrite_b=True, check_finite=False)
-    return solved.reshape(len(h) - 1, 2, -1).swapaxes(0, 1)
-
-
-def _jerk_and_snap(way: Array, h: Array) -> tuple[Array, Array]:
-    """Bands (7, 2 k − 4) and right side (2 k − 4, n) of the equations for v_1, a_1, v_2, a_2, …
-
-    At each inner waypoint the jerk and the snap of both segments agree.
-    """
-    before, after = h[:-1], h[1:]
-    # Each equation is divided by the size of its terms, because segment lengths may differ by orders of magnitude.
-    size = (1.0 / before + 1.0 / after) ** np.array([[2.0], [3.0]])
-    L2, R2, L3, R3 = 1.0 / before**2, 1.0 / after**2, 1.0 / before**3, 1.0 / after**3
-    terms = {
-        # (equation, unknown counted from v_i): the coefficient
-        (0, -2): 24.0 * L2, (0, -1): 3.0 / before, (0, 0): 36.0 * (L2 - R2), (0, 1): -9.0 / before - 9.0 / after,
-        (0, 2): -24.0 * R2, (0, 3): 3.0 / after,
-        (1, -2): 168.0 * L3, (1, -1): 24.0 * L2, (1, 0): 192.0 * (L3 + R3), (1, 1): 36.0 * (R2 - L2),
-        (1, 2): 168.0 * R3, (1, 3): -24.0 * R2,
-    }  # fmt: skip
-    count = 2 * len(before)
-    bands = np.zeros((7, count + 5))
-    for (equation, unknown), coefficient in terms.items():
-        bands[equation - unknown + 3, unknown + 2 : unknown + 2 + count : 2] = coefficient / size[equation]
-    left, right = way[:-1], way[1:]
-    jerk = 60.0 * (left * L3[:, None] - right * R3[:, None])
-    snap = 360.0 * (left * L2[:, None] ** 2 + right * R2[:, None] ** 2)
-    given = np.stack([jerk / size[0][:, None], snap / size[1][:, None]], axis=1)
-    return bands[:, 2 : count + 2], given.reshape(count, -1)
+    return breakpoints, coefficients
 
 
 def cubic_rests(waypoints: Array, times: Array) -> Array:
@@ -132,10 +91,7 @@ def cubic_rests(waypoints: Array, times: Array) -> Array:
 
 
 def quintic_rests(waypoints: Array, times: Array) -> Array:
-    """Straight from waypoint to waypoint, x + (10 u³ − 15 u⁴ + 6 u⁵) Δx: (6, k − 1, n).
-
-    Velocity and acceleration are zero at each waypoint (Lynch & Park §9.2.2.1).
-    """
+    """The same with x + (10 u³ − 15 u⁴ + 6 u⁵) Δx, acceleration zero at each too: (6, k − 1, n)."""
     return _straight(waypoints, times, (6.0, -15.0, 10.0, 0.0, 0.0, 0.0))
 
 

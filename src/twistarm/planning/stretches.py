@@ -11,9 +11,8 @@ import numpy as np
 from ..arm.arm import Arm
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
-from .cartesian.ladder import efforts
-from .joint_path import JointPath
-from .piecewise import bisected, derivative, extremes, rescaled, shifted, side_by_side, through
+from .following import efforts
+from .piecewise import JointPath, bisected, derivative, extremes, rescaled, shifted, side_by_side, through
 from .route import PathPart
 from .segments import Move
 from .within import POSITION_TOL, farthest_outside

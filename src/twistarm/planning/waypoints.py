@@ -10,11 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm
 from ..ik.ranges import joint_ranges
+from ..ik.request import as_tolerance
 from ..ik.solution import in_one_line
 from ..ik.solve import solve_ik
 from ..ik.targets import KINDS as TARGETS
 from ..ik.targets import TargetLike
-from ..ik.task_space import Tolerances
+from ..ik.task_space import USUAL, Tolerances
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, RealArray, Row, as_floats, as_reals
 from ..support.errors import InputError, NotConvergedError, shown
@@ -50,6 +51,14 @@ UNWRAP = Argument("unwrap", True)
 
 Waypoints = RealArray | Sequence[Row | Mapping[str, float] | str | TargetLike]
 """Configurations as arrays, mappings {joint: value} or names of states, and targets of the tool."""
+
+
+def as_tolerances(position_tol: float | None, orientation_tol: float | None) -> Tolerances:
+    """Return the tolerances of a motion's targets, the usual ones for None."""
+    return Tolerances(
+        USUAL.position if position_tol is None else as_tolerance(position_tol, "position_tol [m]"),
+        USUAL.orientation if orientation_tol is None else as_tolerance(orientation_tol, "orientation_tol [rad]"),
+    )
 
 
 def as_waypoints(arm: Arm, waypoints: Waypoints, met: Tolerances, unwrap: bool) -> tuple[Array, list[str]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -26,14 +27,11 @@ from ...planning import (
     load_trajectory,
     plan_joint,
 )
-from ...planning.files.c_header import SUFFIXES, header_text
-from ...planning.files.csv_file import csv_text
-from ...planning.files.joint_trajectory import json_text
-from ...planning.files.mcap_file import mcap_bytes
 from ...planning.motion import MotionKind
 from ...planning.motion import plan as plan_segments
 from ...planning.segments import as_segments
 from ...planning.trajectory import Progress
+from ...planning.trajectory_files import FORMATS, Writing, written
 from ...support.errors import InputError
 from ..numbers import POSE, JointValues, OfJoints, argument, joint_values, of_joints, option, quantity, switch
 from ..options import ArmArgument, Avoid, answers, avoided
@@ -89,11 +87,8 @@ def capped(
 MOST_STRETCHES = 8
 """So many rows of active limits are shown; --json has them all."""
 
-MOTION_KINDS = {"csv": (".csv",), "json": (".json",), "header": SUFFIXES, "mcap": (".mcap",)}
+MOTION_KINDS = {kind: form.endings for kind, form in FORMATS.items() if form.write}
 """The kinds of files that hold a motion."""
-
-COUNTED = ("csv", "header")
-"""The kinds of files that may hold what drives count in place of the joints."""
 
 Written = Annotated[
     Outputs,
@@ -176,7 +171,7 @@ def plan(
     whole = {"linear_speed": linear_speed, "position_tol": position_tol, "orientation_tol": orientation_tol}
     typed: dict[str, Any] = {name: value for name, value in whole.items() if value is not None}
     _require_fitting(motion, to, xyz, line, avoid, stop, blend, smooth, kind, typed)
-    if counts and any(of not in COUNTED for of, _ in out.files):
+    if counts and not all(FORMATS[kind].counts for kind, _ in out.files):
         raise InputError("--counts goes with *.csv and *.h: a JointTrajectory is in rad and m")
     targets = typed_targets(xyz or (), rpy or (), direction or (), axis)
     poses = [arm.ready if start is None else start.of(arm)]
@@ -257,12 +252,8 @@ def _require_fitting(
 def motion_texts(arm: Arm, planned: Trajectory, outputs: Outputs, dt: float, *, counts: bool = False) -> Contents:
     """What writes a motion of the arm, by the kind of file."""
     header = next((name for kind, name in outputs.files if kind == "header" and name != STDOUT), "motion.h")
-    return {
-        "csv": lambda: csv_text(planned, dt, counts=counts),
-        "json": lambda: json_text(planned, dt),
-        "header": lambda: header_text(planned, header, counts=counts),
-        "mcap": lambda: mcap_bytes(planned, arm, dt),
-    }
+    how = Writing(dt, arm, counts=counts, name=header)
+    return {kind: partial(written, planned, kind, how) for kind in MOTION_KINDS}
 
 
 def plan_tables(arm: Arm, planned: Trajectory, limits: JointLimits) -> tuple[Table, Table]:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ...limits.actuators import Actuators
-from ...support.checks import Array, as_flag
+from ...support.checks import Array
 from ...support.code_text import c_number, c_string, c_strings, filled, identifier_of
 from ..piecewise import derivative, rescaled
 from ..trajectory import Trajectory, motors_of, require_motors
@@ -18,15 +18,11 @@ FOLDER = Path(__file__).parent
 NOTHING = 1e-15
 """Share of the greatest position, velocity or acceleration that is rounding."""
 
-SUFFIXES = (".h", ".hpp", ".hh", ".hxx")
 
-
-def header_text(
-    trajectory: Trajectory, file: str = "motion.h", actuators: Actuators | None = None, *, counts: bool = False
-) -> str:
+def header_text(trajectory: Trajectory, file: str, actuators: Actuators | None, counts: bool) -> str:
     """Return the text that `save_trajectory` writes. Every name in it begins with that of the file."""
     name = identifier_of(Path(file).stem, "motion")
-    if as_flag(counts, "counts"):
+    if counts:
         trajectory = _counted(trajectory, require_motors(motors_of(trajectory, actuators)))
     pieces = _pieces(trajectory)
     begins = np.concatenate([[0], np.cumsum([piece.size for piece in pieces])])

@@ -12,7 +12,7 @@ import numpy as np
 from ...arm.arm import Arm
 from ...limits.actuators import Actuators
 from ...limits.joint_limits import JointLimits
-from ...support.checks import Array, as_flag, number_in
+from ...support.checks import Array, number_in
 from ...support.csv_lines import Bounds, Row, csv_lines, csv_rows
 from ...support.csv_lines import csv_text as lines_of
 from ...support.errors import InputError, closest, listed
@@ -38,10 +38,10 @@ MOST_NUMBERS = 15_000_000
 """The most numbers kept of one file: times, positions, rates and accelerations."""
 
 
-def csv_text(trajectory: Trajectory, dt: float, actuators: Actuators | None = None, *, counts: bool = False) -> str:
+def csv_text(trajectory: Trajectory, dt: float, actuators: Actuators | None, counts: bool) -> str:
     """Return the text that `save_trajectory` writes."""
     t = _instants(trajectory, dt)
-    tables = list(_tables(trajectory, t, motors_of(trajectory, actuators), as_flag(counts, "counts")))
+    tables = list(_tables(trajectory, t, motors_of(trajectory, actuators), counts))
     header = [TIME, *(name for groups, _ in tables for names in zip(*groups, strict=True) for name in names)]
     values = [np.stack(rates, axis=-1).reshape(len(t), -1) for _, rates in tables]
     labels = _label_columns(trajectory, t)

@@ -27,7 +27,7 @@ MAX_BYTES = 50_000_000
 FIELDS = ("positions", "velocities", "accelerations")
 
 
-def json_text(trajectory: Trajectory, dt: float, actuators: Actuators | None = None) -> str:
+def json_text(trajectory: Trajectory, dt: float, actuators: Actuators | None) -> str:
     """Return the text that `save_trajectory` writes."""
     return json.dumps(_message(trajectory, dt, actuators), indent=1, allow_nan=False) + "\n"
 

@@ -15,10 +15,10 @@ from ...arm.usual_limits import defaults_line, with_defaults
 from ...collision import Scene
 from ...ik.targets import Position
 from ...limits.joint_limits import JointLimits
-from ...planning.cartesian.refusal import PathError
 from ...planning.goals import Curved, Goals
 from ...planning.joint_space import LAWS, plan_joint
 from ...planning.motion import plan
+from ...planning.refusal import PathError
 from ...planning.segments import ArcMove, FreeMove, JointMove, LineMove, ScrewMove
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array

@@ -17,10 +17,7 @@ import tornado.web
 import tornado.websocket
 
 from ...collision.scene_file import scene_text
-from ...planning.files.c_header import header_text
-from ...planning.files.csv_file import csv_text
-from ...planning.files.joint_trajectory import json_text
-from ...planning.trajectory import Trajectory
+from ...planning.trajectory_files import Writing, written
 from ...support.errors import InputError, TwistarmError
 from ...support.strict_json import LARGEST_MESSAGE, encode
 from ..files.page_export import modules, stand_alone
@@ -47,23 +44,18 @@ class Download:
 
     content_type: str
     ending: str
-    prepare: Callable[[Stage, Drawing], Callable[[], str]]
+    prepare: Callable[[Stage, Drawing], Callable[[], str | bytes]]
 
     def file_name(self, arm: str) -> str:
         """The file's name, in letters that every system and header takes."""
         return re.sub(r"[^A-Za-z0-9._-]", "_", arm)[:100] + self.ending
 
 
-def _motion(write: Callable[[Trajectory, float], str], stage: Stage, drawing: Drawing) -> Callable[[], str]:
+def _motion(kind: str, stage: Stage, drawing: Drawing) -> Callable[[], str | bytes]:
     at = stage.playback
     if at is None:
         raise InputError("nothing to export: no trajectory is loaded")
-    return partial(write, at.trajectory, max(SAMPLE_TIME, at.duration / MOST_SAMPLES))
-
-
-def _header(motion: Trajectory, dt: float) -> str:
-    """Without samples: the polynomials themselves."""
-    return header_text(motion)
+    return partial(written, at.trajectory, kind, Writing(max(SAMPLE_TIME, at.duration / MOST_SAMPLES)))
 
 
 def _page(stage: Stage, drawing: Drawing) -> Callable[[], str]:
@@ -80,9 +72,9 @@ def _scene(stage: Stage, drawing: Drawing) -> Callable[[], str]:
 DOWNLOADS: Mapping[str, Download] = {
     "arm.html": Download("text/html; charset=utf-8", ".html", _page),
     "scene.toml": Download("application/toml", "_scene.toml", _scene),
-    "motion.csv": Download("text/csv; charset=utf-8", "_motion.csv", partial(_motion, csv_text)),
-    "motion.json": Download("application/json", "_motion.json", partial(_motion, json_text)),
-    "motion.h": Download("text/plain; charset=utf-8", "_motion.h", partial(_motion, _header)),
+    "motion.csv": Download("text/csv; charset=utf-8", "_motion.csv", partial(_motion, "csv")),
+    "motion.json": Download("application/json", "_motion.json", partial(_motion, "json")),
+    "motion.h": Download("text/plain; charset=utf-8", "_motion.h", partial(_motion, "header")),
 }
 """Downloads by their name under the token."""
 
@@ -206,9 +198,9 @@ class DownloadHandler(Guarded):
         await self.finish(text)
 
 
-async def _in_daemon_thread(call: Callable[[], str]) -> str:
+async def _in_daemon_thread(call: Callable[[], str | bytes]) -> str | bytes:
     """What `call` returns or raises. The threads of a loop's executor would hold up the end of the program."""
-    done: Future[str] = Future()
+    done: Future[str | bytes] = Future()
     done.set_running_or_notify_cancel()
 
     def run() -> None:

@@ -1,4 +1,4 @@
-"""Ladder: curves climbed rung by rung from all configurations together, without leaps."""
+"""Following curves: a ladder climbed from all configurations together, without leaps, and the joint path through it."""
 
 from __future__ import annotations
 
@@ -6,13 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ...arm.arm import Arm
-from ...ik.closed_form.methods import family_method
-from ...limits.joint_limits import JointLimits
-from ...support.checks import Array
+from ..arm.arm import Arm
+from ..ik.answer import ConfigurationsBatch
+from ..ik.closed_form.methods import family_method
+from ..limits.joint_limits import JointLimits
+from ..support.checks import Array
+from .configurations import EXACT, LONGEST_JUMP, Solutions, solve_near, targets_at
 from .curves import MovingTarget
-from .projection import EXACT, LONGEST_JUMP, Solutions, solve_near, targets_at
+from .piecewise import JointPath, bernstein, extremes
+from .spline import interpolating
+from .within import POSITION_TOL as ROUNDING
+
+Flags = NDArray[np.bool_]
 
 FIRST_STEP, FIRST_TURN = 0.01, np.radians(1.0)
 """From rung to rung [m, rad] solve_ik stays on its branch where it can."""
@@ -30,6 +37,24 @@ LEAST_DISTANCE = 2**-12
 
 MOST_HALVINGS = 4096
 """Rungs in between of one climb, at most."""
+
+
+POSITION_TOL, ANGLE_TOL = 1e-4, np.radians(0.05)
+"""Greatest distance of the tool from the curve [m, rad]. Wider tolerances replace it."""
+
+RESERVE = 0.95
+"""Share of `POSITION_TOL` and `ANGLE_TOL` that check points may use. The rest is for what lies between them."""
+
+FEWEST_CHECKS, CHECKS, MOST_CHECKS = 4, 16, 40_000
+"""Intervals of check points in each piece of a path, and the most on a whole path of many pieces."""
+
+SHARE = 0.95
+"""A path that uses less than this share of a wide tolerance is sampled more densely and keeps its targets."""
+
+MOST_SAMPLES = 4096
+
+ROUNDS = 12
+"""Halvings of intervals in which the tool is too far from the curve."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,17 +173,18 @@ class _Climber:
     def _by_closed_form(self, moving: MovingTarget, ideal: Array, near: Array) -> Solutions | None:
         """Return the nearest answer to each target. The arm's family must give all of them and hold no joint."""
         method = family_method(self.arm, moving.like)
-        if method.compiled is None or method.swept:
+        if method.core is None or method.swept:
             return None
         targets = targets_at(moving.like, ideal)
         numbers = targets if isinstance(targets, np.ndarray) else np.array([each.numbers for each in targets])
-        found = method.compiled.solve_batch(numbers, near, EXACT, EXACT, 1)
-        if found is None:
+        answer = method.core.solve_batch(numbers, near, EXACT, EXACT, 1)
+        if answer is None:
             return None
+        found = ConfigurationsBatch(*answer)
         theta, met = near.copy(), found.inside > 0
         if found.families[~met].any():
             return None
-        theta[met] = found.theta[(np.cumsum(found.count) - found.count)[met]]
+        theta[met] = found.rows[found.first[met], 0]
         return theta, met
 
 
@@ -167,3 +193,71 @@ def _ahead(node: Node, s: float) -> Array:
     if before is None or before.moving is not node.moving:
         return node.theta
     return node.theta + (node.theta - before.theta) * ((s - node.s) / (node.s - before.s))
+
+
+def follow(arm: Arm, samples: Sequence[Node]) -> JointPath | Blocked:
+    """Return the joint path through samples of one curve, or the place where it leaps.
+
+    A C² cubic spline goes through the samples. Intervals where the tool is too far from the curve are halved. Too far
+    means beyond `POSITION_TOL`, `ANGLE_TOL` or wider tolerances, at check points that lie densely in each interval.
+    """
+    moving = samples[0].moving
+    s, theta = np.array([node.s for node in samples]), np.array([node.theta for node in samples])
+    for _ in range(ROUNDS):
+        path = JointPath(*interpolating(theta, s, s[2:-2], ())).cut_at(s)  # without a knot next to either end
+        outside = _outside(arm, path)
+        off = _too_far(arm, moving, path) | outside
+        if not off.any():
+            return path
+        if len(s) > MOST_SAMPLES:
+            break
+        between = 0.5 * (s[:-1] + s[1:])[off]
+        found = path(between)
+        good = _uses_tolerance_well(arm, moving, between, found) & ~outside[off]
+        found[~good], good[~good] = solve_near(arm, moving, moving.curve(between[~good]), found[~good])
+        if not good.all():
+            return _blocked(samples[0], s, theta, float(between[int(np.argmin(good))]), leap=False)
+        s, theta = np.concatenate([s, between]), np.concatenate([theta, found])
+        order = np.argsort(s, kind="stable")
+        s, theta = s[order], theta[order]
+    return _blocked(samples[0], s, theta, float(s[int(np.argmax(off)) + 1]), leap=True)
+
+
+def _uses_tolerance_well(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Flags:
+    """Tell which configurations (k, n) at s (k,) are well within wide tolerances."""
+    if moving.leeway is None:
+        return np.zeros(len(s), dtype=bool)
+    position, angle = moving.errors(s, arm.fk(theta))
+    return (position <= SHARE * moving.tolerances.position) & (angle <= SHARE * moving.tolerances.orientation)
+
+
+def _blocked(root: Node, s: Array, theta: Array, ahead: float, *, leap: bool) -> Blocked:
+    last = int(np.searchsorted(s, ahead, side="left")) - 1
+    return Blocked(Node(root.moving, float(s[last]), theta[last], root.cost, root), ahead, leap)
+
+
+def _too_far(arm: Arm, moving: MovingTarget, path: JointPath) -> Flags:
+    """Tell in which pieces (m,) the tool is too far from the curve at a check point."""
+    starts, h = path.breakpoints[:-1], np.diff(path.breakpoints)
+    count = int(np.clip(MOST_CHECKS // len(h), FEWEST_CHECKS, CHECKS))
+    inside = np.arange(1, count) / count  # at the ends of pieces are samples, which meet their targets
+    s = (starts[:, None] + h[:, None] * inside).ravel()
+    allowed = np.maximum(
+        [RESERVE * POSITION_TOL, RESERVE * ANGLE_TOL], [moving.tolerances.position, moving.tolerances.orientation]
+    )
+    far = np.stack(moving.errors(s, arm.fk(path(s))), axis=1) > allowed
+    far_in: Flags = np.logical_or.reduce(far.reshape(len(h), -1), axis=1)
+    return far_in
+
+
+def _outside(arm: Arm, path: JointPath) -> Flags:
+    """Tell in which pieces (m,) a joint passes its limit by more than rounding."""
+    h = np.diff(path.breakpoints)
+    outside: Flags = _beyond(arm, bernstein(path.coefficients, h)) > ROUNDING
+    if outside.any():  # the Bernstein coefficients may lie beyond where the spline does not
+        outside[outside] = _beyond(arm, extremes(path.coefficients[:, outside], h[outside])[1]) > ROUNDING
+    return outside
+
+
+def _beyond(arm: Arm, values: Array) -> Array:
+    return np.maximum(arm.limits.lower - values, values - arm.limits.upper).max(axis=(0, 2))

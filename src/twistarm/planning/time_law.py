@@ -11,13 +11,12 @@ from typing import Literal
 
 import numpy as np
 
-from ...limits.actuators import Actuators
-from ...limits.joint_limits import JointLimits
-from ...support.checks import Array, frozen
-from ...support.display import told
-from ..joint_path import Indices, JointPath
-from ..piecewise import bisected, composed, derivative, largest, rescaled, shifted
-from ..within import MARGIN, require_span, slowed_by
+from ..limits.actuators import Actuators
+from ..limits.joint_limits import JointLimits
+from ..support.checks import Array, frozen
+from ..support.display import told
+from .piecewise import Indices, JointPath, bisected, composed, derivative, largest, rescaled, shifted
+from .within import MARGIN, require_span, slowed_by
 
 RISE = 0.1
 """Rise time [s] to the acceleration limit for joints without a jerk limit, in laws that limit the jerk."""

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...ik.targets import AnyTarget, Approach, Pose, Position, TolerancedPose
-from ...ik.task_space import USUAL, Tolerances
-from ...support.checks import Array
-from ...support.errors import InputError
-from ...theory import rotations, screws
+from ..ik.targets import AnyTarget, Approach, Pose, Position, TolerancedPose
+from ..ik.task_space import USUAL, Tolerances
+from ..support.checks import Array
+from ..support.errors import InputError
+from ..theory import rotations, screws
 
 FLAT, LOW = 1e-5, 2e-5
 """Three points are collinear if their triangle is lower than this share of its longest side, or than so many metres.

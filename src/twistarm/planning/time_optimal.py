@@ -12,13 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arm import engine
-from ...support.checks import Array
-from ...support.errors import InputError
-from ..joint_path import JointPath
-from ..within import MARGIN, SHORTEST, require_span
-from .law import PathBounds, TimeLaw
-from .straight import along_line
+from ..arm import engine
+from ..support.checks import Array
+from ..support.errors import InputError
+from .piecewise import JointPath
+from .time_law import APART, PathBounds, TimeLaw
+from .within import MARGIN, SHORTEST, require_span
 
 FIRST_INTERVALS = 150
 """Intervals to begin with, about."""
@@ -151,3 +150,36 @@ def path_velocity(path: LimitedPath, grid: Array) -> Profile:
 def greatest_rate(path: LimitedPath) -> float:
     """The largest ṡ² where nothing else limits it."""
     return float(path.breakpoints[-1] / SHORTEST) ** 2
+
+
+def line_durations(ways: Array, bounds: PathBounds) -> Array:
+    """Durations (k,) [s] of the shortest motions along ways (k, n) that are not zero, straight and from rest to rest.
+
+    The fraction travelled may have speed V = min v / |C way| and acceleration A = min a / |C way|. It takes 1/V + V/A,
+    or 2/√A if V² ≥ A (Lynch & Park §9.2.2.2).
+    """
+    V, A = _line_limits(ways, bounds)
+    ramps = np.minimum(V / A, np.sqrt(1.0 / A))
+    return ramps + np.maximum(1.0 / V, ramps)
+
+
+def along_line(path: JointPath, bounds: PathBounds) -> TimeLaw:
+    """The law of a straight path: full acceleration, full speed, full braking."""
+    L = path.length
+    V, A = (float(limit[0]) * L * (1.0 - MARGIN) for limit in _line_limits((path.end - path.start)[None], bounds))
+    V = min(V, float(bounds.ceiling_of(path)[0]) * (1.0 - MARGIN))
+    ramp = min(V / A, np.sqrt(L / A))
+    coast = L / V - ramp
+    speed, bend = A * ramp, 0.5 * A * ramp**2
+    phases = [(0.5 * A, 0.0, 0.0), (0.0, speed, bend), (-0.5 * A, speed, L - bend)]
+    durations = [ramp, coast, ramp]
+    if coast <= APART * ramp:
+        del phases[1], durations[1]
+    require_span(sum(durations))
+    return TimeLaw(np.cumsum([0.0, *durations]), np.array(phases).T)
+
+
+def _line_limits(ways: Array, bounds: PathBounds) -> tuple[Array, Array]:
+    rows = np.abs(ways @ bounds.C.T)
+    with np.errstate(divide="ignore"):
+        return 1.0 / (rows / bounds.velocity).max(axis=-1), 1.0 / (rows / bounds.acceleration).max(axis=-1)

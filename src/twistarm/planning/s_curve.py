@@ -1,4 +1,4 @@
-"""The s-curve law along a path: the time-optimal one with smooth acceleration."""
+"""Motions of limited jerk: the s-curve law along a path, and double-S profiles from rest to rest in closed form."""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...support.checks import Array
-from ..joint_path import Indices, JointPath
-from ..piecewise import bernstein, bisected, derivative, evaluate
-from .law import PathBounds, TimeLaw, distinct_instants
+from ..support.checks import Array
+from .piecewise import Indices, JointPath, bernstein, bisected, derivative, evaluate
+from .time_law import PathBounds, TimeLaw, distinct_instants
 from .time_optimal import LimitedPath, first_grid, on_grid
 
 WINDOWS = (1.0, 2.0, 2.8)
@@ -38,6 +37,9 @@ SAMPLES = np.array([[0.0], [0.5], [1.0 - 1e-9]])
 
 BISECTIONS = 60
 """To find when a place is reached, to rounding."""
+
+SIGNS: Array = np.array([1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0])
+"""The jerk in the seven phases of a double-S profile, as a share of its greatest."""
 
 
 def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
@@ -182,3 +184,81 @@ def _reached(average: _Average, places: Array) -> Array:
     own, ends = pieces[:, index], np.diff(times)[index]
     _, late = bisected(lambda tau: evaluate(own, tau) < places, np.zeros_like(places), ends, BISECTIONS)
     return times[index] + late
+
+
+def double_s(start: Array, goal: Array, bounds: PathBounds) -> tuple[Array, Array]:
+    """Breakpoints (k + 1,) [s] and coefficients (4, k, n) of a rest-to-rest motion from `start` to `goal` (n,).
+
+    Each joint has seven phases of constant jerk, or fewer on a short way. All are slowed to the slowest joint's time.
+    Where one motor drives several joints, all joints share one profile along the straight line. A joint without a jerk
+    limit reaches its acceleration limit in 0.1 s. A motion to its start takes no time. Source: Biagiotti & Melchiorri,
+    Trajectory Planning for Automatic Machines and Robots, §3.4.
+    """
+    way = goal - start
+    if not way.any():
+        return np.zeros(2), np.concatenate([np.zeros((3, 1, len(start))), start[None, None]])
+    d, limits, direction = _profiled(way, bounds)
+    breakpoints, coefficients = _profiles(d, *_phases(d, *limits))
+    coefficients = coefficients * direction
+    coefficients[-1] += start
+    return breakpoints, coefficients
+
+
+def double_s_durations(ways: Array, bounds: PathBounds) -> Array:
+    """Durations (k,) [s] of the motions along ways (k, n) that are not zero."""
+    d, limits, _ = _profiled(ways, bounds)
+    jerk, hold, coast = _phases(d, *limits)
+    durations: Array = (4.0 * jerk + 2.0 * hold + coast).max(axis=-1)
+    return durations
+
+
+def _profiled(way: Array, bounds: PathBounds) -> tuple[Array, tuple[Array, Array, Array], Array]:
+    """Lengths d (..., p) of the p profiles along ways (..., n), limits of their rates, and the way per unit of d."""
+    limits = bounds.velocity, bounds.acceleration, bounds.jerk
+    rows = np.abs(bounds.C)
+    with np.errstate(divide="ignore"):
+        if (np.count_nonzero(rows, axis=1) > 1).any():
+            share = np.abs(way @ bounds.C.T)
+            V, A, J = ((limit / share).min(axis=-1, keepdims=True) for limit in limits)
+            return np.ones_like(V), (V, A, J), way
+        V, A, J = ((limit[:, None] / rows).min(axis=0) for limit in limits)
+    return np.abs(way), (V, A, J), np.sign(way)
+
+
+def _phases(d: Array, V: Array, A: Array, J: Array) -> tuple[Array, Array, Array]:
+    """How long each joint's jerk, constant acceleration and constant velocity last, (n,) each [s]."""
+    rise = A / J
+    with np.errstate(invalid="ignore"):
+        reaches_A = A * rise <= V
+        jerk = np.where(reaches_A, rise, np.sqrt(V / J))
+        hold = np.where(reaches_A, V / A - rise, 0.0)
+        ramps = V * (2.0 * jerk + hold)
+        coasts = d >= ramps
+        speed = 2.0 * d * A / (A * rise + np.sqrt((A * rise) ** 2 + 4.0 * d * A))
+        coast = np.where(coasts, (d - ramps) / V, 0.0)
+    short = ~coasts & (speed < A * rise)
+    jerk = np.where(coasts, jerk, np.where(short, np.cbrt(0.5 * d / J), rise))
+    hold = np.where(coasts, hold, np.where(short, 0.0, speed / A - rise))
+    return jerk, np.where(d > 0, hold, 0.0), coast
+
+
+def _profiles(d: Array, jerk: Array, hold: Array, coast: Array) -> tuple[Array, Array]:
+    """Breakpoints and coefficients for the distances d (n,) with these phases, slowed to one duration."""
+    own = 4.0 * jerk + 2.0 * hold + coast
+    whole, moves = float(own.max()), own > 0
+    slower = whole / np.where(moves, own, 1.0)
+    x, y, z = jerk * slower, hold * slower, np.where(moves, coast * slower, whole)
+    ends = np.cumsum([x, y, x, z, x, y], axis=0)
+    times = distinct_instants(np.vstack([np.zeros_like(d), ends, np.full_like(d, whole)]))
+    phase = (0.5 * (times[:-1] + times[1:])[:, None, None] >= ends).sum(axis=1)
+    a = d / np.where(moves, (x + y) * (2.0 * x + y + z), 1.0)
+    # The greatest acceleration a is reached in x, so the third derivative is a / x; then three integrals.
+    c3, h = SIGNS[phase] * (a / np.where(moves, x, 1.0)) / 6.0, np.diff(times)[:, None]
+    c2 = _integrated(3.0 * c3 * h)
+    c1 = _integrated((2.0 * c2 + 3.0 * c3 * h) * h)
+    return times, np.stack([c3, c2, c1, _integrated((c1 + (c2 + c3 * h) * h) * h)])
+
+
+def _integrated(steps: Array) -> Array:
+    """The value at the beginning of each piece (k, n), 0 at the first, by the change on each."""
+    return np.concatenate([np.zeros_like(steps[:1]), np.cumsum(steps[:-1], axis=0)])

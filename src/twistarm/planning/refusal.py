@@ -6,20 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...arm.arm import Arm
-from ...ik.answer import StopReason
-from ...ik.solution import IKResult
-from ...ik.solve import solve_ik
-from ...limits.joint_limits import JointLimits
-from ...support.checks import Array
-from ...support.errors import TwistarmError
-from ...support.messages import Posture, Quantity, Text
-from ...support.units import length_hint
-from ..joint_path import JointPath
-from .branches import branches
-from .following import follow
-from .ladder import Blocked, Node, climb, way
-from .projection import LONGEST_JUMP
+from ..arm.arm import Arm
+from ..ik.answer import StopReason
+from ..ik.solution import IKResult
+from ..ik.solve import solve_ik
+from ..limits.joint_limits import JointLimits
+from ..support.checks import Array
+from ..support.errors import TwistarmError
+from ..support.messages import Posture, Quantity, Text
+from ..support.units import length_hint
+from .configurations import LONGEST_JUMP, branches
+from .following import Blocked, Node, climb, follow, way
+from .piecewise import JointPath
 
 AT_LIMIT = 0.01
 """A joint nearer to its limit than this [rad, m] at the end of a path is at the limit."""
