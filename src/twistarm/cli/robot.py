@@ -8,18 +8,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 from ..arm.arm import Arm
-from ..control.stream import (
-    Feedback,
-    Interlock,
-    Recorder,
-    SerialRobot,
-    SimulatedJoints,
-    Sink,
-    StreamOptions,
-    UdpFeedback,
-    UdpSink,
-    read_key,
-)
+from ..control.stream import Feedback, Recorder, SerialRobot, SimulatedJoints, Sink, UdpFeedback, UdpSink, read_key
 from ..control.stream.protocols import FEEDBACK_TIMEOUT
 from ..control.stream.serial_link import BAUDRATE
 from ..support.checks import Array
@@ -91,9 +80,12 @@ class Robot:
         if (self.senders or self.key is not None) and self.udp is None and commands is None:
             raise InputError(f"--from and --key are for datagrams: they need {options}")
 
-    def options(self, rate: float, tolerance: Array, interlock: Interlock | None = None) -> StreamOptions:
-        """The options of a stream to this robot."""
-        return StreamOptions(rate, self.feedback_timeout, tolerance, self.velocity_mode, interlock)
+    def options(self, rate: float, tolerance: Array) -> dict[str, Any]:
+        """What the options of a stream to this robot are made of."""
+        return {
+            "rate": rate, "tolerance": tolerance, "feedback_timeout": self.feedback_timeout,
+            "velocity_mode": self.velocity_mode,
+        }  # fmt: skip
 
     def joints(self, arm: Arm, theta: Array, stack: ExitStack) -> tuple[Sink, Feedback, Callable[[Any], object]]:
         """Open the links to the robot, and what takes each cycle: a recorder of both, if there is --record.

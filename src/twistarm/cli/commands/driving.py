@@ -17,13 +17,22 @@ from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line, usually_limited
 from ...control.servo import ServoSettings
 from ...control.servo.settings import ON_UNREACHABLE, SLIDE
-from ...control.stream import Cycle, FollowControl, FollowCycle, Interlock, StreamReport, UdpSource, run
+from ...control.stream import (
+    Cycle,
+    FollowControl,
+    FollowCycle,
+    FollowOptions,
+    Interlock,
+    StreamOptions,
+    StreamReport,
+    UdpSource,
+    run,
+)
 from ...control.stream import follow as follow_on
 from ...control.stream.cycles import checked_rate
 from ...control.stream.following import START_TOLERANCE, TRACKING_TOLERANCE
 from ...control.stream.motion_clock import motion_of
-from ...control.stream.protocols import COMMAND_TIMEOUT
-from ...control.stream.streaming import TOLERANCE
+from ...control.stream.protocols import COMMAND_TIMEOUT, TOLERANCE
 from ...support.checks import Array, require_choice
 from ...support.errors import InputError, LimitError
 from ..numbers import JointValues, argument, of_joints, option, quantity, switch
@@ -87,8 +96,9 @@ def servo(
             keep(cycle)
 
         report = run(
-            driven, source_of_commands, sink, feedback, robot.options(rate, near), command_timeout=command_timeout,
-            settings=viewer.servo_settings(settings), scene=scene, duration=duration, on_cycle=each,
+            driven, source_of_commands, sink, feedback, StreamOptions(**robot.options(rate, near)),
+            command_timeout=command_timeout, settings=viewer.servo_settings(settings), scene=scene, duration=duration,
+            on_cycle=each,
         )  # fmt: skip
     out.show(_loop(arm, report), *out.lines(report.explain()), written=robot.written)
     return 0 if report.ok else 1
@@ -172,10 +182,11 @@ def follow(
                 say(f"at {cycle.at:.2f} s: {label}", file=out)
             obey(typed, control, interlock)
 
-        report = follow_on(
-            driven, planned, sink, feedback, robot.options(rate, tracked, interlock), speed=speed, approach=approach,
-            start_tolerance=start, control=control, on_cycle=each,
+        options = FollowOptions(
+            **robot.options(rate, tracked), interlock=interlock, speed=speed, approach=approach, start_tolerance=start,
+            control=control,
         )  # fmt: skip
+        report = follow_on(driven, planned, sink, feedback, options, on_cycle=each)
     names = report.joint_names
     data = {
         "arm": arm, **entries(report, "ok completed at duration speed"), "ending": report.stream.ending,
