@@ -22,6 +22,7 @@ from ...control.stream import (
     Feedback,
     FollowControl,
     FollowCycle,
+    FollowOptions,
     Interlock,
     Recorder,
     SerialRobot,
@@ -39,9 +40,8 @@ from ...control.stream import follow as follow_on
 from ...control.stream.cycles import checked_rate
 from ...control.stream.following import START_TOLERANCE, TRACKING_TOLERANCE
 from ...control.stream.motion_clock import motion_of
-from ...control.stream.protocols import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
+from ...control.stream.protocols import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, TOLERANCE
 from ...control.stream.serial_link import BAUDRATE
-from ...control.stream.streaming import TOLERANCE
 from ...support.checks import Array, require_choice
 from ...support.errors import InputError, LimitError
 from ..command import Shared
@@ -115,9 +115,12 @@ class Robot:
         if (self.senders or self.key is not None) and self.udp is None and commands is None:
             raise InputError(f"--from and --key are for datagrams: they need {options}")
 
-    def options(self, rate: float, tolerance: Array, interlock: Interlock | None = None) -> StreamOptions:
-        """The options of a stream to this robot."""
-        return StreamOptions(rate, self.feedback_timeout, tolerance, self.velocity_mode, interlock)
+    def options(self, rate: float, tolerance: Array) -> dict[str, Any]:
+        """What the options of a stream to this robot are made of."""
+        return {
+            "rate": rate, "tolerance": tolerance, "feedback_timeout": self.feedback_timeout,
+            "velocity_mode": self.velocity_mode,
+        }  # fmt: skip
 
     def joints(self, arm: Arm, theta: Array, stack: ExitStack) -> tuple[Sink, Feedback, Callable[[Any], object]]:
         """Open the links to the robot, and what takes each cycle: a recorder of both, if there is --record.
@@ -216,8 +219,9 @@ def servo(
             keep(cycle)
 
         report = run(
-            driven, source_of_commands, sink, feedback, robot.options(rate, near), command_timeout=command_timeout,
-            settings=viewer.servo_settings(settings), scene=scene, duration=duration, on_cycle=each,
+            driven, source_of_commands, sink, feedback, StreamOptions(**robot.options(rate, near)),
+            command_timeout=command_timeout, settings=viewer.servo_settings(settings), scene=scene, duration=duration,
+            on_cycle=each,
         )  # fmt: skip
     out.show(_loop(arm, report), *out.lines(report.explain()), written=robot.written)
     return 0 if report.ok else 1
@@ -301,10 +305,11 @@ def follow(
                 say(f"at {cycle.at:.2f} s: {label}", file=out)
             obey(typed, control, interlock)
 
-        report = follow_on(
-            driven, planned, sink, feedback, robot.options(rate, tracked, interlock), speed=speed, approach=approach,
-            start_tolerance=start, control=control, on_cycle=each,
+        options = FollowOptions(
+            **robot.options(rate, tracked), interlock=interlock, speed=speed, approach=approach, start_tolerance=start,
+            control=control,
         )  # fmt: skip
+        report = follow_on(driven, planned, sink, feedback, options, on_cycle=each)
     names = report.joint_names
     data = {
         "arm": arm, **entries(report, "ok completed at duration speed"), "ending": report.stream.ending,

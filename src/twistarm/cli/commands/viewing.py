@@ -17,9 +17,9 @@ from ...support.checks import Array
 from ...support.errors import InputError
 from ...sweeps import ReachMap
 from ...viewer import Viewer, page_html
-from ...viewer.files.scene_snapshot import of_arm
-from ...viewer.files.screenshot import png_of
-from ...viewer.server.watching import loaded
+from ...viewer.saved_page import of_arm
+from ...viewer.screenshot import png_of
+from ...viewer.server.watching import load_with_files
 from ..command import Shared
 from ..numbers import JointValues, argument, option, switch, whole
 from ..options import ArmArgument, SceneFile, Source, Theta, answers
@@ -115,7 +115,7 @@ def view(
     if sides is None:
         raise InputError(f"--size takes width and height in pixels, as in --size 1280x720; got {size!r}")
     pixels = int(sides[1]), int(sides[2])
-    arm, files = loaded(source.load)
+    arm, files = load_with_files(source.load)
     x = None if theta is None else theta.anywhere(arm)
     motion = None if play is None else motion_of_file(arm, play)[1]
     if out.files:
