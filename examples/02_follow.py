@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from twistarm import load_arm, load_trajectory, plan_joint, save_trajectory
-from twistarm.control.stream import Ending, FollowControl, FollowCycle, SimulatedJoints, StreamOptions, follow
+from twistarm.control.stream import Ending, FollowControl, FollowCycle, FollowOptions, SimulatedJoints, follow
 
 LATENCY, PERIOD = 0.05, 0.01  # s: of the drives, of the loop
 
@@ -43,8 +43,8 @@ def followed(pause: float = np.inf, feedback_ends: float = np.inf) -> tuple[Any,
 
     # Whatever has the method `read` is a feedback.
     feedback = SimpleNamespace(read=state)
-    options = StreamOptions(rate=1 / PERIOD)
-    report = follow(arm, motion, joints, feedback, options, control=control, clock=clock, on_cycle=operate)
+    options = FollowOptions(rate=1 / PERIOD, control=control)
+    report = follow(arm, motion, joints, feedback, options, clock=clock, on_cycle=operate)
     return report, *(np.array(column) for column in zip(*rows, strict=True))
 
 

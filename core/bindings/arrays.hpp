@@ -4,6 +4,7 @@
 #include <nanobind/nanobind.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 
 #include "lock.hpp"
@@ -11,6 +12,11 @@
 namespace bindings {
 
 namespace nb = nanobind;
+
+// What only a mistake in this library's own Python breaks.
+inline void require(bool holds, const char* otherwise) {
+    if (!holds) throw nb::value_error(otherwise);
+}
 
 // The start of a NumPy array and of its data type. NumPy's inline functions (PyArray_DATA, PyArray_TYPE …) read it in
 // every extension, under 1.x and 2.x alike. So the layout is part of the binary interface.
@@ -44,9 +50,6 @@ public:
         return numpy;
     }
     bool is_array(nb::handle object) const { return reinterpret_cast<PyObject*>(Py_TYPE(object.ptr())) == array_.ptr(); }
-    // A scalar of NumPy's own that is a real number, or a whole one.
-    bool is_number(nb::handle object) const { return is_integer(object) || is_a(object, floating_); }
-    bool is_integer(nb::handle object) const { return is_a(object, integer_); }
     // A new array of float64 or another type. Like any call of Python, it may end this thread.
     nb::object empty(nb::handle shape) const {
         return called([&] { return nb::object(empty_(shape)); });
@@ -63,34 +66,24 @@ private:
         const nb::module_ numpy = nb::module_::import_("numpy");
         array_ = numpy.attr("ndarray").inc_ref();
         empty_ = numpy.attr("empty").inc_ref();
-        floating_ = numpy.attr("floating").inc_ref();
-        integer_ = numpy.attr("integer").inc_ref();
         truth_ = numpy.attr("bool_").inc_ref();
         whole_ = numpy.attr("int64").inc_ref();
     }
-    static bool is_a(nb::handle object, nb::handle type) {
-        return PyObject_TypeCheck(object.ptr(), reinterpret_cast<PyTypeObject*>(type.ptr()));
-    }
-    nb::handle array_, empty_, floating_, integer_, truth_, whole_;
+    nb::handle array_, empty_, truth_, whole_;
 };
 
-// The numbers of one array, in place. The caller keeps a reference, and the interpreter lock as long as others could
+// The numbers of one array, in place, if it is `plain`: float64, row by row, in this machine's byte order. Anything else
+// is Python's to convert or to refuse. The caller keeps a reference, and the interpreter lock as long as others could
 // resize the array.
-class Array {
+class Numbers {
 public:
-    explicit Array(nb::handle array) : head_(reinterpret_cast<const ArrayHead*>(array.ptr())) {}
+    explicit Numbers(nb::handle object)
+        : head_(reinterpret_cast<const ArrayHead*>(object.ptr())),
+          plain_(NumPy::get().is_array(object) && head_->type->number == ArrayHead::float64 &&
+                 head_->type->byte_order != foreign && in_rows()) {}
 
-    // Whether it is float64 in a row, in this machine's byte order.
-    bool plain() const {
-        constexpr int usable = ArrayHead::row_by_row | ArrayHead::aligned;
-        return type() == ArrayHead::float64 && native() && (head_->flags & usable) == usable;
-    }
-    bool native() const { return head_->type->byte_order != foreign; }
-    int type() const { return head_->type->number; }
-    const char* bytes() const { return head_->data; }
-    double* data() const { return as<double>(); }
-    template <class T> T* as() const { return reinterpret_cast<T*>(head_->data); }
-    const Py_ssize_t* strides() const { return head_->strides; }
+    bool plain() const { return plain_; }
+    double* data() const { return reinterpret_cast<double*>(head_->data); }
     std::size_t dimensions() const { return static_cast<std::size_t>(head_->dimensions); }
     std::size_t shape(std::size_t axis) const { return static_cast<std::size_t>(head_->shape[axis]); }
     std::size_t size() const {
@@ -98,54 +91,12 @@ public:
         for (std::size_t axis = 0; axis < dimensions(); ++axis) count *= shape(axis);
         return count;
     }
-    bool is(const std::size_t* shape_wanted, std::size_t axes) const {
-        bool same = dimensions() == axes;
-        for (std::size_t axis = 0; same && axis < axes; ++axis) same = shape(axis) == shape_wanted[axis];
+    // Whether it is a plain array of this shape.
+    template <class... Lengths> bool is(Lengths... lengths) const {
+        const std::size_t wanted[] = {static_cast<std::size_t>(lengths)...};
+        bool same = plain_ && dimensions() == sizeof...(lengths);
+        for (std::size_t axis = 0; same && axis < sizeof...(lengths); ++axis) same = shape(axis) == wanted[axis];
         return same;
-    }
-
-private:
-#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-    static constexpr char foreign = '>';
-#else
-    static constexpr char foreign = '<';
-#endif
-    const ArrayHead* head_;
-};
-
-// A read-only array with a copy of these numbers.
-inline nb::object frozen(const nb::object& array, const double* values, std::size_t count) {
-    std::memcpy(Array(array).data(), values, count * sizeof(double));
-    make_read_only(array);
-    return array;
-}
-
-inline nb::object frozen(const double* values, std::size_t count) {
-    return frozen(NumPy::get().empty(nb::int_(count)), values, count);
-}
-
-// A new value of a bound class, made where Python keeps it.
-template <class T> nb::object made(T*& value) {
-    static const nb::handle type = nb::type<T>();
-    nb::object object = nb::inst_alloc(type);
-    value = new (nb::inst_ptr<T>(object)) T;
-    nb::inst_mark_ready(object);
-    return object;
-}
-
-// Any object's numbers, if it is an array of plain ones. Anything else is Python's to convert or to refuse.
-class Numbers {
-public:
-    explicit Numbers(nb::handle object) : array_(object), plain_(NumPy::get().is_array(object) && array_.plain()) {}
-
-    bool plain() const { return plain_; }
-    double* data() const { return array_.data(); }
-    std::size_t dimensions() const { return array_.dimensions(); }
-    std::size_t shape(std::size_t axis) const { return array_.shape(axis); }
-    std::size_t size() const { return array_.size(); }
-    bool is(std::size_t rows) const { return plain_ && dimensions() == 1 && shape(0) == rows; }
-    bool is(std::size_t rows, std::size_t columns) const {
-        return plain_ && dimensions() == 2 && shape(0) == rows && shape(1) == columns;
     }
     bool finite() const {
         // 0 x is NaN for what is not finite, and so is every sum that it enters.
@@ -153,10 +104,51 @@ public:
         for (std::size_t i = 0, count = size(); i < count; ++i) sum += 0.0 * data()[i];
         return sum == 0.0;
     }
+    void copy_to(double* into) const { std::memcpy(into, data(), size() * sizeof(double)); }
 
 private:
-    Array array_;
+    bool in_rows() const {
+        constexpr int usable = ArrayHead::row_by_row | ArrayHead::aligned;
+        return (head_->flags & usable) == usable;
+    }
+#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    static constexpr char foreign = '>';
+#else
+    static constexpr char foreign = '<';
+#endif
+    const ArrayHead* head_;
     bool plain_;
 };
+
+// The memory of an array that this extension or its Python has made.
+template <class T = double> T* memory(nb::handle array) {
+    return reinterpret_cast<T*>(reinterpret_cast<const ArrayHead*>(array.ptr())->data);
+}
+
+// A read-only array with a copy of these numbers.
+inline nb::object frozen(nb::handle shape, const double* values, std::size_t count) {
+    const nb::object array = NumPy::get().empty(shape);
+    std::memcpy(memory(array), values, count * sizeof(double));
+    make_read_only(array);
+    return array;
+}
+
+// A number of Python, or NumPy's float64; it may be infinite or NaN. False for others.
+inline bool real(nb::handle value, double& number) {
+    if (!PyFloat_Check(value.ptr()) && !PyLong_Check(value.ptr())) return false;
+    number = PyFloat_AsDouble(value.ptr());
+    if (number != -1.0 || PyErr_Occurred() == nullptr) return true;
+    PyErr_Clear();
+    return false;
+}
+
+// A whole number of Python's from 0 to 2^64 - 1. False for others, and for True and False.
+inline bool whole(nb::handle value, std::uint64_t& number) {
+    if (!PyLong_Check(value.ptr()) || PyBool_Check(value.ptr())) return false;
+    number = PyLong_AsUnsignedLongLong(value.ptr());
+    if (number != static_cast<std::uint64_t>(-1) || PyErr_Occurred() == nullptr) return true;
+    PyErr_Clear();
+    return false;
+}
 
 }  // namespace bindings

@@ -14,8 +14,7 @@ namespace {
 class Work final : public SharedWork {
 public:
     Work(const Engine& engine, const Query& query, const Questions& asked, std::size_t n, char* records)
-        : SharedWork(query.stopped, query.clock), engine_(engine), query_(query), asked_(asked), n_(n),
-          size_(Record::size(n, numbers_of_kind[query.kind])), records_(records) {
+        : SharedWork(query.stopped, query.clock), engine_(engine), query_(query), asked_(asked), n_(n), records_(records) {
         query_.stopped = [](const void* self) { return static_cast<const Work*>(self)->stopped(); };
         query_.clock = this;
     }
@@ -43,7 +42,7 @@ private:
         for (std::size_t t = begin; t < end; ++t) record(t).ask(query_, asked_.at(t), n_);
     }
 
-    Record& record(std::size_t t) const { return *reinterpret_cast<Record*>(records_ + t * size_); }
+    Record& record(std::size_t t) const { return *reinterpret_cast<Record*>(records_ + t * Record::size(n_)); }
 
     void store(std::size_t t, const Answer& answer) {
         record(t).answer(answer, n_);
@@ -53,36 +52,37 @@ private:
     const Engine& engine_;
     Query query_;
     const Questions& asked_;
-    std::size_t n_, size_;
+    std::size_t n_;
     char* records_;
     std::atomic<std::size_t> next_{0};
 };
 
 }  // namespace
 
-nb::object Chain::solve_batch(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
-                              nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed,
-                              nb::handle max_time, nb::handle posture, nb::handle threads, nb::handle progress) const {
+bool Chain::solve_batch(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
+                        nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed,
+                        nb::handle max_time, nb::handle posture, nb::handle threads, nb::handle progress,
+                        nb::handle records) const {
     Settings settings;
     Questions asked;
     std::uint64_t workers;
     if (!settings.read(kind, position_tolerance, orientation_tolerance, restarts, seed, max_time) ||
-        !whole(threads, workers) || workers < 1 || workers > most_threads ||
-        !(progress.is_none() || PyCallable_Check(progress.ptr())) || !read_targets(numbers, settings.query.kind, asked) ||
-        !read_thetas(theta0, asked.count, n_, asked.theta0) || !is_start(asked.theta0.at(0), asked.theta0.count) ||
-        (!posture.is_none() && (!read_thetas(posture, asked.count, n_, asked.posture) ||
-                                !is_finite(asked.posture.at(0), asked.posture.count))))
-        return not_plain();
+        !is_threads(threads, workers) || !(progress.is_none() || PyCallable_Check(progress.ptr())) ||
+        !asked.read_targets(numbers, settings.query.kind) || !asked.read_thetas(theta0, n_, asked.theta0) ||
+        !is_start(asked.theta0.at(0), asked.theta0.count) ||
+        (!posture.is_none() && (!asked.read_thetas(posture, n_, asked.posture) || !Numbers(posture).finite())))
+        return false;
     Query& query = settings.query;
-    nb::object records = NumPy::get().empty(nb::int_(asked.count), record_types_[query.kind]);
-    if (asked.count == 0) return records;
+    require(NumPy::get().is_array(records) && nb::cast<std::size_t>(records.attr("nbytes")) == asked.count * Record::size(n_),
+            "records have another size");
+    if (asked.count == 0) return true;
     const int busy = static_cast<int>(std::min<std::size_t>(workers, (asked.count + block - 1) / block));
     const bool alone = busy == 1 && progress.is_none();
     Watch watch(settings.seconds);
     const Deadline deadline(settings.seconds);
     query.stopped = alone ? &Watch::passed : static_cast<bool (*)(const void*)>(&Deadline::passed);
     query.clock = alone ? static_cast<const void*>(&watch) : &deadline;
-    Work work(*engine_, query, asked, n_, Array(records).as<char>());
+    Work work(*engine_, query, asked, n_, memory<char>(records));
     if (alone) {
         work.run();
         watch.end();
@@ -91,7 +91,7 @@ nb::object Chain::solve_batch(nb::handle kind, nb::handle numbers, nb::handle th
     }
     if (work.out_of_memory()) throw std::bad_alloc();
     work.ask_the_rest();
-    return records;
+    return true;
 }
 
 }  // namespace bindings

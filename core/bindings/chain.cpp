@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <vector>
+
 #include "answer.hpp"
 #include "clock.hpp"
 #include "targets.hpp"
@@ -9,10 +10,6 @@
 namespace bindings {
 
 namespace {
-
-void require(bool holds, const char* otherwise) {
-    if (!holds) throw nb::value_error(otherwise);
-}
 
 const Kernels* chosen(const std::string& name) {
     std::string there;
@@ -51,7 +48,7 @@ Chain::Chain(nb::handle screws, nb::handle home, nb::handle coupling, nb::handle
     require(engine_ != nullptr, "a chain has 1 to 32 coordinates and moving joints");
     pose_ = nb::make_tuple(4, 4);
     jacobian_ = nb::make_tuple(6, n_);
-    for (int kind = 0; kind < kinds; ++kind) record_types_[kind] = Record::type(n_, numbers_of_kind[kind]);
+    record_ = nb::int_(Record::size(n_) / sizeof(double));
 }
 
 nb::dict Chain::constants() const {
@@ -113,7 +110,7 @@ public:
 private:
     // Where a result goes; nowhere if it is not wanted. The array itself keeps the memory.
     struct Written {
-        explicit Written(const nb::object& array) : data(array ? Numbers(array).data() : nullptr) {}
+        explicit Written(const nb::object& array) : data(array ? memory(array) : nullptr) {}
         double* data;
     };
 
@@ -160,6 +157,7 @@ namespace {
 
 constexpr double least_tolerance = 1e-12;  // as in ik/request.py
 constexpr double farthest_start = 1e6;     // [rad, m], as in ik/request.py
+constexpr std::uint64_t most_threads = 256;        // as in ik/batch.py
 constexpr std::uint64_t most_searches = 1000000;  // as in ik/request.py
 
 }  // namespace
@@ -186,46 +184,48 @@ bool is_start(const double* theta, std::size_t count) {
     return true;
 }
 
-bool is_finite(const double* theta, std::size_t count) {
-    for (std::size_t k = 0; k < count; ++k)
-        if (!std::isfinite(theta[k])) return false;
-    return true;
+bool is_threads(nb::handle value, std::uint64_t& number) {
+    return whole(value, number) && number >= 1 && number <= most_threads;
 }
 
 nb::object Chain::split_rotation(nb::handle kind, nb::handle numbers, nb::handle theta) const {
+    const Numbers here(theta);
     std::uint64_t which;
-    double asked[most_numbers], here[most_joints];
+    double asked[most_numbers];
     if (!whole(kind, which) || which >= kinds || !read_target(numbers, static_cast<int>(which), asked) ||
-        !row(theta, n_, here) || !is_finite(here, n_))
+        !here.is(n_) || !here.finite())
         return not_plain();
     nb::object split = NumPy::get().empty(nb::int_(5));
-    engine_->split_rotation(static_cast<int>(which), asked, here, Array(split).data());
+    engine_->split_rotation(static_cast<int>(which), asked, here.data(), memory(split));
     return split;
 }
 
 nb::object Chain::solve(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
                         nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed, nb::handle max_time,
                         nb::handle posture) const {
-    Settings settings;
-    double preferred[most_joints];
-    if (!settings.read(kind, position_tolerance, orientation_tolerance, restarts, seed, max_time)) return not_plain();
-    Query& query = settings.query;
+    const Numbers given_start(theta0), given_posture(posture);
     const bool has_posture = !posture.is_none();
-    OneAnswer* one;
-    const nb::object answer = made(one);
-    if (!read_target(numbers, query.kind, one->numbers) || !row(theta0, n_, one->theta0) || !is_start(one->theta0, n_) ||
-        (has_posture && (!row(posture, n_, preferred) || !is_finite(preferred, n_))))
+    Settings settings;
+    Query& query = settings.query;
+    double asked[most_numbers], start[most_joints], preferred[most_joints];
+    if (!settings.read(kind, position_tolerance, orientation_tolerance, restarts, seed, max_time) ||
+        !read_target(numbers, query.kind, asked) || !given_start.is(n_) || !is_start(given_start.data(), n_) ||
+        (has_posture && !(given_posture.is(n_) && given_posture.finite())))
         return not_plain();
-    one->kind = query.kind;
-    one->position_tol = query.position_tolerance;
-    one->orientation_tol = query.orientation_tolerance;
-    one->n = n_;
+    given_start.copy_to(start);
+    if (has_posture) given_posture.copy_to(preferred);
+    const Question question{asked, start, has_posture ? preferred : nullptr};
+    Answer found;
     Watch watch(settings.seconds);
     query.stopped = &Watch::passed;
     query.clock = &watch;
-    engine_->solve(query, {one->numbers, one->theta0, has_posture ? preferred : nullptr}, one->found);
+    engine_->solve(query, question, found);
     watch.end();
-    return answer;
+    const nb::object kept = NumPy::get().empty(record_);
+    auto* const record = memory<Record>(kept);
+    record->ask(query, question, n_);
+    record->answer(found, n_);
+    return nb::make_tuple(found.stop, kept);
 }
 
 }  // namespace bindings

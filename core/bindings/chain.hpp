@@ -10,8 +10,8 @@
 
 namespace bindings {
 
-// A call returns None if the core does not take an argument as it is. Python then converts the argument and calls
-// again, or raises an error.
+// A call returns None (solve_batch: False) if an argument is not plainly right. Python then raises the error, or converts
+// the argument and calls again.
 inline nb::object not_plain() { return nb::none(); }
 
 // How one target or many are to be solved.
@@ -26,8 +26,8 @@ struct Settings {
 
 // Each is false for what is not plainly right.
 bool tolerance(nb::handle value, double& number);
+bool is_threads(nb::handle value, std::uint64_t& number);
 bool is_start(const double* theta, std::size_t count);
-bool is_finite(const double* theta, std::size_t count);
 
 class Chain {
 public:
@@ -37,9 +37,6 @@ public:
     std::size_t n() const { return n_; }
     const char* instruction_set() const { return kernels_->name; }
     const Engine& engine() const { return *engine_; }
-
-    // The data type of records with room for a target of any kind.
-    nb::object widest_record() const { return record_types_[3]; }
 
     // The chain's numbers by name: joints, coordinates, identity, base, tip, links, coupling.
     nb::dict constants() const;
@@ -53,14 +50,15 @@ public:
     // tool.
     nb::object split_rotation(nb::handle kind, nb::handle numbers, nb::handle theta) const;
 
-    // None, or an Answer (answer.hpp).
+    // None, or the number of the reason and the memory of a record (answer.hpp), which NumPy makes as float64 in a
+    // quarter of the time.
     nb::object solve(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
                      nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed, nb::handle max_time,
                      nb::handle posture) const;
-    // None, or a record for each target; `progress` None or called with (done, count).
-    nb::object solve_batch(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
-                           nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed, nb::handle max_time,
-                           nb::handle posture, nb::handle threads, nb::handle progress) const;
+    // False, or true with a record for each target; `progress` None or called with (done, count).
+    bool solve_batch(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
+                     nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed, nb::handle max_time,
+                     nb::handle posture, nb::handle threads, nb::handle progress, nb::handle records) const;
     // None, or (met (count,), theta (count, n)); `chunks` (m + 1,): where chunks of targets begin, and the end.
     nb::object reachable(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
                          nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed, nb::handle chunks,
@@ -72,7 +70,7 @@ private:
     const Kernels* kernels_;
     std::unique_ptr<Engine> engine_;
     std::size_t n_;
-    nb::object pose_, jacobian_, record_types_[kinds];
+    nb::object pose_, jacobian_, record_;
 };
 
 }  // namespace bindings

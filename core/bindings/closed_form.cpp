@@ -19,10 +19,6 @@ namespace {
 
 constexpr std::size_t axis_numbers = 7;
 
-void require(bool right, const char* what) {
-    if (!right) throw nb::value_error(what);
-}
-
 std::vector<int> whole_numbers(const Numbers& values, std::size_t most) {
     std::vector<int> all;
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -40,7 +36,7 @@ struct Met {
     }
 };
 
-// Every configuration of one target for several values of held joints: those inside first, by distance.
+// Every configuration of one target for each value of held joints: those inside first, by distance.
 class Gathered {
 public:
     explicit Gathered(std::size_t n) : n_(n) {}
@@ -57,21 +53,15 @@ public:
         families_ += found.families;
     }
 
-    int inside() const { return static_cast<int>(inside_.size()); }
-    int hits() const { return hits_; }
-    int left() const { return left_; }
-    int families() const { return families_; }
-
-    std::vector<double> rows() {
-        std::vector<double> sorted;
-        sorted.reserve(rows_.size());
+    // The answer of `ClosedForm::solve`.
+    nb::object result() {
+        const nb::object rows = NumPy::get().empty(nb::make_tuple(inside_.size() + outside_.size(), 2, n_));
+        double* sorted = memory(rows);
         std::stable_sort(inside_.begin(), inside_.end(), [](const Place& a, const Place& b) { return a.distance < b.distance; });
         for (const auto* places : {&inside_, &outside_})
-            for (const Place& place : *places) {
-                const auto row = rows_.begin() + static_cast<std::ptrdiff_t>(place.at * 2 * n_);
-                sorted.insert(sorted.end(), row, row + static_cast<std::ptrdiff_t>(2 * n_));
-            }
-        return sorted;
+            for (const Place& place : *places) sorted = std::copy_n(rows_.data() + place.at * 2 * n_, 2 * n_, sorted);
+        make_read_only(rows);
+        return nb::make_tuple(rows, inside_.size(), hits_, left_, families_);
     }
 
 private:
@@ -106,16 +96,12 @@ public:
         for (++next_; next_ < there_.size() && there_[next_]; ++next_) write(std::exchange(waiting_[next_], {}));
     }
 
-    // Two arrays (rows, n), the left and the right half of all rows, that share their memory.
-    std::pair<nb::object, nb::object> halves(std::size_t n) {
+    // All rows (r, 2, n), in the memory where they are.
+    nb::object array(std::size_t n) {
         if (all_ == nullptr) make_room(1);
         const nb::capsule owner(all_, [](void* all) noexcept { std::free(all); });
         double* const all = std::exchange(all_, nullptr);
-        const auto half = [&](double* begin) {
-            return nb::cast(nb::ndarray<nb::numpy, double, nb::ndim<2>>(
-                begin, {size_ / (2 * n), n}, owner, {static_cast<std::int64_t>(2 * n), 1}));
-        };
-        return {half(all), half(all + n)};
+        return nb::cast(nb::ndarray<nb::numpy, double, nb::ndim<3>>(all, {size_ / (2 * n), 2, n}, owner));
     }
 
 private:
@@ -151,11 +137,10 @@ public:
     nb::object result() {
         const auto each = [&](const std::vector<int>& values) {
             nb::object array = NumPy::get().empty(nb::int_(asked_.count), NumPy::get().whole());
-            std::copy(values.begin(), values.end(), Array(array).as<std::int64_t>());
+            std::copy(values.begin(), values.end(), memory<std::int64_t>(array));
             return array;
         };
-        auto [theta, moves] = found_.halves(n_);
-        return nb::cast(AllAnswersBatch{theta, moves, each(counts_), each(inside_), each(families_)});
+        return nb::make_tuple(found_.array(n_), each(counts_), each(inside_), each(families_));
     }
 
 private:
@@ -227,102 +212,47 @@ ClosedForm::ClosedForm(nb::object chain, int kind, int first, int last, int keep
 
 nb::object ClosedForm::solve(nb::handle numbers, nb::handle theta0, nb::handle held, nb::handle position_tolerance,
                              nb::handle orientation_tolerance) const {
+    const Numbers given_start(theta0), values(held);
+    const bool stays = held.is_none();
     Met met;
     double asked[most_numbers], start[most_joints];
     if (!met.read(position_tolerance, orientation_tolerance) || !read_target(numbers, kind_, asked) ||
-        !row(theta0, n_, start) || !is_start(start, n_))
+        !given_start.is(n_) || !is_start(given_start.data(), n_) ||
+        !(stays || (values.plain() && values.dimensions() == 2 && values.is(values.shape(0), held_count_) && values.finite())))
         return not_plain();
-    Configurations found;
-    if (held.is_none()) {
-        engine_->solve(asked, start, nullptr, met.position, met.orientation, found);
-        const std::size_t count = static_cast<std::size_t>(found.count) * 2 * n_;
-        return told(asked, start, {found.rows, found.rows + count}, found.inside, 0, 0, found.left, found.families);
-    }
-    const Numbers values(held);
-    if (!values.plain() || values.dimensions() != 2 || values.shape(1) != held_count_ || !values.finite()) return not_plain();
-    const std::vector<double> tried(values.data(), values.data() + values.size());
-    const std::size_t tries = values.shape(0);
+    given_start.copy_to(start);
+    std::vector<double> tried(stays ? 0 : values.size());
+    if (!stays) values.copy_to(tried.data());
+    const std::size_t tries = stays ? 1 : values.shape(0);
     Gathered all(n_);
-    without_lock([&] {
+    const auto solve_each = [&] {
+        Configurations found;
         for (std::size_t i = 0; i < tries; ++i) {
-            engine_->solve(asked, start, tried.data() + i * held_count_, met.position, met.orientation, found);
+            const double* const at = stays ? nullptr : tried.data() + i * held_count_;
+            engine_->solve(asked, start, at, met.position, met.orientation, found);
             all.add(found);
         }
-    });
-    return told(asked, start, all.rows(), all.inside(), static_cast<int>(tries), all.hits(), all.left(), all.families());
+    };
+    // One configuration takes less time than the lock.
+    stays ? solve_each() : without_lock(solve_each);
+    return all.result();
 }
 
 nb::object ClosedForm::candidates(nb::handle numbers, nb::handle theta0, nb::handle held, nb::handle slack) const {
-    double asked[most_numbers], start[most_joints], values[most_joints], allowed, list[most_candidates * most_joints];
-    if (!read_target(numbers, kind_, asked) || !row(theta0, n_, start) || !is_start(start, n_) ||
-        !row(held, held_count_, values) || !real(slack, allowed))
+    const Numbers start(theta0), values(held);
+    double asked[most_numbers], allowed, list[most_candidates * most_joints];
+    if (!read_target(numbers, kind_, asked) || !start.is(n_) || !is_start(start.data(), n_) ||
+        !values.is(held_count_) || !real(slack, allowed))
         return not_plain();
     std::vector<double> rows;
     unsigned open = 0;
     for (int nth = 0; nth == 0 || open != 0; ++nth) {
-        const int count = engine_->candidates(asked, start, values, allowed, nth, open, list);
+        const int count = engine_->candidates(asked, start.data(), values.data(), allowed, nth, open, list);
         rows.insert(rows.end(), list, list + static_cast<std::size_t>(count) * n_);
     }
     nb::object found = NumPy::get().empty(nb::make_tuple(rows.size() / n_, n_));
-    std::copy(rows.begin(), rows.end(), Array(found).data());
+    std::copy(rows.begin(), rows.end(), memory(found));
     return found;
-}
-
-nb::object ClosedForm::told(const double* asked, const double* start, std::vector<double> rows, int inside, int tries,
-                            int hits, int left, int families) const {
-    AllAnswers* all;
-    nb::object answer = made(all);
-    all->kind = kind_;
-    all->inside = inside;
-    all->tries = tries;
-    all->hits = hits;
-    all->left = left;
-    all->families = families;
-    all->n = n_;
-    std::copy(start, start + n_, all->theta0);
-    std::copy(asked, asked + numbers_of_kind[kind_], all->numbers);
-    all->rows = std::move(rows);
-    return answer;
-}
-
-void AllAnswers::define(nb::module_& module) {
-    using All = AllAnswers;
-    nb::class_<All>(module, "AllAnswers")
-        .def_prop_ro("theta", &All::theta)
-        .def_prop_ro("moves", &All::moves)
-        .def_prop_ro("theta0", [](const All& all) { return frozen(all.theta0, all.n); })
-        .def_prop_ro("numbers", [](const All& all) { return frozen(all.numbers, numbers_of_kind[all.kind]); })
-        .def_ro("kind", &All::kind)
-        .def_ro("inside", &All::inside)
-        .def_ro("tries", &All::tries)
-        .def_ro("hits", &All::hits)
-        .def_ro("left", &All::left)
-        .def_ro("families", &All::families);
-    nb::class_<AllAnswersBatch>(module, "AllAnswersBatch")
-        .def_ro("theta", &AllAnswersBatch::theta)
-        .def_ro("moves", &AllAnswersBatch::moves)
-        .def_ro("count", &AllAnswersBatch::count)
-        .def_ro("inside", &AllAnswersBatch::inside)
-        .def_ro("families", &AllAnswersBatch::families);
-}
-
-nb::object AllAnswers::theta() const {
-    const std::size_t count = rows.size() / (2 * n);
-    nb::object array = NumPy::get().empty(nb::make_tuple(count, n));
-    double* const into = Array(array).data();
-    for (std::size_t i = 0; i < count; ++i) std::copy_n(rows.data() + 2 * i * n, n, into + i * n);
-    make_read_only(array);
-    return array;
-}
-
-nb::object AllAnswers::moves() const {
-    const std::size_t count = rows.size() / (2 * n);
-    nb::object array = NumPy::get().empty(nb::make_tuple(count, n), NumPy::get().truth());
-    bool* const into = Array(array).as<bool>();
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t k = 0; k < n; ++k) into[i * n + k] = rows[(2 * i + 1) * n + k] != 0.0;
-    make_read_only(array);
-    return array;
 }
 
 nb::object ClosedForm::solve_batch(nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
@@ -330,9 +260,8 @@ nb::object ClosedForm::solve_batch(nb::handle numbers, nb::handle theta0, nb::ha
     Met met;
     Questions asked;
     std::uint64_t workers;
-    if (!met.read(position_tolerance, orientation_tolerance) || !whole(threads, workers) || workers < 1 ||
-        workers > most_threads || !read_targets(numbers, kind_, asked) ||
-        !read_thetas(theta0, asked.count, n_, asked.theta0) || !is_start(asked.theta0.at(0), asked.theta0.count))
+    if (!met.read(position_tolerance, orientation_tolerance) || !is_threads(threads, workers) ||
+        !asked.read_targets(numbers, kind_) || !asked.read_thetas(theta0, n_, asked.theta0) || !is_start(asked.theta0.at(0), asked.theta0.count))
         return not_plain();
     const std::size_t busy = std::min<std::size_t>(workers, (asked.count + block - 1) / block);
     const bool alone = busy <= 1;

@@ -8,25 +8,6 @@
 
 namespace bindings {
 
-// twistarm._core.AllAnswers: every configuration of one target, those inside the limits first.
-struct AllAnswers {
-    int kind, inside, tries, hits, left, families;
-    std::size_t n;
-    double theta0[most_joints], numbers[most_numbers];
-    std::vector<double> rows;  // theta (n) and, as 0 and 1, which coordinates may move (n)
-
-    nb::object theta() const;
-    nb::object moves() const;
-
-    // This class and AllAnswersBatch.
-    static void define(nb::module_& module);
-};
-
-// The same for N targets: theta and moves (r, n) have the rows of target 0, then of target 1 …; the others are (N,).
-struct AllAnswersBatch {
-    nb::object theta, moves, count, inside, families;
-};
-
 class ClosedForm {
 public:
     // axes (k, 7): w, o and 1 for a slide, in the family's order. joint (k,): the index in theta, -1 for a turn that
@@ -35,20 +16,21 @@ public:
     ClosedForm(nb::object chain, int kind, int first, int last, int keeps, nb::handle axes, nb::handle joint,
                nb::handle kept, nb::handle held, nb::handle held_axes, nb::handle rate, nb::handle home, nb::handle idle);
 
-    // None, or AllAnswers. held: None, or values (m, h); the call tries each row.
+    // A configuration is a row (2, n): theta and, as 0 and 1, which coordinates may move while the target stays met.
+    //
+    // None, or (rows (k, 2, n), inside, hits, left, families): those inside the limits come first, by distance. `hits`
+    // counts the values with any; `families` those of a continuous family, `left` those of them outside. held: None,
+    // or values (m, h); the call tries each row.
     nb::object solve(nb::handle numbers, nb::handle theta0, nb::handle held, nb::handle position_tolerance,
                      nb::handle orientation_tolerance) const;
     // None, or candidates (k, n) that nobody has verified, for values (h,) of the held joints. slack: by how much of its
     // size a subproblem may be missed.
     nb::object candidates(nb::handle numbers, nb::handle theta0, nb::handle held, nb::handle slack) const;
-    // None, or AllAnswersBatch.
+    // None, or (rows (r, 2, n), count (N,), inside (N,), families (N,)): the rows of target 0, then of target 1 …
     nb::object solve_batch(nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
                            nb::handle orientation_tolerance, nb::handle threads) const;
 
 private:
-    nb::object told(const double* asked, const double* start, std::vector<double> rows, int inside, int tries, int hits,
-                    int left, int families) const;
-
     nb::object chain_;  // whose engine this one works with
     int kind_;
     std::size_t n_, held_count_;

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "answer.hpp"
 #include "chain.hpp"
 #include "closed_form.hpp"
 #include "planning.hpp"
@@ -39,8 +38,6 @@ NB_MODULE(_core, module) {
     module.def("task", &bindings::task, nb::arg().none(), nb::arg().none(), nb::arg());
     module.def("path_velocity", &bindings::path_velocity, nb::arg().none(), nb::arg().none(), nb::arg().none(),
                nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg());
-    bindings::OneAnswer::define(module);
-    bindings::AllAnswers::define(module);
     nb::class_<Chain>(module, "Chain")
         .def(nb::init<nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, double,
                       const std::string&>(),
@@ -48,7 +45,6 @@ NB_MODULE(_core, module) {
              "instruction_set"_a = "")
         .def_prop_ro("n", &Chain::n)
         .def_prop_ro("instruction_set", &Chain::instruction_set)
-        .def_prop_ro("widest_record", &Chain::widest_record)
         .def("constants", &Chain::constants)
         .def("fk", &Chain::fk, nb::arg().none())
         .def("spatial_jacobian", &Chain::spatial_jacobian, nb::arg().none())
@@ -59,7 +55,7 @@ NB_MODULE(_core, module) {
              nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none())
         .def("solve_batch", &Chain::solve_batch, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
              nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
-             nb::arg().none())
+             nb::arg().none(), nb::arg())
         .def("reachable", &Chain::reachable, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
              nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none());
     nb::class_<bindings::ClosedForm>(module, "ClosedForm")

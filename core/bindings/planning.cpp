@@ -32,9 +32,9 @@ nb::object path_velocity(nb::handle breakpoints, nb::handle coefficients, nb::ha
     nb::object x = NumPy::get().empty(nb::make_tuple(points)), share = NumPy::get().empty(nb::make_tuple(points - 1));
     Limits limits(path, s.data());
     const int count = static_cast<int>(points) - 1;
-    double* const found = Array(x).data();
+    double* const found = memory(x);
     twistarm::path_velocity(count, limits, most, found);
-    for (int i = 0; i < count; ++i) Array(share).data()[i] = limits.share(i, found[i], found[i + 1]);
+    for (int i = 0; i < count; ++i) memory(share)[i] = limits.share(i, found[i], found[i + 1]);
     return nb::make_tuple(x, share);
 }
 

@@ -41,17 +41,16 @@ private:
     std::atomic<std::size_t> next_{0};
 };
 
-// Where each chunk of `count` targets begins, and the end. False as in given.hpp.
+// Where each chunk of `count` targets begins, and the end. False for what is not plainly right.
 bool read_chunks(nb::handle given, std::size_t count, std::vector<std::size_t>& chunks) {
-    std::size_t length_of;
-    if (!length(given, length_of)) return false;
-    std::vector<double> begins(length_of);
-    if (!row(given, length_of, begins.data())) return false;
-    for (const double each : begins) {
-        if (!(each >= 0.0 && each <= static_cast<double>(count))) return false;
-        chunks.push_back(static_cast<std::size_t>(each));
+    const Numbers begins(given);
+    if (!begins.plain() || begins.dimensions() != 1 || begins.size() == 0) return false;
+    for (std::size_t i = 0; i < begins.size(); ++i) {
+        const double at = begins.data()[i];
+        if (!(at >= 0.0 && at <= static_cast<double>(count))) return false;
+        chunks.push_back(static_cast<std::size_t>(at));
     }
-    return length_of > 0 && std::is_sorted(chunks.begin(), chunks.end()) && chunks.front() == 0 && chunks.back() == count;
+    return std::is_sorted(chunks.begin(), chunks.end()) && chunks.front() == 0 && chunks.back() == count;
 }
 
 }  // namespace
@@ -64,9 +63,9 @@ nb::object Chain::reachable(nb::handle kind, nb::handle numbers, nb::handle thet
     std::vector<std::size_t> begins;
     std::uint64_t workers;
     if (!settings.read(kind, position_tolerance, orientation_tolerance, restarts, seed, nb::none()) ||
-        !whole(threads, workers) || workers < 1 || workers > most_threads ||
-        !(progress.is_none() || PyCallable_Check(progress.ptr())) || !read_targets(numbers, settings.query.kind, asked) ||
-        !row(theta0, n_, asked.theta0.make(n_)) || !is_start(asked.theta0.at(0), n_) ||
+        !is_threads(threads, workers) || !(progress.is_none() || PyCallable_Check(progress.ptr())) ||
+        !asked.read_targets(numbers, settings.query.kind) || !Numbers(theta0).is(n_) ||
+        !asked.read_thetas(theta0, n_, asked.theta0) || !is_start(asked.theta0.at(0), n_) ||
         !read_chunks(chunks, asked.count, begins))
         return not_plain();
     const nb::object met = NumPy::get().empty(nb::int_(asked.count), NumPy::get().truth());
@@ -75,7 +74,7 @@ nb::object Chain::reachable(nb::handle kind, nb::handle numbers, nb::handle thet
         const Deadline never(Deadline::none);
         settings.query.stopped = &Deadline::passed;
         settings.query.clock = &never;
-        Work work(*engine_, settings.query, asked, n_, begins, Array(met).as<bool>(), Array(theta).data());
+        Work work(*engine_, settings.query, asked, n_, begins, memory<bool>(met), memory(theta));
         share(work, static_cast<int>(std::min<std::size_t>(workers, begins.size() - 1)), asked.count, progress);
         if (work.out_of_memory()) throw std::bad_alloc();
     }

@@ -11,20 +11,12 @@ using twistarm::servo_kind;
 
 constexpr std::size_t numbers_of_pose = 24;  // g (16), how it moves (6), linear and angular speed
 
-void require(bool holds, const char* otherwise) {
-    if (!holds) throw nb::value_error(otherwise);
-}
-
 constexpr double most = 1e6;  // as in control/servo/state.py
 
 bool moderate(const Numbers& values) {
     for (std::size_t k = 0; k < values.size(); ++k)
         if (!(std::fabs(values.data()[k]) <= most)) return false;
     return true;
-}
-
-void copy(const Numbers& from, double* to) {
-    for (std::size_t k = 0; k < from.size(); ++k) to[k] = from.data()[k];
 }
 
 }  // namespace
@@ -49,16 +41,16 @@ Servo::Servo(nb::handle screws, nb::handle home, nb::handle coupling, nb::handle
     motion.coordinates = static_cast<int>(n_);
     for (std::size_t r = 0; r < count; ++r)
         for (std::size_t k = 0; k < n_; ++k) motion.C[r][k] = motors.data()[r * n_ + k];
-    copy(offset, motion.c);
+    offset.copy_to(motion.c);
     const nb::handle given[] = {lower, upper, velocity, acceleration};
     double* const limits[] = {motion.lower, motion.upper, motion.velocity, motion.acceleration};
     for (int i = 0; i < 4; ++i) {
         const Numbers values(given[i]);
         require(values.is(count + n_), "each limit must be float64 (k + n,)");
-        copy(values, limits[i]);
+        values.copy_to(limits[i]);
     }
-    copy(scale, bounds_.unit);
-    copy(posture, bounds_.ready);
+    scale.copy_to(bounds_.unit);
+    posture.copy_to(bounds_.ready);
     bounds_.length = length;
     bounds_.below = below;
     bounds_.damping = damping;
@@ -71,8 +63,8 @@ Servo::Servo(nb::handle screws, nb::handle home, nb::handle coupling, nb::handle
 bool Servo::read(nb::handle theta, nb::handle theta_dot, nb::handle held, State& state) const {
     const Numbers x(theta), v(theta_dot);
     if (!x.is(n_) || !v.is(n_) || !moderate(x) || !moderate(v)) return false;
-    copy(x, state.theta);
-    copy(v, state.theta_dot);
+    x.copy_to(state.theta);
+    v.copy_to(state.theta_dot);
     if (held.is_none()) return true;
     const Numbers g(held);
     if (!g.is(4, 4) || !g.finite()) return false;
@@ -90,11 +82,11 @@ bool Servo::read(int kind, unsigned flags, nb::handle numbers, Command& command)
     switch (command.kind) {
         case servo_kind::jog:
             if (!given.is(n_)) return false;
-            copy(given, command.rates);
+            given.copy_to(command.rates);
             return true;
         case servo_kind::twist:
             if (!given.is(6)) return false;
-            copy(given, command.twist);
+            given.copy_to(command.twist);
             return true;
         case servo_kind::pose:
             if (!given.is(numbers_of_pose)) return false;
@@ -123,11 +115,7 @@ bool Servo::read(nb::handle near, Near& pairs) const {
 
 // An array that cannot be written to.
 nb::object Servo::row(const double* values, std::size_t count) const {
-    nb::object array = NumPy::get().empty(count == 6 ? six_ : theta_shape_);
-    double* const data = Numbers(array).data();
-    for (std::size_t k = 0; k < count; ++k) data[k] = values[k];
-    make_read_only(array);
-    return array;
+    return frozen(count == 6 ? six_ : theta_shape_, values, count);
 }
 
 nb::object Servo::step(nb::handle theta, nb::handle theta_dot, nb::handle held, int kind, unsigned flags,
@@ -151,7 +139,7 @@ nb::object Servo::step(nb::handle theta, nb::handle theta_dot, nb::handle held, 
     nb::object kept = nb::none();
     if (holds) {
         kept = NumPy::get().empty(pose_);
-        twistarm::frame_to_rows(state.held, Numbers(kept).data());
+        twistarm::frame_to_rows(state.held, memory(kept));
         make_read_only(kept);
     }
     return nb::make_tuple(row(state.theta, n_), row(state.theta_dot, n_), kept, static_cast<int>(out.cause), out.row,

@@ -9,8 +9,7 @@
 
 namespace bindings {
 
-constexpr std::uint64_t most_threads = 256;  // as in ik/batch.py
-constexpr std::size_t block = 256;           // targets that a thread takes at once
+constexpr std::size_t block = 256;  // targets that a thread takes at once
 
 class SharedWork {
 public:

@@ -85,36 +85,40 @@ bool is_target(int kind, double* numbers) {
 }
 
 bool read_target(nb::handle given, int kind, double* into) {
-    return (kind == 0 ? numbers(given, four_by_four, 2, into) : row(given, numbers_of_kind[kind], into)) &&
-           is_target(kind, into);
+    const Numbers numbers(given);
+    if (!(kind == 0 ? numbers.is(4, 4) : numbers.is(numbers_of_kind[kind]))) return false;
+    numbers.copy_to(into);
+    return is_target(kind, into);
 }
 
 nb::object pose(nb::handle g) {
     double numbers[16];
-    if (!read_target(g, 0, numbers)) return nb::none();
-    return frozen(NumPy::get().empty(nb::make_tuple(4, 4)), numbers, 16);
+    return read_target(g, 0, numbers) ? frozen(nb::make_tuple(4, 4), numbers, 16) : nb::none();
 }
 
 nb::object position(nb::handle p) {
     double numbers[3];
-    return row(p, 3, numbers) && is_target(1, numbers) ? frozen(numbers, 3) : nb::none();
+    return read_target(p, 1, numbers) ? frozen(nb::int_(3), numbers, 3) : nb::none();
 }
 
 nb::object approach(nb::handle p, nb::handle direction, nb::handle tool_axis) {
+    const Numbers along(direction), axis(tool_axis);
     const bool has_axis = !tool_axis.is_none();
     double numbers[9];
-    if (!row(p, 3, numbers) || !is_target(1, numbers) || !row(direction, 3, numbers + 3) || !made_unit(numbers + 3) ||
-        (has_axis && (!row(tool_axis, 3, numbers + 6) || !made_unit(numbers + 6))))
-        return nb::none();
-    return frozen(numbers, has_axis ? 9 : 6);
+    if (!read_target(p, 1, numbers) || !along.is(3) || (has_axis && !axis.is(3))) return nb::none();
+    along.copy_to(numbers + 3);
+    if (has_axis) axis.copy_to(numbers + 6);
+    if (!made_unit(numbers + 3) || (has_axis && !made_unit(numbers + 6))) return nb::none();
+    return frozen(nb::int_(has_axis ? 9 : 6), numbers, has_axis ? 9 : 6);
 }
 
 nb::object task(nb::handle g, nb::handle tolerance, bool base_axes) {
+    const Numbers allowed(tolerance);
     double numbers[23];
+    if (!read_target(g, 0, numbers) || !allowed.is(6)) return nb::none();
+    allowed.copy_to(numbers + 16);
     numbers[22] = base_axes ? 1.0 : 0.0;
-    if (!bindings::numbers(g, four_by_four, 2, numbers) || !row(tolerance, 6, numbers + 16) || !is_target(3, numbers))
-        return nb::none();
-    return frozen(numbers, 23);
+    return is_target(3, numbers) ? frozen(nb::int_(23), numbers, 23) : nb::none();
 }
 
 }  // namespace bindings

@@ -1,7 +1,7 @@
 // Targets as numbers. The core checks the plain cases; Python checks the rest.
 #pragma once
 
-#include "given.hpp"
+#include "arrays.hpp"
 #include "kernels.hpp"
 
 namespace bindings {
@@ -10,9 +10,7 @@ namespace bindings {
 // becomes the nearest rotation. Python rounds what is farther off, and says so.
 bool is_target(int kind, double* numbers);
 
-constexpr std::size_t four_by_four[] = {4, 4};
-
-// One target of a kind, from its numbers as a caller gives them.
+// One target of a kind, from a plain array.
 bool read_target(nb::handle given, int kind, double* numbers);
 
 // A target's read-only numbers from its constructor's arguments (src/twistarm/ik/targets.py), or None if Python has to

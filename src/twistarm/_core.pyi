@@ -1,8 +1,8 @@
 """The compiled kernels; `twistarm.arm.engine.core()` is the door to them.
 
-A call answers None where an argument is not plainly right: Python then converts it, or says what is wrong, and calls
-again. Inverse kinematics takes numbers as arrays of any real type and order, lists, tuples and NumPy's own; kinematics
-takes arrays as they are, float64 and contiguous; a single row beyond two turns goes to Python, as it may be in degrees.
+Arrays are float64 and contiguous; other numbers are Python's float and int. A call answers None (solve_batch: False)
+where an argument is another, or out of its range. Python then says what is wrong, or converts it and calls again. In
+kinematics a single row beyond two turns goes to Python too, as it may be in degrees.
 """
 
 from typing import Any
@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .ik.all_solutions import AllAnswers as Found
-from .ik.answer import Answer as Answer
 from .support.checks import Array
 
 INTERFACE: int
@@ -46,29 +44,6 @@ def path_velocity(
     None for what is no plain array, and for paths of more rows or of a higher degree than the core takes.
     """
 
-class AllAnswers(Found):
-    """The fields of `AllAnswers` in `ik/all_solutions.py`, and two more.
-
-    left: those of continuous families outside the limits, whose members inside are left to look for; families: those
-    of any continuous family, some of which may be one.
-    """
-
-    left: int
-    families: int
-
-class AllAnswersBatch:
-    """Every configuration of N targets: theta (r, n) and moves (r, n), 0 or 1, one target's behind the other's.
-
-    count (N,): how many are each target's; inside (N,): how many of these, the first, are inside the limits; families
-    (N,): how many are of a continuous family.
-    """
-
-    theta: Array
-    moves: Array
-    count: NDArray[np.int64]
-    inside: NDArray[np.int64]
-    families: NDArray[np.int64]
-
 class Chain:
     """g_st(theta) = Π exp(ξ_i (Aθ)_i) · home, its Jacobians and its inverse, from screws (6, m), home (4, 4), A (m, n).
 
@@ -94,9 +69,6 @@ class Chain:
     @property
     def instruction_set(self) -> str:
         """The one that its kernels were compiled for."""
-    @property
-    def widest_record(self) -> np.dtype[np.void]:
-        """The data type of a batch's records that hold a target of any kind."""
     def constants(self) -> dict[str, Any]:
         """What the kernels have made of screws and home (core/include/twistarm/chain.hpp).
 
@@ -125,8 +97,11 @@ class Chain:
         max_time: object,
         posture: object,
         /,
-    ) -> Answer | None:
-        """Inverse kinematics of one target, given as its kind and its numbers (ik/targets.py)."""
+    ) -> tuple[int, Array] | None:
+        """Inverse kinematics of one target, given as its kind and its numbers (ik/targets.py).
+
+        The number of the reason, and the memory of a record (ik/answer.py).
+        """
     def solve_batch(
         self,
         kind: object,
@@ -140,11 +115,10 @@ class Chain:
         posture: object,
         threads: object,
         progress: object,
+        records: NDArray[np.void],
         /,
-    ) -> NDArray[np.void] | None:
+    ) -> bool:
         """The same of N targets of one kind, a record for each; theta0 and posture for all (n,) or for each (N, n).
-
-        The fields of a record are those of `Answer`.
 
         `threads` share the work; `progress(done, count)` or None. Where the time was up before a target was finished,
         its stop is −1, and nothing but what was asked is written.
@@ -191,8 +165,8 @@ class ClosedForm:
     ) -> None: ...
     def solve(
         self, numbers: object, theta0: object, held: object, position_tol: object, orientation_tol: object, /
-    ) -> AllAnswers | None:
-        """Every configuration that meets a target.
+    ) -> tuple[Array, int, int, int, int] | None:
+        """Every configuration that meets a target: the fields of `Configurations` (ik/answer.py).
 
         held: values (m, h) of the held joints, each of which is tried; None for those of theta0.
         """
@@ -203,8 +177,11 @@ class ClosedForm:
         """
     def solve_batch(
         self, numbers: object, theta0: object, position_tol: object, orientation_tol: object, threads: object, /
-    ) -> AllAnswersBatch | None:
-        """The same of N targets, held joints at their values in theta0, which is one for all or one for each."""
+    ) -> tuple[Array, NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]] | None:
+        """The same of N targets: the fields of `ConfigurationsBatch`. Held joints are at their values in theta0.
+
+        theta0 is one for all (n,) or one for each (N, n).
+        """
 
 class Servo:
     """One arm's servo (core/include/twistarm/servo.hpp).

@@ -11,7 +11,7 @@ import pytest
 from rate_plant import RateDrives
 from stream_stand_ins import PERIOD, FakeClock, Robot
 from twistarm import Actuators, JointLimits, load_arm, plan_joint
-from twistarm.control.stream import Ending, FollowControl, Interlock, Measured, SimulatedJoints, StreamOptions, follow
+from twistarm.control.stream import Ending, FollowControl, FollowOptions, Interlock, Measured, SimulatedJoints, follow
 from twistarm.support.errors import InputError, LimitError
 
 EXACT = 1 + 1e-6
@@ -45,6 +45,11 @@ def off_path(motion, theta):
     return max(np.abs(path - each).max(axis=1).min() for each in theta)
 
 
+def followed(arm, motion, robot, clock, feedback=None, on_cycle=None, **options):
+    """The report of `follow` on a robot that measures itself where there is no other feedback."""
+    return follow(arm, motion, robot, feedback or robot, FollowOptions(**options), clock=clock, on_cycle=on_cycle)
+
+
 def at(moment, act):
     """A callback that acts once, when the motion is at that moment of its own time."""
     left = [act]
@@ -58,7 +63,7 @@ def at(moment, act):
 
 def test_it_is_followed_as_it_was_planned(rover, motion, robot, clock):
     seen = []
-    report = follow(rover, motion, robot, robot, clock=clock, on_cycle=seen.append)
+    report = followed(rover, motion, robot, clock, on_cycle=seen.append)
     assert (report.ok, report.stream.ending, report.at) == (True, Ending.ARRIVED, motion.duration)
     t, theta, _, _ = told(robot)
     np.testing.assert_allclose(theta, motion(t + PERIOD - t[0]), atol=1e-12)
@@ -85,7 +90,7 @@ def test_however_it_is_paused_and_slowed_the_limits_hold_and_it_stays_on_its_pat
                 asked[0] = cycle.time
                 control.pause()
 
-        report = follow(arm, motion, robot, robot, speed=speed, clock=clock, control=control, on_cycle=operate)
+        report = followed(arm, motion, robot, clock, speed=speed, control=control, on_cycle=operate)
         assert report.ok
         assert max(shares(arm, robot)) <= EXACT
         theta = told(robot)[1]
@@ -101,7 +106,7 @@ def test_cycles_late_by_parts_of_a_period_or_missed_make_no_setpoint_leap(rover,
     late = {int(k): float(rng.uniform(0.05, 6.95)) * PERIOD for k in rng.choice(np.arange(5, 250), 60, replace=False)}
     clock = FakeClock(late=late)
     robot = Robot(rover.ready, clock)
-    report = follow(rover, motion, robot, robot, clock=clock)
+    report = followed(rover, motion, robot, clock)
     assert report.ok
     assert report.stream.missed > 20
     t, theta, _, _ = told(robot)
@@ -112,7 +117,7 @@ def test_cycles_late_by_parts_of_a_period_or_missed_make_no_setpoint_leap(rover,
 
 def test_a_stop_ends_it_on_its_path(rover, motion, robot, clock):
     control = FollowControl()
-    report = follow(rover, motion, robot, robot, clock=clock, control=control, on_cycle=at(0.8, control.stop))
+    report = followed(rover, motion, robot, clock, control=control, on_cycle=at(0.8, control.stop))
     assert (report.stream.ending, report.completed, report.ok, report.stream.at_rest) == (
         Ending.STOPPED, False, False, True,
     )  # fmt: skip
@@ -124,7 +129,7 @@ def test_a_stop_ends_it_on_its_path(rover, motion, robot, clock):
 
 def test_an_arm_elsewhere_is_not_moved_and_it_is_said_where_each_joint_is(rover, motion, clock):
     robot = Robot(rover.ready + [0.0, 0.05, 0.0, -0.2, 0.0], clock)
-    report = follow(rover, motion, robot, robot, clock=clock)
+    report = followed(rover, motion, robot, clock)
     assert (report.stream.ending, report.ok, robot.setpoints) == (Ending.ELSEWHERE, False, [])
     assert report.stream.reason == ("shoulder 0.05 rad, wrist_pitch 0.2 rad away; approach=True moves it there first")
 
@@ -133,7 +138,7 @@ def test_an_arm_elsewhere_is_not_moved_and_it_is_said_where_each_joint_is(rover,
 def test_an_approach_begins_where_the_arm_is_measured_without_a_jump(rover, motion, clock, away):
     theta = rover.ready + away
     robot, seen = Robot(theta, clock), []
-    report = follow(rover, motion, robot, robot, clock=clock, approach=max(np.abs(away)) > 0.01, on_cycle=seen.append)
+    report = followed(rover, motion, robot, clock, approach=max(np.abs(away)) > 0.01, on_cycle=seen.append)
     assert report.ok
     told_theta = told(robot)[1]
     first = np.vstack([theta, theta, told_theta])  # it stood there before
@@ -147,7 +152,7 @@ def test_an_approach_begins_where_the_arm_is_measured_without_a_jump(rover, moti
 
 def test_a_joint_that_does_not_follow_ends_it_and_is_named(rover, motion, robot, clock):
     robot.deaf = lambda now: now > 100.6
-    report = follow(rover, motion, robot, robot, StreamOptions(tolerance=0.05), clock=clock)
+    report = followed(rover, motion, robot, clock, tolerance=0.05)
     assert report.stream.ending is Ending.STRAYED
     assert "is 0.05" in report.stream.reason
     assert "(tolerance 0.05 rad)" in report.stream.reason
@@ -159,7 +164,7 @@ def test_a_joint_that_does_not_follow_ends_it_and_is_named(rover, motion, robot,
 
 def test_drives_that_are_late_are_no_error(rover, motion, clock):
     joints, measured = SimulatedJoints(rover, rover.ready, latency=0.08, clock=clock), []
-    report = follow(rover, motion, joints, joints, StreamOptions(tolerance=0.02), clock=clock, on_cycle=measured.append)
+    report = followed(rover, motion, joints, clock, tolerance=0.02, on_cycle=measured.append)
     assert report.ok
     # A late drive lags by its delay times its rate: the report must not hide that behind its window.
     t = np.array([cycle.at for cycle in measured if cycle.theta is not None and cycle.rate > 0.99])
@@ -176,7 +181,7 @@ def test_drives_that_are_late_are_no_error(rover, motion, clock):
 def test_after_a_stall_it_speeds_up_from_rest(rover, motion):
     clock = FakeClock(late={60: 0.5, 140: -3.0})
     robot = Robot(rover.ready, clock)
-    report = follow(rover, motion, robot, robot, clock=clock)
+    report = followed(rover, motion, robot, clock)
     assert report.ok
     theta = [setpoint.theta for setpoint in robot.setpoints]
     stalls = np.flatnonzero(np.abs(np.diff(robot.times)) > 0.3)
@@ -194,7 +199,7 @@ def test_nan_slows_it_to_rest_on_its_path_and_it_goes_on(rover, motion, robot, c
         def read(self, now):
             return Measured(np.full(5, np.nan), now) if 100.5 <= now < 101.5 else robot.read(now)
 
-    report = follow(rover, motion, robot, Blinded(), clock=clock)
+    report = followed(rover, motion, robot, clock, Blinded())
     assert report.ok
     assert report.stream.blind == pytest.approx(1.0, abs=2 * PERIOD)
     assert "must be finite" in report.stream.blind_reason
@@ -207,14 +212,14 @@ def test_nan_slows_it_to_rest_on_its_path_and_it_goes_on(rover, motion, robot, c
 def test_a_robot_that_is_gone_is_given_up(rover, motion, clock):
     robot = Robot(rover.ready, clock)
     robot.mute = lambda now: now > 100.5
-    report = follow(rover, motion, robot, robot, clock=clock)
+    report = followed(rover, motion, robot, clock)
     assert report.stream.ending is Ending.FEEDBACK_FAILED
     assert report.stream.reason.startswith("the last joint state is 3")
     assert report.stream.at_rest
     assert report.stream.duration < 4.5
     nobody = Robot(rover.ready, FakeClock())
     nobody.read = lambda now: None
-    report = follow(rover, motion, nobody, nobody, clock=nobody.clock)
+    report = followed(rover, motion, nobody, nobody.clock)
     assert (report.stream.ending, report.stream.reason) == (Ending.FEEDBACK_FAILED, "no joint state has arrived")
     assert nobody.setpoints == []
     assert report.stream.duration < 3.5
@@ -226,7 +231,7 @@ def test_ctrl_c_and_a_callbacks_error_end_it_at_rest_on_its_path(rover, motion, 
         raise error
 
     with nullcontext() if error is KeyboardInterrupt else pytest.raises(error):
-        report = follow(rover, motion, robot, robot, clock=clock, on_cycle=at(0.7, fail))
+        report = followed(rover, motion, robot, clock, on_cycle=at(0.7, fail))
         assert (report.stream.ending, report.ok) == (Ending.INTERRUPTED, False)
     assert not robot.rates[-1].any()
     assert max(shares(rover, robot)) <= EXACT
@@ -248,9 +253,7 @@ def test_an_interlock_pauses_until_it_is_resumed_and_an_emergency_stop_ends_it(r
         elif 102.5 < cycle.time < 102.515:
             interlock.emergency_stop("by hand")
 
-    report = follow(
-        rover, motion, robot, robot, StreamOptions(interlock=interlock), clock=clock, control=control, on_cycle=operate
-    )
+    report = followed(rover, motion, robot, clock, interlock=interlock, control=control, on_cycle=operate)
     assert report.stream.ending is Ending.STOPPED
     assert report.stream.reason.startswith("emergency stop: by hand at ")
     assert robot.moving(102.5) <= (rover.limits.velocity / rover.limits.acceleration).max() + 3 * PERIOD
@@ -265,7 +268,7 @@ def test_a_motion_too_fast_for_the_arm_is_slowed_and_joints_may_be_in_any_order(
         motion, joint_names=tuple(motion.joint_names[k] for k in order), units=tuple(motion.units[k] for k in order),
         waypoints=motion.waypoints[:, order], coefficients=motion.coefficients[..., order],
     )  # fmt: skip
-    report = follow(arm, other, robot, robot, clock=clock)
+    report = followed(arm, other, robot, clock)
     assert report.ok
     assert report.speed < 0.72
     velocity, acceleration = shares(arm, robot)
@@ -285,7 +288,7 @@ def test_the_motors_limits_hold_as_well(rover, motion, clock):
         if cycle.setpoint.number % 60 == 30 or (control.paused and cycle.rate == 0.0):
             control.toggle()
 
-    report = follow(wired, motion, robot, robot, clock=clock, control=control, on_cycle=operate)
+    report = followed(wired, motion, robot, clock, control=control, on_cycle=operate)
     assert report.ok
     assert report.speed < 0.9
     _, _, rates, accelerations = told(robot)
@@ -297,15 +300,15 @@ def test_the_motors_limits_hold_as_well(rover, motion, clock):
 def test_drives_that_take_rates_alone_arrive(rover, motion):
     clock = FakeClock()
     drives = RateDrives(rover, rover.ready, clock, gain=1.05)
-    report = follow(rover, motion, drives, drives, StreamOptions(velocity_mode=True), clock=clock)
+    report = followed(rover, motion, drives, clock, velocity_mode=True)
     assert report.ok
     np.testing.assert_allclose(drives.read(clock.now()).theta, motion.waypoints[-1], atol=0.012)
 
 
 def test_labels_are_told_once_as_they_are_passed_whatever_its_pace(rover, motion, robot, clock):
     labels, told_at = ((0.0, "open"), (0.5, "close"), (0.5, "light"), (motion.duration, "done")), []
-    follow(
-        rover, replace(motion, labels=labels), robot, robot, clock=clock, speed=0.5,
+    followed(
+        rover, replace(motion, labels=labels), robot, clock, speed=0.5,
         on_cycle=lambda cycle: told_at.extend((label, cycle.at) for label in cycle.labels),
     )  # fmt: skip
     assert [label for label, _ in told_at] == ["open", "close", "light", "done"]
@@ -314,7 +317,7 @@ def test_labels_are_told_once_as_they_are_passed_whatever_its_pace(rover, motion
 
 def test_a_motion_to_where_the_arm_stands_is_done_at_once(rover, robot, clock):
     still = plan_joint(rover, [rover.ready, rover.ready])
-    report = follow(rover, still, robot, robot, clock=clock)
+    report = followed(rover, still, robot, clock)
     assert report.ok
     assert not robot.rates.any()
 
@@ -361,6 +364,6 @@ BAD = {
 def test_what_cannot_be_followed_is_refused_before_anything_moves(rover, motion, robot, clock, case):
     change, options, kind, why = BAD[case]
     with pytest.raises(kind) as caught:
-        follow(rover, change(motion), robot, robot, clock=clock, **options)
+        followed(rover, change(motion), robot, clock, **options)
     assert why in str(caught.value)
     assert robot.setpoints == []

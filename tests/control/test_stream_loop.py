@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from stream_stand_ins import PERIOD, Robot, Says, jog
+from twistarm import plan_joint
 from twistarm.control.servo import ServoSettings, TwistCommand
-from twistarm.control.stream import Cycle, Ending, Inbox, Measured, Reading
+from twistarm.control.stream import Cycle, Ending, FollowOptions, Inbox, Measured, Reading, follow
 from twistarm.support.errors import InputError
 
 
@@ -125,6 +126,41 @@ def test_a_robot_that_was_off_is_commanded_from_where_it_is(rover, clock, robot,
     np.testing.assert_allclose(back.setpoint.theta, back.theta, atol=2.5 * PERIOD**2)
     assert within_limits(rover, robot)
     assert report.ok
+
+
+@pytest.mark.parametrize("moved", [0.1, 0.0])
+@pytest.mark.parametrize("idle", [None, TwistCommand(np.zeros(6))])
+def test_a_motion_begins_where_others_have_moved_the_resting_arm(rover, robot, stream, moved, idle):
+    """It hangs 0.05 rad below its setpoint, which is no motion. Another program may move it; then the elbow moves."""
+    robot.deaf, seen = lambda now: now < 101.0, []
+
+    def on_cycle(cycle):
+        seen.append(cycle)
+        if cycle.time < 100.995:
+            robot.theta = rover.ready - 0.05 + moved * np.eye(5)[1] * (cycle.time > 100.8)
+
+    source = Says(lambda now: jog(rover, elbow=-0.4) if now >= 101.0 else idle)
+    report = stream(source, duration=1.5, on_cycle=on_cycle)
+    begin = next(cycle for cycle in seen if cycle.time >= 101.0)
+    start = begin.theta if moved else rover.ready
+    np.testing.assert_allclose(begin.setpoint.theta, start, atol=2.5 * PERIOD**2)
+    assert within_limits(rover, robot)
+    assert report.ok
+
+
+@pytest.mark.parametrize(("factor", "in_degrees"), [(180.0 / np.pi, True), (4000.0, False)])
+def test_an_arm_that_starts_beyond_its_limits_is_not_driven(rover, clock, robot, stream, factor, in_degrees):
+    """Joint states in degrees or counts where radians are due, in `run` and on the way to a motion."""
+    turns = np.array(rover.units) == "rad"
+    robot.theta = np.where(turns, 1.5 * factor, 0.0)
+    motion = plan_joint(rover, [rover.ready, rover.ready + 0.1])
+    options = FollowOptions(approach=True)
+    for report in (stream(), follow(rover, motion, robot, robot, options, clock=clock).stream):
+        assert report.ending is Ending.BEYOND_LIMITS
+        assert ("degrees" in report.reason) is in_degrees
+        assert "no joint state" not in report.explain()
+        assert not report.ok
+    assert robot.setpoints == []
 
 
 def test_what_is_heard_while_the_loop_waits_for_its_turn_counts(rover, robot, stream):

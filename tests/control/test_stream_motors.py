@@ -11,7 +11,7 @@ import pytest
 from stream_stand_ins import answer
 from twistarm import Actuators
 from twistarm.control.stream import Setpoint, StateInbox, UdpFeedback, parse_state, setpoint_message
-from twistarm.control.stream.motors import motor_side
+from twistarm.control.stream.messages import motor_side
 from twistarm.control.stream.serial_link import checksum, parse_state_line, setpoint_line
 from twistarm.support.errors import InputError
 

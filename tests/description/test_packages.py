@@ -198,12 +198,6 @@ def test_what_the_arm_itself_needs_is_refused_as_before(tmp_path: Path) -> None:
         assert code in refused(path, tip="tool0", ignore_packages=["realsense2_description"])
 
 
-@pytest.mark.parametrize(("name", "text"), [("arm.xacro", as_xacro("<a/>")), ("arm.urdf", ARM)])
-def test_a_package_that_is_not_asked_for_is_a_finding(name: str, text: str, tmp_path: Path) -> None:
-    arm = load_arm(write(tmp_path, text, name), ignore_packages=["realsense_description"])
-    assert codes(arm) == ["package-not-used"]
-
-
 @pytest.mark.parametrize("bad", [" ", "a/b", "..", 3, ["a", ""], [["a"]]])
 def test_what_is_no_name_of_a_package_is_refused(bad: object, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="ignore_packages"):

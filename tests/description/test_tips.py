@@ -8,7 +8,7 @@ import pytest
 
 from skeletons import skeleton
 from twistarm import DescriptionError, load_arm
-from twistarm.description.tips.choice import SHOWN, choose_ends, note_choice
+from twistarm.description.tips import SHOWN, choose_ends, note_choice
 from twistarm.description.tree import Description
 from twistarm.description.urdf import read_description
 from urdf_text import write

@@ -12,7 +12,7 @@ import pytest
 
 from small_course import LESSON, ROVER
 from twistarm.guide.building.building import Built, build
-from twistarm.guide.building.lesson_process import outcome
+from twistarm.guide.building.lesson import outcome
 
 
 @pytest.fixture(scope="session")

@@ -11,9 +11,8 @@ import pytest
 
 from small_course import LESSON, ROVER
 from twistarm import InputError, TwistarmError
-from twistarm.guide.building import running
-from twistarm.guide.building.building import RECORD, Built, as_keywords, build
-from twistarm.guide.building.printing import SOLUTION, pdf_of
+from twistarm.guide.building import building
+from twistarm.guide.building.building import RECORD, SOLUTION, Built, build, pdf_of
 from twistarm.guide.course import LESSONS, SECTIONS, lesson_named, lessons
 from twistarm.guide.exercises import exercises_of
 
@@ -130,11 +129,11 @@ def test_an_endless_lesson_and_one_that_dies_are_said(tmp_path: Path, monkeypatc
     head = "# %% [markdown]\n# # A title\n\n# %%\n"
     (tmp_path / "endless.py").write_text(head + "import time\ntime.sleep(60)\n")
     (tmp_path / "dying.py").write_text(head + "import os, sys\nsys.stderr.write('last words\\n')\nos._exit(3)\n")
-    monkeypatch.setattr(running, "lesson_file", lambda name: tmp_path / f"{name}.py")
-    made = dict(running.run_lessons(["endless"], ROVER, tmp_path, timeout=4.0))
+    monkeypatch.setattr(building, "lesson_file", lambda name: tmp_path / f"{name}.py")
+    made = dict(building.run_lessons(["endless"], ROVER, tmp_path, timeout=4.0))
     assert made["endless"]["failed"] == "endless: was ended after 4 s"
     assert made["endless"]["failed"] in made["endless"]["body"]
-    made = dict(running.run_lessons(["dying"], ROVER, tmp_path))
+    made = dict(building.run_lessons(["dying"], ROVER, tmp_path))
     assert made["dying"]["failed"] == "dying: ended with code 3: last words"
 
 
@@ -144,11 +143,3 @@ def test_the_course_names_every_lesson_once_and_every_section() -> None:
     assert lesson_named(f"examples/guide/{lessons()[0]}.py") == lessons()[0]
     with pytest.raises(TwistarmError, match="no lesson '3_1_forward' in the guide; closest: '3_1_forward_kinematics'"):
         lesson_named("3_1_forward")
-
-
-def test_paths_of_an_arm_mean_the_same_from_anywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "mine.urdf").write_text("")
-    made = as_keywords("mine.urdf", {"srdf": Path("a.srdf"), "tip": None, "ignore_packages": ("x",)})
-    assert made == {"source": str(tmp_path / "mine.urdf"), "srdf": str(tmp_path / "a.srdf"), "ignore_packages": ["x"]}
-    assert as_keywords("scara", {}) == {"source": "scara"}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from twistarm.guide.building.lesson_process import outcome
+from twistarm.guide.building.lesson import outcome
 from twistarm.guide.course import ERRATA, lesson_file
 
 

@@ -15,10 +15,10 @@ import pytest
 
 from model_arms import REAL_ARMS
 from twistarm.description.catalog import own_arms
-from twistarm.guide.building.cells import cells_of
+from twistarm.guide.building.lesson import cells_of
 from twistarm.guide.course import lesson_file, lessons
-from twistarm.guide.teaching import outlet
-from twistarm.guide.teaching.arm import VARIABLE, arm
+from twistarm.guide.teaching import output
+from twistarm.guide.teaching.reader import VARIABLE, arm
 
 CLAIMS = Path(__file__).with_name("claims")
 
@@ -38,14 +38,14 @@ def run(lesson: str, scenes: Path | None) -> list[str]:
     """Run a lesson with the claims on it. Returns what it says."""
     said: list[str] = []
 
-    def show(shown: outlet.Shown) -> None:
+    def show(shown: output.Shown) -> None:
         said.append(shown.plain)
         if scenes:
             shown.html(scenes)
 
     names: dict[str, Any] = {"__name__": "__main__"}
     claims, title = claims_on(lesson), ""
-    with outlet.installed(show):
+    with output.installed(show):
         for cell in cells_of(lesson_file(lesson)):
             if cell.code:
                 exec(compile("\n" * (cell.line - 1) + cell.source, str(lesson_file(lesson)), "exec"), names)

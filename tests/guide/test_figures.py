@@ -10,9 +10,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from twistarm import Arm, InputError, arm_from_screws, guide, joints
-from twistarm.guide.teaching import outlet, stills, svg
-from twistarm.guide.teaching.saying import SLIDERS
-from twistarm.guide.teaching.style import COLOURS
+from twistarm.guide.teaching import output, stills, svg
+from twistarm.guide.teaching.figures import COLOURS
+from twistarm.guide.teaching.output import SLIDERS
 
 
 def figure(label: str) -> str:
@@ -113,5 +113,5 @@ def test_an_arm_without_a_description_is_drawn_by_its_axes(rover: Arm) -> None:
     ],
 )
 def test_what_cannot_be_shown_is_refused(call: Any, words: str) -> None:
-    with pytest.raises(InputError, match=words), outlet.installed(lambda shown: None):
+    with pytest.raises(InputError, match=words), output.installed(lambda shown: None):
         call()

@@ -15,7 +15,7 @@ from twistarm.guide.exercises.files import python_text
 from twistarm.guide.grading import Report, check_file
 from twistarm.guide.grading.answers import ReturnValue
 from twistarm.guide.grading.verdict import cases_of, judged
-from twistarm.guide.teaching import outlet
+from twistarm.guide.teaching import output
 from twistarm.support.errors import InputError, UnknownNameError
 
 RIGHT = """
@@ -146,8 +146,8 @@ def test_in_a_notebook(tmp_path: Path, rover: Arm, monkeypatch: pytest.MonkeyPat
         print("from the copy")
         return np.array([[np.cos(alpha), np.sin(alpha), 0], [-np.sin(alpha), np.cos(alpha), 0], [0, 0, 1]])
 
-    shown: list[outlet.Shown] = []
-    with outlet.installed(shown.append):
+    shown: list[output.Shown] = []
+    with output.installed(shown.append):
         report = check(rotation_z)
     (told,) = shown
     assert told.plain.splitlines()[2:4] == ["your code printed:", "  from the copy"]

@@ -13,8 +13,8 @@ from twistarm import InputError, guide
 from twistarm.cli.application import run
 from twistarm.guide.building.building import RECORD, Built
 from twistarm.guide.exercises import LESSONS
-from twistarm.guide.teaching import outlet
-from twistarm.guide.teaching.arm import VARIABLE
+from twistarm.guide.teaching import output
+from twistarm.guide.teaching.reader import VARIABLE
 
 RIGHT = """
 from math import cos, sin
@@ -127,7 +127,7 @@ def test_a_variable_that_means_nothing_is_said(text: str, monkeypatch: pytest.Mo
 def test_another_stands_in_and_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(VARIABLE, json.dumps({"source": "rr_planar"}))
     said: list[str] = []
-    with outlet.installed(lambda shown: said.append(shown.plain)):
+    with output.installed(lambda shown: said.append(shown.plain)):
         assert guide.arm_with("two joints", lambda arm: arm.n == 2).name == "rr_planar"
         assert said == []
         assert guide.arm_with("six joints", lambda arm: arm.n == 6).n == 6

@@ -18,10 +18,10 @@ from scipy.spatial.transform import Rotation
 from small_course import LESSON, ROVER
 from twistarm.guide.building.building import Built, build
 from twistarm.guide.building.pages import SCRIPTS, site_file
-from twistarm.guide.teaching import outlet
-from twistarm.guide.teaching.saying import SLIDERS, slider
+from twistarm.guide.teaching import output
+from twistarm.guide.teaching.output import SLIDERS, slider
 from twistarm.support.errors import TwistarmError
-from twistarm.viewer.files.screenshot import FLAGS, find_browser
+from twistarm.viewer.screenshot import FLAGS, find_browser
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
@@ -180,8 +180,8 @@ def bench(browser: Any, tmp_path: Path) -> Iterator[Any]:
     pages = []
 
     def opened(name: str, **numbers: Any) -> Any:
-        shown: list[outlet.Shown] = []
-        with outlet.installed(shown.append):
+        shown: list[output.Shown] = []
+        with output.installed(shown.append):
             slider(name, "?", "!", **numbers)
         scripts = "".join(f"<script>{site_file(name).decode()}</script>" for name in SCRIPTS)
         file = tmp_path / "slider.html"

@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 
 from twistarm import InputError, guide
-from twistarm.guide.building.cells import cells_of, title_of
-from twistarm.guide.teaching import outlet
+from twistarm.guide.building.lesson import cells_of, title_of
+from twistarm.guide.teaching import output
 from twistarm.guide.teaching.markup import block, formula
-from twistarm.guide.teaching.saying import rough, tex
+from twistarm.guide.teaching.output import rough, tex
 
 
 def test_formulae_are_mathml_that_says_itself_in_tex() -> None:
@@ -51,8 +51,8 @@ def test_a_formula_that_cannot_be_read_is_named(tex: str) -> None:
 
 def test_nothing_from_a_name_becomes_html() -> None:
     name = "</pre><script>alert(1)</script>"
-    shown: list[outlet.Shown] = []
-    with outlet.installed(shown.append):
+    shown: list[output.Shown] = []
+    with output.installed(shown.append):
         guide.say(f"`{name}` {name}")
         guide.table([name], [[name]], name)
         guide.figure(guide.axes2()[0], f'"{name}', name)
@@ -70,8 +70,8 @@ def test_numbers_in_tex() -> None:
 
 
 def test_numbers_in_a_table() -> None:
-    shown: list[outlet.Shown] = []
-    with outlet.installed(shown.append):
+    shown: list[output.Shown] = []
+    with output.installed(shown.append):
         guide.table(["$a$", "b"], [["x", 0.25], ["y", -3.2e-7], ["z", -4e-17], ["none", ""]])
     numbers = [line.partition("  ")[2].strip() for line in map(str.lstrip, shown[0].plain.splitlines()[1:])]
     assert numbers == ["0.2500", r"$-3 \cdot 10^{-7}$", "0.0000", ""]

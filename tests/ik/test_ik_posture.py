@@ -18,7 +18,7 @@ def null_gradient(arm, theta, posture, J):
     for _ in range(arm.n):
         away = np.where(free, theta - posture, 0.0)
         away[free] -= np.linalg.pinv(J[:, free], rcond=1e-6) @ J[:, free] @ away[free]
-        outward = (theta <= arm.limits.lower + 1e-7) & (away > 0) | (theta >= arm.limits.upper - 1e-7) & (away < 0)
+        outward = (theta <= arm.limits.lower + 1e-9) & (away > 0) | (theta >= arm.limits.upper - 1e-9) & (away < 0)
         if not outward.any():
             break
         free &= ~outward

@@ -148,7 +148,7 @@ BY_CALL: dict[str, dict[str, Any]] = {
     "Arm.random_theta": {"size": None},
     "Inbox.put": {"value": [0.0] * 6},
     "StateInbox.put": {"state": ARM.ready},
-    "Interlock.follow": {"word": None},
+    "Interlock.mirror": {"state": None},
     "TolerancedPose": {"frame": "target", "tolerance": [0.0] * 6},
     "LineMove": {"offset": None},
     "Actuators.from_counts": {"counts": [0, 0]},

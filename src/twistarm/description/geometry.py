@@ -13,7 +13,7 @@ from ..support.errors import listed, without_places
 from ..support.messages import plural
 from ..theory.rotations import from_rpy, from_xyzw
 from .document import Reading, floats
-from .mesh_paths import resolve_uri, why_missing
+from .packages import resolve_uri, why_missing
 from .tree import Description, Geometry
 
 Colour = tuple[float, float, float, float]

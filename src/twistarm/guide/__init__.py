@@ -6,12 +6,28 @@ displays it, and `twistarm guide` builds it into a page.
 
 from __future__ import annotations
 
-from .teaching.arm import arm, arm_with, bundled
-from .teaching.figures import arm_points, axes2, axes3, plot_arm, plot_frame, plot_point, plot_screw, plot_vector
-from .teaching.practising import check, practice
-from .teaching.saying import figure, predict, rough, say, scene, slider, table, tex
-from .teaching.space import plot_motion
-from .teaching.style import AMBER, BLUE, COLOURS, GREEN, GREY, INK, ORANGE, PINK, SKY
+from .teaching.figures import (
+    AMBER,
+    BLUE,
+    COLOURS,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    PINK,
+    SKY,
+    arm_points,
+    axes2,
+    axes3,
+    plot_arm,
+    plot_frame,
+    plot_point,
+    plot_screw,
+    plot_vector,
+)
+from .teaching.output import figure, predict, rough, say, scene, slider, table, tex
+from .teaching.reader import arm, arm_with, bundled, check, practice
+from .teaching.svg import plot_motion
 
 __all__ = ["AMBER", "BLUE", "COLOURS", "GREEN", "GREY", "INK", "ORANGE", "PINK", "SKY", "arm", "arm_points", "arm_with",
            "axes2", "axes3", "bundled", "check", "figure", "plot_arm", "plot_frame", "plot_motion", "plot_point",

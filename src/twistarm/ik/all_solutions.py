@@ -19,30 +19,8 @@ from .closed_form.methods import Method
 from .ranges import holding, joint_ranges
 from .solution import reached, why_not
 from .solve import solve_ik
-from .targets import AnyTarget, target_of
+from .targets import AnyTarget, Pose
 from .task_space import Tolerances
-
-
-@dataclass(frozen=True, eq=False)
-class AllAnswers:
-    """Configurations theta (k, n), the first `inside` of them inside the limits. The core's own has the same.
-
-    `moves` (k, n): which joints may move while the target stays met. `tries`: the searches or values that were tried.
-    `hits`: how many of them had an answer. theta0 (n,), `kind` and `numbers` are what was asked.
-    """
-
-    theta: Array
-    moves: NDArray[np.bool_]
-    inside: int
-    theta0: Array
-    kind: int
-    numbers: Array
-    tries: int = 0
-    hits: int = 0
-
-    def __post_init__(self) -> None:
-        for array in (self.theta, self.moves, self.theta0, self.numbers):
-            array.flags.writeable = False
 
 
 @dataclass(eq=False, repr=False, slots=True)
@@ -58,13 +36,20 @@ class AllSolutions:
     """
 
     _arm: Arm
-    _found: AllAnswers
+    _rows: Array
+    """(k, 2, n): theta, and 1 for joints that may move while the target stays met, else 0."""
+    _inside: int
+    _theta0: Array
     _method: Method
     _complete: bool
-    _target: AnyTarget | None
+    _target: AnyTarget | Array
     _tolerances: Tolerances
+    _tries: tuple[int, int] = (0, 0)
     _timed_out: bool = False
     _colliding: NDArray[np.bool_] | None = None
+
+    def __post_init__(self) -> None:
+        self._rows.flags.writeable = self._theta0.flags.writeable = False
 
     @property
     def arm(self) -> Arm:
@@ -74,30 +59,30 @@ class AllSolutions:
     @property
     def target(self) -> AnyTarget:
         """The target that was solved for."""
-        if self._target is None:
-            self._target = target_of(self._found.kind, self._found.numbers)
+        if isinstance(self._target, np.ndarray):
+            self._target = Pose(self._target)
         return self._target
 
     @property
     def theta0(self) -> Array:
         """(n,) [rad, m]: the origin of distances, with given joints at their values."""
-        return self._found.theta0
+        return self._theta0
 
     @property
     def theta(self) -> Array:
         """(k, n) [rad, m], read-only, nearest to theta0 first."""
-        return self._found.theta[: self._found.inside]
+        return self._rows[: self._inside, 0]
 
     @property
     def outside(self) -> Array:
         """(m, n) [rad, m], read-only: configurations outside the limits, turned near to them."""
-        return frozen(joint_ranges(self._arm).toward_middle(self._found.theta[self._found.inside :]))
+        return frozen(joint_ranges(self._arm).toward_middle(self._rows[self._inside :, 0]))
 
     @property
     def free(self) -> tuple[tuple[str, ...], ...]:
         """For each of theta, the joints that can go on moving with the target met."""
         names = self._arm.joint_names
-        moving = self._found.moves[: self._found.inside]
+        moving = self._rows[: self._inside, 1]
         return tuple(tuple(names[i] for i in np.flatnonzero(each)) for each in moving)
 
     @property
@@ -131,12 +116,12 @@ class AllSolutions:
     @property
     def starts(self) -> int:
         """Number of searches, or of values of sampled joints; 0 without either."""
-        return self._found.tries
+        return self._tries[0]
 
     @property
     def hits(self) -> int:
         """How many of these met the target."""
-        return self._found.hits
+        return self._tries[1]
 
     @property
     def position_error(self) -> Array:
@@ -186,7 +171,7 @@ class AllSolutions:
         return "".join(parts)
 
     def __len__(self) -> int:
-        return self._found.inside
+        return self._inside
 
     def __iter__(self) -> Iterator[Array]:
         return iter(self.theta)
@@ -198,10 +183,4 @@ class AllSolutions:
         return f"AllSolutions({self.arm.name}, {self._counted()}; {self.method})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        found = [getattr(self._found, name) for name in AllAnswers.__dataclass_fields__]
-        arm, _, *known = (getattr(self, name) for name in self.__slots__)
-        return _unpickled, (arm, found, *known)
-
-
-def _unpickled(arm: Arm, fields: list[Any], *known: Any) -> AllSolutions:
-    return AllSolutions(arm, AllAnswers(*fields), *known)  # which makes the arrays read-only again
+        return AllSolutions, tuple(getattr(self, name) for name in self.__slots__)  # which makes arrays read-only again

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
-from ..support.checks import Array, RealArray, as_flag, as_whole
-from .all_solutions import AllAnswers, AllSolutions
+from ..support.checks import Array, RealArray, as_flag, as_given, as_whole
+from .all_solutions import AllSolutions
+from .answer import ConfigurationsBatch
 from .batch import MAX_THREADS, targets_for
 from .closed_form.methods import Method, method_for
 from .reached import reachable
@@ -37,10 +38,11 @@ class AllSolutionsBatch:
     """What was asked: poses (N, 4, 4), or targets of any kinds."""
     theta0: Array = field(repr=False)
     """(n,) or (N, n) [rad, m]."""
-    thetas: Array = field(repr=False)
-    """(r, n) [rad, m]: those of each target inside the limits and then those outside."""
-    moves: Array = field(repr=False)
-    """(r, n): 1 for a joint that may go on moving while the target stays met, else 0."""
+    rows: Array = field(repr=False)
+    """(r, 2, n): theta, and 1 for joints that may move while the target stays met, else 0.
+
+    The rows of one target follow those of another; those inside the limits come first.
+    """
     known: tuple[tuple[Method, bool], ...] = field(repr=False)
     """How, and whether these are all there are: of all targets, or for each."""
     tolerances: Tolerances
@@ -50,7 +52,7 @@ class AllSolutionsBatch:
 
     def __post_init__(self) -> None:
         asked = [self.targets] if isinstance(self.targets, np.ndarray) else []
-        for array in (self.count, self.outside_count, self.theta0, self.thetas, self.moves, *asked):
+        for array in (self.count, self.outside_count, self.theta0, self.rows, *asked):
             array.flags.writeable = False
 
     @property
@@ -62,12 +64,12 @@ class AllSolutionsBatch:
     @cached_property
     def theta(self) -> Array:
         """(N, most, n) [rad, m], nearest to theta0 first, then NaN."""
-        return self._padded(self.thetas, np.nan)
+        return self._padded(self.rows[:, 0], np.nan)
 
     @cached_property
     def free(self) -> NDArray[np.bool_]:
         """(N, most, n): which joints may go on moving while the target stays met."""
-        return self._padded(self.moves > 0.5, False)
+        return self._padded(self.rows[:, 1] > 0.5, False)
 
     def _padded(self, rows: NDArray[Any], nothing: float) -> NDArray[Any]:
         """(N, most, n) from rows (r, n)."""
@@ -102,8 +104,7 @@ class AllSolutionsBatch:
         start = self.theta0 if self.theta0.ndim == 1 else self.theta0[i]
         target = Pose(self.targets[i]) if isinstance(self.targets, np.ndarray) else self.targets[i]
         method, complete = self.known[i % len(self.known)]
-        found = AllAnswers(self.thetas[own], self.moves[own] > 0.5, count, start, target.kind, target.numbers.ravel())
-        return AllSolutions(self.arm, found, method, complete, target, self.tolerances)
+        return AllSolutions(self.arm, self.rows[own], count, start, method, complete, target, self.tolerances)
 
 
 def solve_ik_all_batch(
@@ -157,7 +158,7 @@ def solve_ik_all_batch(
     if isinstance(targets, np.ndarray) and fixed_joints is None and not include_turns:
         # Poses that are plainly right go straight to the core, which looks at each of them much faster.
         method = method_for(arm, Pose(np.eye(4)))
-        plain = method.compiled is not None and not method.swept and all(type(each) is float for each in met)
+        plain = method.core is not None and not method.swept and all(type(each) is float for each in met)
         start = arm.ready if theta0 is None else theta0
         found = _by_core(arm, method, targets, start, Tolerances(*met), threads, one) if plain else None
         if found is not None:
@@ -170,7 +171,7 @@ def solve_ik_all_batch(
     near[..., list(stands)] = list(stands.values())
     kinds = {(type(target), target.axis.tobytes() if isinstance(target, Approach) else b"") for target in asked}
     method = method_for(arm, asked[0] if asked else Pose(np.eye(4)), tuple(stands))
-    if len(kinds) <= 1 and not include_turns and method.compiled is not None and not method.swept:
+    if len(kinds) <= 1 and not include_turns and method.core is not None and not method.swept:
         found = _by_core(arm, method, asked, near, request.tolerances, workers, one)
         assert found is not None, "what was checked is plain"
         return found
@@ -191,14 +192,16 @@ def _by_core(
 
     `one` solves a target if the core cannot tell families apart, or if it is met within the tolerances alone.
     """
-    assert method.compiled is not None
+    assert method.core is not None
     numbers = targets
     if isinstance(targets, tuple):
         numbers = np.array([target.numbers for target in targets]) if targets else np.zeros((0, 4, 4))
     exact = tolerances.at_most(ROUNDING)
-    found = method.compiled.solve_batch(numbers, near, exact.position, exact.orientation, threads)
-    if found is None:
+    how = exact.position, exact.orientation, threads
+    answer = method.core.solve_batch(as_given(numbers), as_given(near), *how)
+    if answer is None:
         return None
+    found = ConfigurationsBatch(*answer)
     kept = targets if isinstance(targets, tuple) else np.array(targets, dtype=np.float64)
     start = np.array(near, dtype=np.float64)
     known = ((method, method.exact),)
@@ -207,8 +210,8 @@ def _by_core(
     if len(missed) and exact != tolerances:
         asked = kept[missed] if isinstance(kept, np.ndarray) else [kept[i] for i in missed]
         left[missed] = reachable(arm, asked, **tolerances.keywords, threads=threads).met
-    beyond = found.count - found.inside
-    batch = AllSolutionsBatch(arm, found.inside, beyond, kept, start, found.theta, found.moves, known, tolerances)
+    beyond = found.counts - found.inside
+    batch = AllSolutionsBatch(arm, found.inside, beyond, kept, start, found.rows, known, tolerances)
     if not left.any():
         return batch
     each = [one(answer.target, answer.theta0) if more else answer for answer, more in zip(batch, left, strict=True)]
@@ -221,7 +224,6 @@ def _gathered(
     """A batch of answers that were found one by one."""
     count = np.array([len(found) for found in each], dtype=np.int64)
     beyond = np.array([len(found.outside) for found in each], dtype=np.int64)
-    thetas = np.concatenate([np.zeros((0, arm.n)), *(found._found.theta for found in each)])
-    moves = np.concatenate([np.zeros((0, arm.n)), *(found._found.moves for found in each)])
+    rows = np.concatenate([np.zeros((0, 2, arm.n)), *(found._rows for found in each)])
     known = tuple((found._method, found.complete) for found in each)
-    return AllSolutionsBatch(arm, count, beyond, targets, theta0, thetas, moves, known, tolerances, tuple(each))
+    return AllSolutionsBatch(arm, count, beyond, targets, theta0, rows, known, tolerances, tuple(each))

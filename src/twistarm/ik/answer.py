@@ -1,21 +1,17 @@
-"""An answer by name: `IKResult` reads one, `IKBatch` has a record for each target.
-
-An answer holds copies of the arguments. Later changes of your arrays do not change it.
-"""
+"""Answers as NumPy records: `IKResult` shows one, `IKBatch` an array of them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, fields
 from enum import Enum
-from typing import Any
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arm.abilities import CANNOT_TURN
 from ..support.checks import Array
-from .targets import numbers_of_kind
+from .targets import MOST_NUMBERS
 
 DAMPED, NEAREST, CLOSED_FORM = "damped least squares", "nearest configuration", "closed form"
 
@@ -47,62 +43,68 @@ STOPS = tuple(StopReason)
 NOT_FINISHED = -1
 """In place of a reason: the time was up before the target was finished."""
 
-Records = NDArray[np.void]
-"""Answers (N,) of a batch: each has the fields of `Answer` by name."""
+Record = NDArray[np.void]
+"""An answer (), or the answers (N,) of a batch, with the fields of `record_type`."""
 
 
-@dataclass(frozen=True, eq=False)
-class Answer:
-    """An answer theta (n,), the searches behind it, and what was asked. The core's own `Answer` has the same fields.
+@cache
+def record_type(n: int) -> np.dtype[np.void]:
+    """NumPy's type of an answer of an arm with n coordinates. The core's `Record` has the same fields in this order.
 
-    `stop`: number of the reason in STOPS. `unlimited` (n,): where limits block, an answer without them, if
-    `has_unlimited`. `nearest`: theta is the nearest configuration, because no search met the target. `other_branch`:
-    theta is not near theta0. Either the target is near theta0's pose, or it cannot be met. `start_moved`: theta0 lay
-    outside the limits. `by_closed_form`: theta comes from the closed form, because no search met the target. `certain`:
-    the closed form shows that no configuration meets the target.
+    Errors and tolerances are in m and rad. stop: the number of the reason in STOPS. kind: the kind of the target.
+    nearest: theta is the nearest configuration, because no search met the target. has_unlimited: limits block, and
+    `unlimited` is an answer without them. other_branch: theta is not near theta0. Either the target is near theta0's
+    pose, or it cannot be met. start_moved: theta0 lay outside the limits. by_closed_form: theta comes from the closed
+    form, because no search met the target. certain: the closed form shows that no configuration meets the target.
+    theta0 and numbers are copies of what was asked; `numbers` are the target's, followed by 0.
+    """
+    reals = ["position_error", "orientation_error", "position_tol", "orientation_tol"]
+    wholes = ["iterations", "restarts", "stop", "kind"]
+    flags = ["nearest", "has_unlimited", "other_branch", "start_moved", "by_closed_form", "certain"]
+    rows = [("theta", n), ("unlimited", n), ("theta0", n), ("numbers", MOST_NUMBERS)]
+    fields = [(name, "f8") for name in reals] + [(name, "i8") for name in wholes] + [(name, "?") for name in flags]
+    return np.dtype([*fields, *((name, "f8", (count,)) for name, count in rows)], align=True)
+
+
+def fill(answer: Record, **values: Any) -> None:
+    """Write these fields of an answer."""
+    for name, value in values.items():
+        answer[name] = value
+
+
+class Configurations(NamedTuple):
+    """What a closed form of the core finds for one target: `rows` (k, 2, n), first the `inside` ones, by distance.
+
+    A row holds theta (n,) and, as 0 and 1, which coordinates may move while the target stays met. hits: how many of the
+    values tried for held joints have any. families: how many belong to continuous families; left: those outside.
     """
 
-    theta: Array
-    unlimited: Array
-    theta0: Array
-    numbers: Array
-    kind: int
-    position_tol: float
-    orientation_tol: float
-    stop: int
-    position_error: float = np.inf
-    orientation_error: float = np.inf
-    iterations: int = 0
-    restarts: int = 0
-    has_unlimited: bool = False
-    nearest: bool = False
-    other_branch: bool = False
-    start_moved: bool = False
-    by_closed_form: bool = False
-    certain: bool = False
+    rows: Array
+    inside: int
+    hits: int
+    left: int
+    families: int
 
-    def __post_init__(self) -> None:
-        for array in (self.theta, self.unlimited, self.theta0, self.numbers):
-            array.flags.writeable = False
+    @property
+    def theta(self) -> Array:
+        """(k, n)."""
+        return self.rows[:, 0]
+
+    @property
+    def moves(self) -> NDArray[np.bool_]:
+        """(k, n)."""
+        return self.rows[:, 1] > 0.5
 
 
-FIELDS = tuple(field.name for field in fields(Answer))
+class ConfigurationsBatch(NamedTuple):
+    """The same of N targets, all rows (r, 2, n) in one array: counts, inside and families are (N,)."""
 
+    rows: Array
+    counts: NDArray[np.int64]
+    inside: NDArray[np.int64]
+    families: NDArray[np.int64]
 
-def answer_from(value: Callable[[str], Any]) -> Answer:
-    """The answer with the fields that `value` gives by name."""
-    return Answer(*map(value, FIELDS))
-
-
-def answer_in(records: Records, i: int) -> Answer:
-    """One answer of a batch."""
-    record = records[i]
-    numbers = record["numbers"][: numbers_of_kind(int(record["kind"]))]
-    return answer_from(lambda name: numbers if name == "numbers" else record[name])
-
-
-def write_answer(records: Records, i: int, answer: Answer) -> None:
-    """Replace an answer by another one to the same target."""
-    for name in FIELDS:
-        if name != "numbers":
-            records[name][i] = getattr(answer, name)
+    @property
+    def first(self) -> NDArray[np.int64]:
+        """(N,): where each target's rows begin."""
+        return np.cumsum(self.counts) - self.counts

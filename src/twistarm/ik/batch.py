@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..arm import engine
 from ..arm.arm import Arm, require_arm
-from ..support.checks import Array, RealArray, as_positive, as_whole, frozen, require_callback
+from ..support.checks import Array, RealArray, as_given, as_positive, as_whole, frozen, require_callback
 from ..support.errors import InputError, shown
-from .answer import FIELDS, NOT_FINISHED, STOPS, Records, StopReason, answer_in, write_answer
-from .certainty import settled
+from .answer import NOT_FINISHED, STOPS, Record, StopReason, record_type
+from .certainty import decide
 from .collision_free import collision_free
 from .deadline import Deadline
 from .ranges import joint_ranges
@@ -43,7 +42,8 @@ class IKBatch:
     """
 
     arm: Arm
-    records: Records = field(repr=False)
+    records: Record = field(repr=False)
+    """(N,): one answer each, with the fields of `IKResult.record`."""
     given: tuple[AnyTarget, ...] | None = field(default=None, repr=False)
     contacts: Mapping[int, tuple[Contact, ...]] = field(default_factory=dict, repr=False)
     """The pairs that collide, by the row, where every configuration found collides with the scene."""
@@ -56,54 +56,51 @@ class IKBatch:
         """The targets: poses (N, 4, 4), or targets of any kinds."""
         if self.given is not None:
             return self.given
-        return self._read("numbers").reshape(-1, 4, 4)
+        return self.records["numbers"][:, :16].reshape(-1, 4, 4)
 
     @property
     def theta(self) -> Array:
         """(N, n) [rad, m]."""
-        return self._read("theta")
+        return self.records["theta"]
 
     @property
     def theta0(self) -> Array:
         """(N, n) [rad, m]: the start of each search."""
-        return self._read("theta0")
+        return self.records["theta0"]
 
     @property
     def position_error(self) -> Array:
         """(N,) [m], in what each target constrains."""
-        return self._read("position_error")
+        return self.records["position_error"]
 
     @property
     def orientation_error(self) -> Array:
         """(N,) [rad], in what each target constrains."""
-        return self._read("orientation_error")
+        return self.records["orientation_error"]
 
     @property
     def iterations(self) -> NDArray[np.int64]:
         """(N,): steps of the search that found theta; of all searches where none did."""
-        return self._read("iterations")
+        return self.records["iterations"]
 
     @property
     def restarts(self) -> NDArray[np.int64]:
         """(N,): number of searches."""
-        return self._read("restarts")
+        return self.records["restarts"]
 
     @cached_property
     def stop(self) -> NDArray[np.object_]:
         """(N,) of `StopReason`."""
-        reasons: NDArray[np.object_] = np.array(STOPS, dtype=object)[self._read("stop")]
+        reasons: NDArray[np.object_] = np.array(STOPS, dtype=object)[self.records["stop"]]
         reasons[list(self.contacts)] = StopReason.IN_COLLISION
         return reasons
 
     @property
     def converged(self) -> NDArray[np.bool_]:
         """(N,): which targets are met to the tolerances, and free of collisions with the scene."""
-        met: NDArray[np.bool_] = self._read("stop") == STOPS.index(StopReason.CONVERGED)
+        met: NDArray[np.bool_] = self.records["stop"] == STOPS.index(StopReason.CONVERGED)
         met[list(self.contacts)] = False
         return met
-
-    def _read(self, name: str) -> NDArray[Any]:
-        return self.records[name]
 
     def __repr__(self) -> str:
         return f"IKBatch({self.arm.name}, {len(self)} targets, {int(self.converged.sum())} met)"
@@ -117,7 +114,7 @@ class IKBatch:
     def __getitem__(self, index: int) -> IKResult:
         i = operator.index(index)
         target = None if self.given is None else self.given[i]
-        return IKResult(self.arm, answer_in(self.records, i), target, self.contacts.get(i % len(self), ()))
+        return IKResult(self.arm, self.records[i, ...], target, self.contacts.get(i % len(self), ()))
 
 
 def solve_ik_batch(
@@ -173,19 +170,31 @@ def solve_ik_batch(
         )  # fmt: skip
         return _free(batch, scene, ends, threads)
     chain = require_arm(arm).require_core("solve_ik_batch")
-    how = position_tol, orientation_tol, restarts, rng, max_time
-    start = arm.ready if theta0 is None else named(arm, theta0)
-    preferred = None if posture is None else named(arm, posture, start)
-    counted = partial(_tell, progress, 0, None) if callable(progress) else progress
-    # Poses that are plainly right go straight to the core, which looks at each of them much faster.
-    records = chain.solve_batch(Pose.kind, targets, start, *how, preferred, threads, counted)
-    if records is not None:
-        return IKBatch(arm, _finished(arm, records, None, max_time is None))
+    if isinstance(targets, np.ndarray):
+        # Poses in one array go straight to the core, which looks at each of them much faster.
+        start = arm.ready if theta0 is None else named(arm, theta0)
+        preferred = None if posture is None else named(arm, posture, start)
+        how = as_given(start), position_tol, orientation_tol, restarts, rng, max_time, as_given(preferred), threads
+        told = partial(_tell, progress, 0, None) if callable(progress) else progress
+        found = np.zeros(targets.shape[:1], record_type(arm.n))
+        if chain.solve_batch(Pose.kind, as_given(targets), *how, told, found):
+            return IKBatch(arm, _finished(arm, found, None, max_time is None))
     asked = targets_for(arm, targets)
-    request = checked(arm, theta0, posture, *how, count=len(asked))
+    request = checked(arm, theta0, posture, position_tol, orientation_tol, restarts, rng, max_time, count=len(asked))
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
     require_callback(progress, "progress", "(fraction)")
-    records = _by_core(chain, arm, asked, request, workers, progress)
+    records, done = np.zeros(len(asked), record_type(arm.n)), 0
+    kinds = np.array([target.kind for target in asked], dtype=np.int64)
+    for kind in np.unique(kinds).tolist():
+        places = np.flatnonzero(kinds == kind)
+        numbers, part = np.array([asked[i].numbers for i in places]), records[places]
+        tell = None if progress is None else partial(_tell, progress, done, len(asked))
+        if not chain.solve_batch(kind, numbers, *_part(request, places).for_core, workers, tell, part):
+            # Somebody has written into the arrays of a target.
+            again = targets_for(arm, asked, checked_target)
+            return solve_ik_batch(arm, again, **request.keywords, threads=workers, progress=progress)
+        records[places] = part
+        done += len(places)
     return IKBatch(arm, _finished(arm, records, asked, max_time is None), asked)
 
 
@@ -199,22 +208,20 @@ def _free(batch: IKBatch, scene: Scene, deadline: Deadline, threads: int) -> IKB
         if found.contacts:
             contacts[i] = found.contacts
         else:
-            write_answer(records, i, found._answer)
+            records[i] = found.record
     return replace(batch, records=records, contacts=contacts)
 
 
-def _finished(arm: Arm, records: Records, targets: tuple[AnyTarget, ...] | None, patient: bool) -> Records:
-    """The answers. Late ones get their start and infinite errors, and the closed form settles missed ones."""
+def _finished(arm: Arm, records: Record, targets: tuple[AnyTarget, ...] | None, patient: bool) -> Record:
+    """The answers. Late ones get their start and infinite errors, and the closed form decides about missed ones."""
     late = records["stop"] == NOT_FINISHED
     if late.any():
         records["theta"][late] = joint_ranges(arm).inside(records["theta0"][late])
         records["position_error"][late] = records["orientation_error"][late] = np.inf
         records["stop"][late] = STOPS.index(StopReason.TIMED_OUT)
     for i in np.flatnonzero((records["stop"] != 0) & (records["restarts"] > 1)).tolist():
-        found = answer_in(records, i)
-        known = settled(arm, target_of(Pose.kind, found.numbers) if targets is None else targets[i], found, patient)
-        if known is not found:
-            write_answer(records, i, known)
+        target = target_of(Pose.kind, records[i]["numbers"]) if targets is None else targets[i]
+        decide(arm, target, records[i, ...], patient)
     return records
 
 
@@ -231,35 +238,6 @@ def targets_for(arm: Arm, targets: Any, taken: Callable[[Arm, Any], AnyTarget] =
     except InputError as error:
         raise InputError(f"targets[{len(found)}]: {error}") from error
     return tuple(found)
-
-
-def _by_core(
-    chain: engine.Chain,
-    arm: Arm,
-    targets: tuple[AnyTarget, ...],
-    request: Request,
-    threads: int,
-    progress: Progress | None,
-) -> Records:
-    """The answers to all targets, those of a kind together."""
-    records = np.zeros(len(targets), dtype=chain.widest_record)
-    kinds = np.array([target.kind for target in targets], dtype=np.int64)
-    for kind in np.unique(kinds).tolist():
-        of_kind, before = np.flatnonzero(kinds == kind), int((kinds < kind).sum())
-        tell = None if progress is None else partial(_tell, progress, before, len(targets))
-        how = *_part(request, of_kind).for_core, threads, tell
-        found = chain.solve_batch(kind, np.array([targets[i].numbers for i in of_kind]), *how)
-        if found is None:  # somebody has written into the arrays of a target
-            again = targets_for(arm, targets, checked_target)
-            found = chain.solve_batch(kind, np.array([again[i].numbers for i in of_kind]), *how)
-        assert found is not None, "what was refused is plain now"
-        for name in FIELDS:
-            column, into = found[name], records[name]
-            if name == "numbers":
-                into[of_kind, : column.shape[1]] = column
-            else:
-                into[of_kind] = column
-    return records
 
 
 def _tell(progress: Progress, before: int, count: int | None, done: int, of: int) -> None:

@@ -6,14 +6,11 @@ answers in some microseconds. It also proves, where the axes are exact and no jo
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import partial
-
 import numpy as np
 
 from ..arm.arm import Arm
 from ..support.checks import Array
-from .answer import NOT_FINISHED, STOPS, Answer, StopReason, answer_from
+from .answer import NOT_FINISHED, STOPS, Configurations, Record, StopReason, fill, record_type
 from .closed_form.methods import Method, family_for
 from .ranges import joint_ranges
 from .targets import AnyTarget
@@ -37,46 +34,60 @@ BARELY_OUTSIDE = 1e-4
 """A configuration outside the limits by less than this [rad, m] proves nothing."""
 
 
-def settled(arm: Arm, target: AnyTarget, answer: Answer, patient: bool) -> Answer:
-    """The answer, corrected by the closed form.
+def decide(arm: Arm, target: AnyTarget, answer: Record, patient: bool) -> None:
+    """Correct an answer by the closed form.
 
     It may give a configuration after all. If that lies outside the limits, these are the reason. The answer is
     `certain` if the closed form proves that nothing inside the limits meets the target exactly. An answer that is met,
-    or was not finished in time, comes back unchanged. So does that of one search: its caller wants its result. Without
-    a closed form, limits are the reason only if other searches find nothing either; `patient`: there is time for them.
+    or was not finished in time, stays as it is. So does that of one search: its caller wants its result. Without a
+    closed form, limits are the reason only if other searches find nothing either; `patient`: there is time for them.
     """
-    if answer.stop in (0, TIMED_OUT, NOT_FINISHED) or answer.restarts <= 1:
-        return answer
-    method, start = family_for(arm, target), np.array(answer.theta0)
-    exact = Tolerances(float(answer.position_tol), float(answer.orientation_tol)).at_most(EXACT)
+    if answer["stop"] in (0, TIMED_OUT, NOT_FINISHED) or answer["restarts"] <= 1:
+        return
+    method, start = family_for(arm, target), np.array(answer["theta0"])
+    exact = Tolerances(float(answer["position_tol"]), float(answer["orientation_tol"])).at_most(EXACT)
     if method is None or method.core is None:
-        return _searched_again(arm, target, answer) if patient and answer.stop == BLOCKED else answer
-    found = method.core.solve(
+        if patient and answer["stop"] == BLOCKED:
+            _search_again(arm, target, answer)
+        return
+    answers = method.core.solve(
         target.numbers, start, _held_values(arm, method, start), exact.position, exact.orientation
     )
-    if found is None:
-        return answer
-    revised = answer_from(partial(getattr, answer))
+    if answers is None:
+        return
+    found = Configurations(*answers)
     if found.inside:
-        revised = _met_answer(arm, target, revised, found.theta[0])
+        g = arm.fk(found.theta[0])
+        fill(
+            answer, theta=found.theta[0], position_error=target.position_error(g),
+            orientation_error=target.orientation_error(g), stop=STOPS.index(StopReason.CONVERGED),
+            by_closed_form=True, has_unlimited=False, nearest=False, other_branch=False,
+        )  # fmt: skip
     else:
         outside = joint_ranges(arm).toward_middle(found.theta)
         beyond = np.abs(outside - np.clip(outside, arm.limits.lower, arm.limits.upper))
         if len(outside):
-            revised = _with_limits_blamed(arm, target, revised, outside[np.argmin(np.square(beyond).sum(axis=1))])
+            _blame_limits(arm, target, answer, outside[np.argmin(np.square(beyond).sum(axis=1))])
         proves = method.exact and not method.swept and not found.left
         nearly = beyond.max(axis=1, initial=0.0).min(initial=np.inf) <= BARELY_OUTSIDE
-        if proves and not nearly and max(revised.position_error, revised.orientation_error) > FAR:
-            revised = replace(revised, certain=True)
-    return revised
+        if proves and not nearly and max(answer["position_error"], answer["orientation_error"]) > FAR:
+            answer["certain"] = True
 
 
-def _searched_again(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
-    """The answer, or one that meets the target after all. A root at a corner of the limits has a small basin."""
+def _search_again(arm: Arm, target: AnyTarget, answer: Record) -> None:
+    """Look for an answer that meets the target after all. A root at a corner of the limits has a small basin."""
     assert arm.compiled is not None, "the core has answered"
-    how = float(answer.position_tol), float(answer.orientation_tol), int(answer.restarts), OTHER_SEED, None, None
-    again = arm.compiled.solve(target.kind, target.numbers, np.array(answer.theta0), *how)
-    return answer if again is None or again.stop != 0 else again
+    how = (
+        float(answer["position_tol"]),
+        float(answer["orientation_tol"]),
+        int(answer["restarts"]),
+        OTHER_SEED,
+        None,
+        None,
+    )
+    again = arm.compiled.solve(target.kind, target.numbers, np.array(answer["theta0"]), *how)
+    if again is not None and again[0] == 0:
+        answer[...] = np.ndarray((), record_type(arm.n), again[1])
 
 
 def _held_values(arm: Arm, method: Method, start: Array) -> Array | None:
@@ -90,20 +101,10 @@ def _held_values(arm: Arm, method: Method, start: Array) -> Array | None:
     return np.ascontiguousarray(values[:, list(method.held)])
 
 
-def _met_answer(arm: Arm, target: AnyTarget, answer: Answer, theta: Array) -> Answer:
-    """The answer with a configuration that meets the target."""
-    g = arm.fk(theta)
-    return replace(
-        answer, theta=theta, position_error=target.position_error(g), orientation_error=target.orientation_error(g),
-        stop=STOPS.index(StopReason.CONVERGED), by_closed_form=True,
-        has_unlimited=False, nearest=False, other_branch=False,
-    )  # fmt: skip
-
-
-def _with_limits_blamed(arm: Arm, target: AnyTarget, answer: Answer, theta: Array) -> Answer:
-    """The answer with a configuration outside the limits, unless one meets the whole target already."""
-    tolerances = Tolerances(float(answer.position_tol), float(answer.orientation_tol))
-    known = arm.fk(answer.unlimited)
-    if answer.has_unlimited and tolerances.met(target.position_error(known), target.orientation_error(known)):
-        return answer
-    return replace(answer, unlimited=theta, stop=BLOCKED, has_unlimited=True)
+def _blame_limits(arm: Arm, target: AnyTarget, answer: Record, theta: Array) -> None:
+    """Name the limits with a configuration outside them, unless the answer has one that meets the whole target."""
+    tolerances = Tolerances(float(answer["position_tol"]), float(answer["orientation_tol"]))
+    known = arm.fk(answer["unlimited"])
+    if answer["has_unlimited"] and tolerances.met(target.position_error(known), target.orientation_error(known)):
+        return
+    fill(answer, unlimited=theta, stop=BLOCKED, has_unlimited=True)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arm.arm import Arm
 from ..support.checks import Array
+from .answer import record_type
 from .deadline import Deadline
 from .ranges import joint_ranges
 from .solution import IKResult
@@ -31,7 +32,7 @@ def collision_free(scene: Scene, first: IKResult, solve: Solve, deadline: Deadli
 
     `first` meets the target and collides. Searches start near theta0, then at random configurations.
     """
-    arm, start, met = first.arm, first._answer.theta0, first.tolerances.keywords
+    arm, start, met = first.arm, first.record["theta0"], first.tolerances.keywords
     for candidates in _rounds(arm, first, start):
         near = candidates[np.argsort(np.linalg.norm(candidates - start, axis=1), kind="stable")]
         for theta in near[~scene.collides(near)] if len(near) else ():
@@ -54,9 +55,8 @@ def _rounds(arm: Arm, first: IKResult, start: Array) -> Iterator[Array]:
         starts = arm.random_theta(rng, SEARCHES)
         if np.isfinite(spread):
             starts = np.array([ranges.inside(start + rng.normal(0.0, spread, arm.n)) for _ in range(SEARCHES)])
-        found = chain.solve_batch(
-            target.kind, numbers, starts, met.position, met.orientation, 1, 0, None, None, 1, None
-        )  # fmt: skip
-        assert found is not None, "the target and the starts are plain"
+        found = np.empty(SEARCHES, record_type(arm.n))
+        how = met.position, met.orientation, 1, 0, None, None, 1, None
+        assert chain.solve_batch(target.kind, numbers, starts, *how, found), "the target and the starts are plain"
         theta = found["theta"][found["stop"] == 0]
         yield np.array([ranges.wrapped(each, start) for each in theta]).reshape(-1, arm.n)

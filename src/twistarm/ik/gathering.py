@@ -6,13 +6,14 @@ import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..support.checks import Array
-from .all_solutions import AllAnswers, AllSolutions
+from .all_solutions import AllSolutions
+from .answer import Configurations
 from .batch import Progress
 from .certainty import EXACT
 from .closed_form.methods import Method
@@ -24,9 +25,6 @@ from .self_motions import SelfMotions
 from .solution import IKResult
 from .solve import solve_ik
 from .task_space import Tolerances
-
-if TYPE_CHECKING:
-    from .._core import AllAnswers as CoreAllAnswers
 
 STARTS = 1000
 """Searches where no closed form is known."""
@@ -56,13 +54,13 @@ class Gathering(Asked):
     deadline: Deadline
     progress: Progress | None
 
-    def compiled(self, values: Array) -> CoreAllAnswers:
+    def compiled(self, values: Array) -> Configurations:
         """What the core finds with the held joints at each of the values (k, h)."""
-        assert self.method.compiled is not None
+        assert self.method.core is not None
         held, met = values if len(values) > 1 else None, self.tolerances
-        found = self.method.compiled.solve(self.target.numbers, self.near, held, met.position, met.orientation)
+        found = self.method.core.solve(self.target.numbers, self.near, held, met.position, met.orientation)
         assert found is not None, "what was checked is plain"
-        return found
+        return Configurations(*found)
 
     @property
     def complete(self) -> bool:
@@ -257,14 +255,11 @@ class Gathering(Asked):
             within = [Entry(theta, entry.moving, True, self.distance(theta)) for theta, entry in more]
             within.sort(key=lambda entry: entry.distance)
         every = [*within, *(entry for entry in kept if not entry.inside)]
-        theta = np.array([entry.theta for entry in every]).reshape(-1, arm.n)
-        moves = np.array([entry.moving for entry in every], dtype=np.bool_).reshape(-1, arm.n)
-        numbers = self.target.numbers.ravel()
-        found = AllAnswers(theta, moves, len(within), self.near, self.target.kind, numbers, *tries)
+        rows = np.array([(entry.theta, entry.moving) for entry in every]).reshape(-1, 2, arm.n)
         late = self.deadline.passed
         return AllSolutions(
-            arm, found, self.method,
-            all_seen and not late and self.complete, self.target, self.tolerances, late,
+            arm, rows, len(within), self.near, self.method,
+            all_seen and not late and self.complete, self.target, self.tolerances, tries, late,
         )  # fmt: skip
 
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, RealArray, as_direction, as_floats, as_pose, as_whole, require_callback
 from ..support.errors import InputError
+from .answer import ConfigurationsBatch
 from .batch import MAX_THREADS, Progress, targets_for
 from .certainty import EXACT
 from .closed_form.methods import family_for
@@ -106,7 +107,7 @@ def reachable(
         tell(0)
         for left, searches in rest:
             at = group.places[left]
-            chunks = np.searchsorted(at, np.arange(0, count + CHUNK, CHUNK))
+            chunks = np.searchsorted(at, np.arange(0, count + CHUNK, CHUNK)).astype(np.float64)
             how = *replace(request, restarts=searches).for_core[:5], chunks, workers, progress and tell
             answers = chain.reachable(group.like.kind, group.numbers[left], *how)
             assert answers is not None, "what was checked is plain"
@@ -173,18 +174,19 @@ def _left_by_closed_form(
     A target that no configuration meets exactly may still be met within tolerances that are not tight.
     """
     method, met = family_for(arm, group.like) if group.own else None, request.tolerances
-    if method is None or method.compiled is None or method.swept or not method.exact:
+    if method is None or method.core is None or method.swept or not method.exact:
         return [(some, request.restarts)]
     open_, excluded, exact = [some[:0]], [some[:0]], met.at_most(EXACT)
     for begin in range(0, len(some), AT_ONCE):
         part = some[begin : begin + AT_ONCE]
         how = request.theta0, exact.position, exact.orientation, threads
-        every = method.compiled.solve_batch(group.numbers[part], *how)
-        assert every is not None, "what was checked is plain"
+        answer = method.core.solve_batch(group.numbers[part], *how)
+        assert answer is not None, "what was checked is plain"
+        every = ConfigurationsBatch(*answer)
         inside = every.inside > 0
         at = group.places[part[inside]]
         found.met[at] = True
-        found.theta[at] = every.theta[(np.cumsum(every.count) - every.count)[inside]]
+        found.theta[at] = every.rows[every.first[inside], 0]
         open_.append(part[~inside & (every.families > 0)])
         excluded.append(part[~inside & (every.families == 0)])
     left = [(np.concatenate(open_), request.restarts)]

@@ -43,6 +43,12 @@ class Request:
         met = self.tolerances
         return self.theta0, met.position, met.orientation, self.restarts, self.seed, seconds, self.posture
 
+    @property
+    def keywords(self) -> dict[str, Any]:
+        """The request as keyword arguments of `solve_ik` and `solve_ik_batch`."""
+        names = "theta0", "position_tol", "orientation_tol", "restarts", "rng", "max_time", "posture"
+        return dict(zip(names, self.for_core, strict=True))
+
 
 def named(arm: Arm, given: Any, start: Any = None) -> Any:
     """The named configuration: one of the arm's or, given the start, of POSTURES.

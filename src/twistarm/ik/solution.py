@@ -16,7 +16,7 @@ from ..support.display import told
 from ..support.errors import NotConvergedError, printable
 from ..support.messages import Argument, Quantity, Text, joined
 from ..support.units import length_hint, theta_hint
-from .answer import CLOSED_FORM, DAMPED, FIELDS, NEAREST, STOPS, Answer, StopReason
+from .answer import CLOSED_FORM, DAMPED, NEAREST, STOPS, Record, StopReason, record_type
 from .ranges import joint_ranges
 from .targets import AnyTarget, Approach, Pose, TolerancedPose, target_of
 from .task_space import Tolerances
@@ -65,10 +65,20 @@ class IKResult:
     """The answer to one target, which cannot be changed. It computes what costs time only when you ask for it."""
 
     _arm: Arm
-    _answer: Answer
+    _memory: Array | Record
+    """What holds the record."""
     _target: AnyTarget | None = None
     _contacts: tuple[Contact, ...] = ()
     _avoided: str = ""
+    _record: Record | None = None
+
+    @property
+    def record(self) -> Record:
+        """The answer as a NumPy record (), read-only: theta, errors, stop, what was asked, ... (ik/answer.py)."""
+        if self._record is None:
+            self._record = np.ndarray((), record_type(self._arm.n), self._memory)
+            self._record.flags.writeable = False
+        return self._record
 
     @property
     def arm(self) -> Arm:
@@ -79,13 +89,13 @@ class IKResult:
     def target(self) -> AnyTarget:
         """The target that was solved for."""
         if self._target is None:
-            self._target = target_of(int(self._answer.kind), self._answer.numbers)
+            self._target = target_of(int(self.record["kind"]), self.record["numbers"])
         return self._target
 
     @property
     def tolerances(self) -> Tolerances:
         """The tolerances of the call."""
-        return Tolerances(float(self._answer.position_tol), float(self._answer.orientation_tol))
+        return Tolerances(float(self.record["position_tol"]), float(self.record["orientation_tol"]))
 
     @property
     def theta(self) -> Array:
@@ -94,22 +104,22 @@ class IKResult:
         The nearest has the least position error inside the limits. The least rotation error with that position comes
         second. For TIMED_OUT and EXHAUSTED it is the best so far.
         """
-        return self._answer.theta
+        return self.record["theta"]
 
     @property
     def unlimited(self) -> Array | None:
         """(n,) where limits block: an answer without them, or what comes nearest, the position first. Else None."""
-        return self._answer.unlimited if self._answer.has_unlimited else None
+        return self.record["unlimited"] if self.record["has_unlimited"] else None
 
     @property
     def position_error(self) -> float:
         """[m], from forward kinematics at theta, in what the target constrains."""
-        return float(self._answer.position_error)
+        return float(self.record["position_error"])
 
     @property
     def orientation_error(self) -> float:
         """[rad], from forward kinematics at theta, in what the target constrains."""
-        return float(self._answer.orientation_error)
+        return float(self.record["orientation_error"])
 
     @property
     def within_limits(self) -> bool:
@@ -119,34 +129,34 @@ class IKResult:
     @property
     def iterations(self) -> int:
         """Steps of the search that found theta; of all searches where none did."""
-        return int(self._answer.iterations)
+        return int(self.record["iterations"])
 
     @property
     def restarts(self) -> int:
         """Number of searches, the one from theta0 included."""
-        return int(self._answer.restarts)
+        return int(self.record["restarts"])
 
     @property
     def method(self) -> str:
         """The method that found theta: a damped search, the nearest-configuration search, or the closed form."""
-        if self._answer.by_closed_form:
+        if self.record["by_closed_form"]:
             return CLOSED_FORM
-        return NEAREST if self._answer.nearest else DAMPED
+        return NEAREST if self.record["nearest"] else DAMPED
 
     @property
     def certain(self) -> bool:
         """Whether the closed form proves that nothing inside the limits meets the target exactly."""
-        return bool(self._answer.certain)
+        return bool(self.record["certain"])
 
     @property
     def stop(self) -> StopReason:
         """Why the solver stopped."""
-        return StopReason.IN_COLLISION if self._contacts else STOPS[int(self._answer.stop)]
+        return StopReason.IN_COLLISION if self._contacts else STOPS[self.record["stop"].item()]
 
     @property
     def converged(self) -> bool:
         """Whether theta meets the target to the tolerances, and is free of collisions with the scene."""
-        return bool(self._answer.stop == 0) and not self._contacts
+        return self.record["stop"].item() == 0 and not self._contacts
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
@@ -156,10 +166,10 @@ class IKResult:
     @property
     def notes(self) -> tuple[str, ...]:
         """Notes on the answer: joints of theta0 brought inside, another branch, no core."""
-        notes = self._moved_starts() if self._answer.start_moved else []
-        notes += [self._other_branch()] if self._answer.other_branch else []
+        notes = self._moved_starts() if self.record["start_moved"] else []
+        notes += [self._other_branch()] if self.record["other_branch"] else []
         notes += [self._avoided] if self._avoided else []
-        if self._answer.nearest and not self.converged and self._arm.n > MANY_JOINTS:
+        if self.record["nearest"] and not self.converged and self._arm.n > MANY_JOINTS:
             notes.append(PERHAPS_NEARER)
         return tuple(notes if self.converged or self._arm.compiled is not None else [*notes, WITHOUT_CORE])
 
@@ -176,10 +186,10 @@ class IKResult:
     @property
     def _start(self) -> Array:
         """theta0 inside the limits, where the search began."""
-        return joint_ranges(self._arm).inside(self._answer.theta0)
+        return joint_ranges(self._arm).inside(self.record["theta0"])
 
     def _moved_starts(self) -> list[str]:
-        given, inside = self._answer.theta0, self._start
+        given, inside = self.record["theta0"], self._start
         arm = self._arm
         hint = theta_hint(given, arm.units, arm.limits.lower, arm.limits.upper)
         return [Text("theta0: {hint}", hint=hint)] * bool(hint) + [
@@ -197,16 +207,11 @@ class IKResult:
         return f"another branch: {why}; {moves}"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        answer = [getattr(self._answer, name) for name in FIELDS]
-        return _restored, (self._arm, answer, self._target, self._contacts, self._avoided)
+        return IKResult, (self._arm, self._memory, self._target, self._contacts, self._avoided)
 
     def __repr__(self) -> str:
         off = {"position_error": self.position_error, "orientation_error": self.orientation_error}
         return told("IKResult", {"stop": self.stop, "theta": self.theta, **off, "method": self.method})
-
-
-def _restored(arm: Arm, fields: list[Any], *known: Any) -> IKResult:
-    return IKResult(arm, Answer(*fields), *known)
 
 
 def explain(solution: IKResult) -> str:
@@ -280,7 +285,7 @@ def _eased(solution: IKResult) -> str:
     for times in WIDER:
         wide = times * met.position
         found = chain.solve(target.kind, target.numbers, solution.theta, wide, met.orientation, SEARCHES, 0, None, None)
-        if found is not None and found.stop == 0:
+        if found is not None and found[0] == 0:
             return Text(" (met with {wide})", wide=Argument("position_tol", Quantity(wide, "m", 3)))
     return ""
 

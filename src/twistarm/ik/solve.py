@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
 from . import textbook
-from .certainty import settled
+from .answer import record_type
+from .certainty import decide
 from .collision_free import collision_free
 from .deadline import Deadline
 from .request import checked, named
 from .solution import IKResult
-from .targets import KINDS, AnyTarget, Approach, Pose, TargetLike, checked_target
+from .targets import Pose, TargetLike, checked_target, target_for
 from .task_space import ORIENTATION_TOL, POSITION_TOL
 
 if TYPE_CHECKING:
@@ -82,31 +83,24 @@ def solve_ik(
         free = not first.converged or not scene.collides(first.theta)
         return first if free else collision_free(scene, first, solve_ik, Deadline.after(max_time))
     chain = (arm if type(arm) is Arm else require_arm(arm)).compiled
-    # What is plainly right goes straight to the core; checking it here would cost more than solving it.
-    if chain is not None:
-        given = None if type(target) is np.ndarray else as_target(arm, target)
-        kind, numbers = (Pose.kind, target) if given is None else (given.kind, given.numbers)
-        start = arm.ready if theta0 is None else theta0 if type(theta0) is np.ndarray else named(arm, theta0)
-        preferred = None if posture is None else named(arm, posture, start)
-        answer = chain.solve(kind, numbers, start, position_tol, orientation_tol, restarts, rng, max_time, preferred)
-        if answer is not None:
-            if answer.stop == 0:
-                return IKResult(arm, answer, given)
-            given = given or Pose(np.asarray(target))
-            return IKResult(arm, settled(arm, given, answer, max_time is None), given)
-    asked = checked_target(arm, target)
-    request = checked(arm, theta0, posture, position_tol, orientation_tol, restarts, rng, max_time)
     if chain is None:
+        asked = checked_target(arm, target)
+        request = checked(arm, theta0, posture, position_tol, orientation_tol, restarts, rng, max_time)
         if posture is not None and not (isinstance(posture, str) and posture == "theta0"):
             arm.require_core("a posture other than 'theta0'")
         return IKResult(arm, textbook.solve(arm, asked, request), asked)
-    answer = chain.solve(asked.kind, asked.numbers, *request.for_core)
-    assert answer is not None, "what was refused is plain now"
-    return IKResult(arm, settled(arm, asked, answer, max_time is None), asked)
-
-
-def as_target(arm: Arm, target: Any) -> AnyTarget | None:
-    """A target with its tool axis. None for a value that is not a target yet."""
-    if not isinstance(target, KINDS):
-        return None
-    return target.of(arm) if isinstance(target, Approach) else target
+    # An array of a pose becomes a `Pose` only when somebody asks for it: that takes as long as the search.
+    given = None if type(target) is np.ndarray else target_for(arm, target)
+    kind, numbers = (Pose.kind, target) if given is None else (given.kind, given.numbers)
+    start = arm.ready if theta0 is None else named(arm, theta0)
+    preferred = None if posture is None else named(arm, posture, start)
+    answer = chain.solve(kind, numbers, start, position_tol, orientation_tol, restarts, rng, max_time, preferred)
+    if answer is None:
+        # The core takes plain arrays and numbers in their ranges. The checks convert the others, or say what is wrong.
+        request = checked(arm, theta0, posture, position_tol, orientation_tol, restarts, rng, max_time)
+        return solve_ik(arm, checked_target(arm, target), **request.keywords)
+    stop, record = answer
+    found = IKResult(arm, record, given)
+    if stop != 0:
+        decide(arm, found.target, np.ndarray((), record_type(arm.n), record), max_time is None)
+    return found

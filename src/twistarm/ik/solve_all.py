@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
-from ..support.checks import as_flag, as_number, as_whole, require_callback
+from ..support.checks import as_flag, as_given, as_number, as_whole, frozen, require_callback
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
 from ..support.messages import Quantity, Text
 from .all_solutions import AllSolutions
+from .answer import Configurations
 from .batch import Progress
 from .closed_form.methods import closest_miss_of, known_method, method_for
 from .closed_form.roots import Root
@@ -21,8 +22,7 @@ from .deadline import Deadline
 from .gathering import Gathering, Members
 from .ranges import standing
 from .request import checked
-from .solve import as_target
-from .targets import Approach, Pose, TargetLike, checked_target
+from .targets import Approach, Pose, TargetLike, checked_target, target_for
 from .task_space import ORIENTATION_TOL, POSITION_TOL, Tolerances
 
 if TYPE_CHECKING:
@@ -145,18 +145,20 @@ def solve_ik_all(
 def _answered(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
     """The answers of the method, with `count` values of each sampled joint."""
     method, values = task.method, task.held_values(count)
-    known = None if method.compiled is None else task.compiled(values)
+    known = None if method.core is None else task.compiled(values)
     if known is not None and not method.swept:
         if known.families:
             known = None  # the core keeps one of all families that move the same joints
         elif not include_turns:
-            return AllSolutions(task.arm, known, method, task.complete, task.target, task.tolerances)
+            return AllSolutions(
+                task.arm, known.rows, known.inside, task.near, method, task.complete, task.target, task.tolerances
+            )  # fmt: skip
     if known is None:
         found, starts, hits = task.solved(values)
     else:
         pairs = zip(known.theta, known.moves, strict=True)
         found = [Root(theta, tuple(np.flatnonzero(moves).tolist())) for theta, moves in pairs]
-        starts, hits = known.tries, known.hits
+        starts, hits = (len(values), known.hits) if len(values) > 1 else (0, 0)
     if method.there and method.swept and not task.inside([root.theta for root in found]) and not task.deadline.passed:
         members, tried, met = replace(task, progress=None).solved(task.values_met())
         found, starts, hits = found + members, starts + tried, hits + met
@@ -176,20 +178,21 @@ def _at_once(
     arm: Arm, target: TargetLike, theta0: ArrayLike | None, position_tol: float, orientation_tol: float
 ) -> AllSolutions | None:
     """The core's answer, where it has the family and all arguments are plainly right."""
-    asked = None if type(target) is np.ndarray else as_target(arm, target)
-    like, numbers = (Pose, target) if asked is None else (type(asked), asked.numbers)
-    method = known_method(arm, like, asked.axis.tobytes() if isinstance(asked, Approach) else None)
-    if method is None or method.compiled is None or method.swept:
+    # An array becomes a `Pose` only when somebody asks for it: that takes as long as the configurations.
+    given = np.array(as_given(target)) if type(target) is np.ndarray else target_for(arm, target)
+    like, numbers = (Pose, given) if isinstance(given, np.ndarray) else (type(given), given.numbers)
+    method = known_method(arm, like, given.axis.tobytes() if isinstance(given, Approach) else None)
+    if method is None or method.core is None or method.swept:
         return None
-    start = arm.ready if theta0 is None else theta0
     if not (type(position_tol) is type(orientation_tol) is float):
         return None
-    tolerances = Tolerances(position_tol, orientation_tol)
+    start, tolerances = arm.ready if theta0 is None else theta0, Tolerances(position_tol, orientation_tol)
     exact = tolerances.at_most(ROUNDING)
-    found = method.compiled.solve(numbers, start, None, exact.position, exact.orientation)
+    answer = method.core.solve(numbers, start, None, exact.position, exact.orientation)
+    found = None if answer is None else Configurations(*answer)
     if found is None or found.families:
         return None
-    return AllSolutions(arm, found, method, method.exact, asked, tolerances)
+    return AllSolutions(arm, found.rows, found.inside, frozen(start), method, method.exact, given, tolerances)
 
 
 def checked_fixed_joints(arm: Arm, fixed_joints: Mapping[str, float] | None) -> dict[int, float]:

@@ -25,6 +25,7 @@ from ..support.checks import (
     Row,
     as_direction,
     as_frame,
+    as_given,
     as_pose,
     as_reals,
     as_vector,
@@ -62,7 +63,7 @@ class Pose(Brief):
     _rotation_tolerance: ClassVar[Array] = THREE
 
     def __init__(self, g: Matrix) -> None:
-        numbers = engine.asked("pose", g)
+        numbers = engine.asked("pose", as_given(g))
         object.__setattr__(self, "g", _one_pose(g, "pose g") if numbers is None else numbers)
 
     @classmethod
@@ -136,7 +137,7 @@ class Position(Brief):
     _rotation_tolerance: ClassVar[Array] = NONE
 
     def __init__(self, p: Row) -> None:
-        numbers = engine.asked("position", p)
+        numbers = engine.asked("position", as_given(p))
         object.__setattr__(self, "p", one_vector(p, "p") if numbers is None else numbers)
 
     @property
@@ -190,7 +191,7 @@ class Approach(Brief):
     _rotation_tolerance: ClassVar[Array] = TWO
 
     def __init__(self, p: Row, direction: Row, tool_axis: Row | None = None) -> None:
-        numbers = engine.asked("approach", p, direction, tool_axis)
+        numbers = engine.asked("approach", *map(as_given, (p, direction, tool_axis)))
         if numbers is None:
             axis = () if tool_axis is None else one_direction(tool_axis, "tool_axis")
             numbers = frozen([*one_vector(p, "p"), *one_direction(direction, "direction"), *axis])
@@ -274,7 +275,7 @@ class TolerancedPose(Brief):
 
     def __init__(self, g: Matrix, tolerance: Row, frame: str = "target") -> None:
         base_axes = require_choice(frame, ("target", "base"), "frame") == "base"
-        numbers = engine.asked("task", g, tolerance, base_axes)
+        numbers = engine.asked("task", as_given(g), as_given(tolerance), base_axes)
         if numbers is None:
             numbers = frozen([*_one_pose(g, "pose g").flat, *_as_tolerance(tolerance), base_axes])
         object.__setattr__(self, "g", numbers[:16].reshape(4, 4))
@@ -359,6 +360,10 @@ KINDS = (Pose, Position, Approach, TolerancedPose)
 """Kinds of targets, by `kind`. The core receives `numbers`: g; p; p, direction, tool axis; g, tolerance, 1 for base."""
 
 
+MOST_NUMBERS = 23
+"""Of a `TolerancedPose`."""
+
+
 def target_for(arm: Arm, value: Any) -> AnyTarget:
     """`value` as a target for the arm. An approach without a tool axis gets the arm's."""
     target = as_target(value)
@@ -392,17 +397,12 @@ def shape_hint(value: Any) -> str:
         return ""
 
 
-def numbers_of_kind(kind: int) -> int:
-    """The number of a target's `numbers`, by its kind."""
-    return (16, 3, 9, 23)[kind]
-
-
 def target_of(kind: int, numbers: Array) -> AnyTarget:
-    """The target with this `kind` and these `numbers`."""
+    """The target with this `kind` and these `numbers`; more numbers behind them do not count."""
     if kind == Position.kind:
-        return Position(numbers)
+        return Position(numbers[:3])
     if kind == Approach.kind:
-        return Approach(numbers[:3], numbers[3:6], numbers[6:])
+        return Approach(numbers[:3], numbers[3:6], numbers[6:9])
     g = numbers[:16].reshape(4, 4)
     return Pose(g) if kind == Pose.kind else TolerancedPose(g, numbers[16:22], "base" if numbers[22] else "target")
 

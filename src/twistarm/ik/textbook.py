@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arm.arm import Arm
 from ..support.checks import Array
-from .answer import STOPS, Answer, StopReason
+from .answer import STOPS, Record, StopReason, fill, record_type
 from .deadline import Deadline
 from .ranges import JointRanges, joint_ranges
 from .request import Request
@@ -58,7 +58,7 @@ class Problem(NamedTuple):
     tolerances: Tolerances
 
 
-def solve(arm: Arm, target: AnyTarget, request: Request) -> Answer:
+def solve(arm: Arm, target: AnyTarget, request: Request) -> Record:
     """At most `request.restarts` searches, the first from theta0, the others from random configurations.
 
     The first search that meets the target exactly answers. Otherwise the best of them answers: one within the
@@ -77,12 +77,16 @@ def solve(arm: Arm, target: AnyTarget, request: Request) -> Answer:
     timed_out = deadline.passed and searches < request.restarts
     stop = StopReason.CONVERGED if best.converged else StopReason.TIMED_OUT if timed_out else StopReason.EXHAUSTED
     met = request.tolerances
-    return Answer(
-        best.theta, np.zeros(arm.n), request.theta0, target.numbers.ravel(), target.kind, met.position, met.orientation,
-        STOPS.index(stop), *best.errors, best.iterations if best.converged else steps, searches,
+    answer = np.zeros((), record_type(arm.n))
+    answer["numbers"][: target.numbers.size] = target.numbers.ravel()
+    fill(
+        answer, theta=best.theta, position_error=best.errors[0], orientation_error=best.errors[1],
+        stop=STOPS.index(stop), iterations=best.iterations if best.converged else steps, restarts=searches,
         other_branch=best.converged and _leaves_branch(problem, start, best.theta),
         start_moved=bool((request.theta0 != start).any()),
+        theta0=request.theta0, kind=target.kind, position_tol=met.position, orientation_tol=met.orientation,
     )  # fmt: skip
+    return answer
 
 
 def search(problem: Problem, theta: Array, near: Array) -> Search:

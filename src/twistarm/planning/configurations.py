@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arm.arm import Arm
+from ..ik.answer import Configurations
 from ..ik.closed_form.methods import family_method
 from ..ik.ranges import joint_ranges
 from ..ik.rotation_errors import log_rate
@@ -191,13 +192,14 @@ def _by_closed_form(arm: Arm, target: AnyTarget, starts: Array) -> tuple[Array, 
     Held joints take their values from `starts`. Of more than `MANY` the nearest half stays, and others evenly.
     """
     method = family_method(arm, target)
-    if method.compiled is None:
+    if method.core is None:
         return starts[:0], False
     held = list(method.held)
     values = np.ascontiguousarray(starts[: None if method.swept else FREE_VALUES, held]) if held else None
-    found = method.compiled.solve(target.numbers, np.array(starts[0]), values, EXACT, EXACT)
-    assert found is not None, "what was checked is plain"
-    theta, moving = found.theta[: found.inside], np.array(found.moves[: found.inside])
+    answer = method.core.solve(target.numbers, np.array(starts[0]), values, EXACT, EXACT)
+    assert answer is not None, "what was checked is plain"
+    found = Configurations(*answer)
+    theta, moving = found.theta[: found.inside], found.moves[: found.inside]
     moving[:, held] = False
     if len(theta) > MANY:
         theta = theta[np.append(np.arange(MANY // 2), np.linspace(MANY // 2, len(theta) - 1, MANY // 2).astype(int))]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arm.arm import Arm
+from ..ik.answer import ConfigurationsBatch
 from ..ik.closed_form.methods import family_method
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
@@ -172,17 +173,18 @@ class _Climber:
     def _by_closed_form(self, moving: MovingTarget, ideal: Array, near: Array) -> Solutions | None:
         """Return the nearest answer to each target. The arm's family must give all of them and hold no joint."""
         method = family_method(self.arm, moving.like)
-        if method.compiled is None or method.swept:
+        if method.core is None or method.swept:
             return None
         targets = targets_at(moving.like, ideal)
         numbers = targets if isinstance(targets, np.ndarray) else np.array([each.numbers for each in targets])
-        found = method.compiled.solve_batch(numbers, near, EXACT, EXACT, 1)
-        if found is None:
+        answer = method.core.solve_batch(numbers, near, EXACT, EXACT, 1)
+        if answer is None:
             return None
+        found = ConfigurationsBatch(*answer)
         theta, met = near.copy(), found.inside > 0
         if found.families[~met].any():
             return None
-        theta[met] = found.theta[(np.cumsum(found.count) - found.count)[met]]
+        theta[met] = found.rows[found.first[met], 0]
         return theta, met
 
 

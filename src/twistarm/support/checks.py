@@ -82,6 +82,17 @@ def as_reals(value: Given, name: str, what: str = "an array of real numbers") ->
         raise InputError(f"{name} must be {what}; got {shown(value)} ({why})") from error
 
 
+def as_given(value: Any) -> Any:
+    """Real numbers in a list, a tuple or an array as float64, row by row: what the core takes. Others unchanged."""
+    try:
+        array = np.asarray(value) if type(value) in (list, tuple) else value
+    except Exception:  # an object's own conversion may raise anything
+        return value
+    if type(array) is np.ndarray and array.dtype.kind in "iuf":
+        return np.asarray(array, dtype=np.float64, order="C")
+    return value
+
+
 def as_number(value: Any, name: str, least: float = -LARGEST, most: float = LARGEST, unit: str = "") -> float:
     """`value` as one number in [least, most], infinite only where these are. NaN, booleans and texts are refused."""
     one = value.item() if isinstance(value, (np.ndarray, np.generic)) and not value.ndim else value

@@ -11,13 +11,12 @@ from typing import Annotated
 import typer
 
 from ...arm.arm import Arm
-from ...guide.building.building import Built, as_keywords, build
-from ...guide.building.printing import pdf_of
+from ...guide.building.building import Built, build, pdf_of
 from ...guide.course import lesson_named, lessons
 from ...guide.exercises import LESSONS
 from ...guide.exercises.files import HERE, write_exercises
 from ...guide.grading import check_file
-from ...guide.teaching.arm import arm as arm_of_the_lessons
+from ...guide.teaching.reader import arm as arm_of_the_lessons
 from ...support.errors import DescriptionError, InputError
 from ...support.files import as_path
 from ..numbers import argument, option, switch, whole
@@ -135,7 +134,7 @@ def _arm(source: Source | None) -> Arm:
 def _built(source: Source | None, folder: Path, names: Sequence[str] | None = None) -> Built:
     """The course on the typed arm, with its failures."""
     typed = source or Source("rover_arm")
-    arm = as_keywords(typed.name, typed.keywords)
+    arm = {"source": typed.name, **{name: value for name, value in typed.keywords.items() if value}}
     try:
         with progress_bar(f"the guide on {typed.name}") as progress:
             built = build(folder, arm, names, progress=progress)

@@ -1,14 +1,14 @@
 """The loop around the servo: commands in, setpoints out, watched joints. Also sources, sinks and simulated joints."""
 
-from .cycles import Cycle
-from .driving import Metronome, come_to_rest
-from .following import FollowControl, FollowCycle, Following, FollowReport, follow
+from .cycles import Cycle, Metronome, come_to_rest
+from .drives import SimulatedJoints
+from .following import FollowControl, FollowCycle, Following, FollowOptions, FollowReport, follow
 from .inbox import Inbox, StateInbox
-from .interlock import Interlock
-from .messages import command_of, parse_command, parse_state, setpoint_message
+from .messages import Recorder, command_of, parse_command, parse_state, setpoint_message
 from .protocols import (
     Clock,
     Feedback,
+    Interlock,
     Measured,
     MonotonicClock,
     Reading,
@@ -18,18 +18,16 @@ from .protocols import (
     StreamOptions,
     UndeliveredError,
 )
-from .recording import Recorder
 from .report import Ending, StreamReport
 from .serial_link import SerialRobot, SerialSource
-from .signing import Signer, Verifier, read_key
-from .simulation import SimulatedJoints
 from .streaming import Streaming, run
-from .udp import UdpFeedback, UdpSink, UdpSource
+from .udp import Signer, UdpFeedback, UdpSink, UdpSource, Verifier, read_key
 
 __all__ = [
-    "Clock", "Cycle", "Ending", "Feedback", "FollowControl", "FollowCycle", "FollowReport", "Following", "Inbox",
-    "Interlock", "Measured", "Metronome", "MonotonicClock", "Reading", "Recorder", "SerialRobot", "SerialSource",
-    "Setpoint", "Signer", "SimulatedJoints", "Sink", "Source", "StateInbox", "StreamOptions", "StreamReport",
-    "Streaming", "UdpFeedback", "UdpSink", "UdpSource", "UndeliveredError", "Verifier", "come_to_rest",
-    "command_of", "follow", "parse_command", "parse_state", "read_key", "run", "setpoint_message",
+    "Clock", "Cycle", "Ending", "Feedback", "FollowControl", "FollowCycle", "FollowOptions", "FollowReport",
+    "Following", "Inbox", "Interlock", "Measured", "Metronome", "MonotonicClock", "Reading", "Recorder",
+    "SerialRobot", "SerialSource", "Setpoint", "Signer", "SimulatedJoints", "Sink", "Source", "StateInbox",
+    "StreamOptions", "StreamReport", "Streaming", "UdpFeedback", "UdpSink", "UdpSource", "UndeliveredError",
+    "Verifier", "come_to_rest", "command_of", "follow", "parse_command", "parse_state", "read_key", "run",
+    "setpoint_message",
 ]  # fmt: skip

@@ -1,25 +1,41 @@
-"""The cycle that all loops share: read the joints, send a setpoint, come to rest."""
+"""The cycle that all loops share: read the joints, send a setpoint, on a grid of times, and come to rest."""
 
 from __future__ import annotations
 
+import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass
+from math import floor, inf
 from typing import Generic, ParamSpec, TypeVar
 
 import numpy as np
 
 from ...arm.arm import Arm, require_arm
 from ...arm.usual_limits import defaults_line, usually_limited
-from ...support.checks import LARGEST_ARRAY, Array, as_positive, as_whole, frozen, require, require_method
+from ...support.checks import LARGEST_ARRAY, Array, as_flag, as_positive, as_whole, frozen, require, require_method
 from ...support.display import Brief
-from ...support.errors import InputError, TwistarmError
+from ...support.errors import InputError, TwistarmError, shown
+from ...support.interrupts import ended_like_ctrl_c
 from ..servo import ServoOutput, ServoSettings, ServoState, servo_step
-from .interlock import ENABLED, Interlock, Interlocked
-from .observer import RateObserver, with_reserve
-from .protocols import Feedback, Measured, Reading, Setpoint, Sink, StreamOptions, UndeliveredError, require_time
-from .report import Ending, StreamReport, Tally
-from .watch import FeedbackWatch
+from .drives import RateObserver, with_reserve
+from .protocols import (
+    ENABLED,
+    LATEST,
+    Clock,
+    Feedback,
+    Interlock,
+    Interlocked,
+    MonotonicClock,
+    Reading,
+    Setpoint,
+    Sink,
+    StreamOptions,
+    UndeliveredError,
+    require_time,
+)
+from .report import Ending, FeedbackWatch, StreamReport, Tally, with_counts
 
 ROUNDING = 1e-6
 """Part of a period that is rounding."""
@@ -65,16 +81,14 @@ def call_device(ending: Ending, call: Callable[P, T], *args: P.args, **kwargs: P
     try:
         return call(*args, **kwargs)
     except (OSError, TwistarmError) as error:
-        raise StreamError(ending, worded(error)) from error
+        raise StreamError(ending, _as_reason(error)) from error
 
 
-def worded(error: Exception) -> str:
+def _as_reason(error: Exception) -> str:
     """An error as a reason. Errors of other programs are named with their type."""
     if isinstance(error, StreamError):
         return error.reason
-    if isinstance(error, TwistarmError):
-        return error.message
-    return f"{type(error).__name__}: {error}"
+    return error.message if isinstance(error, TwistarmError) else f"{type(error).__name__}: {error}"
 
 
 class Cycles(ABC, Generic[C]):
@@ -85,13 +99,7 @@ class Cycles(ABC, Generic[C]):
     """
 
     def __init__(
-        self,
-        arm: Arm,
-        sink: Sink,
-        feedback: Feedback,
-        options: StreamOptions,
-        settings: ServoSettings,
-        usual_tolerance: float,
+        self, arm: Arm, sink: Sink, feedback: Feedback, options: StreamOptions, settings: ServoSettings
     ) -> None:
         require(options, StreamOptions, "options", "as StreamOptions() is")
         self.assumed = defaults_line(require_arm(arm))
@@ -106,8 +114,7 @@ class Cycles(ABC, Generic[C]):
         self._interlock(self.feedback)
         self.state: ServoState | None = None
         self.tally = Tally(rate=self.rate, assumed=self.assumed)
-        tolerance = usual_tolerance if options.tolerance is None else options.tolerance
-        self._watch = FeedbackWatch(arm, self.feedback_timeout, tolerance)
+        self._watch = FeedbackWatch(arm, self.feedback_timeout, options.tolerance)
         self._commanded_arm = with_reserve(self.arm) if self.velocity_mode else self.arm
         self._observer = RateObserver(self.arm) if self.velocity_mode else None
         self._number = 0
@@ -137,9 +144,7 @@ class Cycles(ABC, Generic[C]):
     def brake(self, now: float) -> bool:
         """One step toward rest without reading commands or joints.
 
-        A failure of the sink is recorded.
-
-        If the servo fails, the arm stops at once: zero rates at its last position.
+        A failure of the sink is recorded. If the servo fails, the arm stops at once: zero rates at its last position.
 
         Args:
             now: The clock's time [s].
@@ -151,15 +156,13 @@ class Cycles(ABC, Generic[C]):
             try:
                 self._write_anyway(self._coming_to_rest(now))
             except Exception as error:  # whatever it is, the arm must not go on moving
-                self.tally.failures[f"the servo failed, and the arm was stopped at once: {worded(error)}"] += 1
+                self.tally.failures[f"the servo failed, and the arm was stopped at once: {_as_reason(error)}"] += 1
                 assert self.state is not None
                 self._start_at(self.state.theta, now)
         return self.at_rest
 
     def change_clock(self, now: float) -> None:
-        """Use times of another clock from now on.
-
-        The next step covers the time from this moment.
+        """Use times of another clock from now on. The next step covers the time from this moment.
 
         Args:
             now: The other clock's time [s].
@@ -171,9 +174,8 @@ class Cycles(ABC, Generic[C]):
         if self.state is None:
             return
         still = frozen(np.zeros(self.arm.n))
-        self._write_anyway(
-            self._setpoint(now, self.state.theta, still, ServoOutput.stale(still, "the stream has ended"))
-        )
+        output = ServoOutput.stale(still, "the stream has ended")
+        self._write_anyway(self._setpoint(now, self.state.theta, still, output))
 
     def report(self, ending: Ending, reason: str, duration: float, at_rest: bool) -> StreamReport:
         """The report of all cycles until now.
@@ -222,17 +224,28 @@ class Cycles(ABC, Generic[C]):
         if isinstance(device, Interlocked):
             device.interlock = self.interlock
 
-    def _measure(self, now: float) -> tuple[Measured | None, Array | None, str]:
-        """What is measured, theta (n,) where it can be used, and why not."""
+    def _measure(self, now: float) -> tuple[Array | None, str]:
+        """The measured theta (n,), or None and why it cannot be used. The first one starts the servo or motion."""
         measured = call_device(Ending.FEEDBACK_FAILED, self.feedback.read, now)
         theta, blind = self._watch.look(measured, now)
         self.tally.blind_reason = blind or self.tally.blind_reason
-        return measured, theta, blind
+        if theta is not None:
+            self._start(theta, now)
+        if self.state is None:
+            self.tally.waited += self.period
+        elif self._observer is not None:
+            self._observer.hear(None if blind else measured, now)
+        return theta, blind
 
-    def _update_filter(self, measured: Measured | None, now: float) -> None:
-        """In velocity mode, update the drives' filter with a usable joint state; None without one."""
-        if self._observer is not None and self.state is not None:
-            self._observer.hear(measured, now)
+    @abstractmethod
+    def _start(self, theta: Array, now: float) -> None:
+        """Start at the measured theta (n,), where nothing has started. `StreamError` where it cannot be."""
+
+    def _begin_at(self, theta: Array, now: float) -> None:
+        """Begin at the measured theta (n,); StreamError where that is far beyond the position limits."""
+        if beyond := self._watch.beyond_limits(theta):
+            raise StreamError(Ending.BEYOND_LIMITS, beyond)
+        self._start_at(theta, now)
 
     def _start_at(self, theta: Array, now: float) -> None:
         self.state = ServoState.at(self.arm, theta)
@@ -303,7 +316,7 @@ class Cycles(ABC, Generic[C]):
         try:
             self._write(setpoint)
         except Exception as error:  # whatever it is, the arm must still be brought to rest
-            self.tally.failures[f"the sink failed: {worded(error)}"] += 1
+            self.tally.failures[f"the sink failed: {_as_reason(error)}"] += 1
 
 
 def checked_rate(rate: float, settings: ServoSettings) -> float:
@@ -315,3 +328,146 @@ def checked_rate(rate: float, settings: ServoSettings) -> float:
             f"{settings.max_dt:g} s (ServoSettings.max_dt); got {checked:g} Hz"
         )
     return checked
+
+
+class Metronome:
+    """The grid t₀ + k · period [s] with t₀ the first tick. `next` is the next time.
+
+    early: the part of a period by which a tick may be early, for timers with jitter.
+    """
+
+    def __init__(self, period: float, early: float = ROUNDING) -> None:
+        self.period = period
+        self._early = early
+        self.next = -inf
+        self._origin = -inf
+        self._index = 0
+
+    def tick(self, now: float) -> int:
+        """The number of periods of this cycle: 1 on time, more after a delay, 0 if early.
+
+        −1 if time ran backwards by a period or more; the grid then restarts.
+
+        Raises InputError for a time that is not finite or at least 1e12 s, and keeps the grid.
+        """
+        if not abs(require_time(now)) < LATEST:
+            raise InputError(f"now must be seconds of a clock, below {LATEST:g}; got {shown(now)}")
+        if self._origin == -inf:
+            return self._begin(now, 1)
+        phase = (now - self._origin) / self.period
+        index = floor(phase + self._early)
+        periods = index - self._index
+        if periods < 0:
+            return self._begin(now, -1)
+        self._origin = min(self._origin, now - index * self.period)
+        self._index = index
+        self.next = self._origin + (index + 1) * self.period
+        return periods
+
+    def _begin(self, now: float, periods: int) -> int:
+        self._origin, self._index, self.next = now, 0, now + self.period
+        return periods
+
+
+def drive(
+    cycles: Cycles[C],
+    *,
+    clock: Clock | None,
+    handle_signals: bool,
+    on_cycle: Callable[[C], object] | None,
+    longest: float = inf,
+    until: Callable[[], bool] | None = None,
+    before: Callable[[], object] | None = None,
+) -> StreamReport:
+    """Run cycles until one returns an ending, `longest` [s] pass, `until` returns True, or an interrupt.
+
+    Then bring the arm to rest. `before` runs before each cycle and may raise `StreamError`.
+    """
+    time = MonotonicClock() if clock is None else require_method(clock, "clock", "sleep_until")
+    metronome = Metronome(cycles.period)
+    began = time.now()
+    with ended_like_ctrl_c() if as_flag(handle_signals, "handle_signals") else nullcontext():
+        ending, reason = Ending.INTERRUPTED, ""
+        try:
+            ending, reason = _drive(cycles, metronome, time, began + longest, until, before, on_cycle)
+        except KeyboardInterrupt as interrupted:
+            reason = str(interrupted)
+        except StreamError as failed:
+            ending, reason = failed.ending, failed.reason
+        except BaseException as error:
+            come_to_rest(cycles, metronome, time)
+            if sys.version_info >= (3, 11):
+                for failure in with_counts(cycles.tally.failures):
+                    error.add_note(f"while the arm came to rest, {failure}")
+            raise
+        at_rest = come_to_rest(cycles, metronome, time)
+        return cycles.report(ending, reason, time.now() - began, at_rest)
+
+
+def come_to_rest(cycles: Cycles[C], metronome: Metronome, clock: Clock) -> bool:
+    """Brake cycle by cycle, then send zero rates, also when Ctrl-C shortens the braking.
+
+    A clock that jumps ahead does not shorten the braking: the needed cycles run in any case.
+
+    Args:
+        cycles: The loop.
+        metronome: The cycles' times.
+        clock: The clock.
+
+    Returns:
+        Whether the arm is at rest.
+    """
+    require_method(cycles, "cycles", "brake")
+    require_method(metronome, "metronome", "tick")
+    require_method(clock, "clock", "now")
+    try:
+        latest, left = clock.now() + cycles.longest_braking, cycles.longest_braking / cycles.period
+        while not cycles.at_rest and (left > 0.0 or clock.now() < latest):
+            _wait(clock, metronome, inf)
+            now = clock.now()
+            if not abs(now) < LATEST:  # a broken clock
+                break
+            metronome.tick(now)
+            cycles.brake(now)
+            left -= 1.0
+    except KeyboardInterrupt:
+        pass
+    finally:
+        at_rest = cycles.at_rest
+        cycles.halt(clock.now())
+    return at_rest
+
+
+def _drive(
+    cycles: Cycles[C],
+    metronome: Metronome,
+    clock: Clock,
+    end: float,
+    until: Callable[[], bool] | None,
+    before: Callable[[], object] | None,
+    on_cycle: Callable[[C], object] | None,
+) -> tuple[Ending, str]:
+    """Cycles until one of the reasons to end, and which it was."""
+    while True:
+        now, due = clock.now(), metronome.next
+        if now >= end:
+            return Ending.DURATION, ""
+        if until is not None and until():
+            return Ending.DONE, ""
+        periods = metronome.tick(now)
+        if periods != 0:  # else the clock woke us a little early
+            if due > -inf:
+                cycles.tally.begin(now - due)
+            if before is not None:
+                before()
+            cycle = cycles.cycle(now, periods)
+            if on_cycle is not None:
+                on_cycle(cycle)
+            if cycle.ending is not None:
+                return cycle.ending, cycle.reason
+        _wait(clock, metronome, end)
+
+
+def _wait(clock: Clock, metronome: Metronome, end: float) -> None:
+    """Sleep until the next cycle or the end, at most a period. A clock may run backwards."""
+    clock.sleep_until(min(metronome.next, end, clock.now() + metronome.period))

@@ -15,16 +15,13 @@ from ...arm.arm import Arm
 from ...planning import Trajectory
 from ...support.checks import Array, as_flag, as_positive, frozen, require, require_callback
 from ...support.display import Brief
-from ...support.errors import InputError, one_line, shown
+from ...support.errors import InputError, one_line
 from ...support.messages import Quantity, Text, joined
 from ..servo import ServoOutput, ServoReason, ServoSettings, ServoState
-from .cycles import Cycle, Cycles, StreamError
-from .driving import drive
-from .interlock import EMERGENCY_STOP, LONGEST_REASON
+from .cycles import Cycle, Cycles, StreamError, drive
 from .motion_clock import SLOPE, LimitedMotion, MotionClock, motion_of, way_there, why_elsewhere
-from .protocols import USUAL, Clock, Feedback, Setpoint, Sink, StreamOptions
+from .protocols import EMERGENCY_STOP, LONGEST_REASON, Clock, Feedback, Setpoint, Sink, StreamOptions, one_or_each
 from .report import Ending, StreamReport
-from .watch import one_or_each
 
 TRACKING_TOLERANCE = 0.1
 """Allowed distance of a joint from the command [rad, m]. Nobody corrects it by hand, unlike with a servo."""
@@ -90,8 +87,44 @@ class FollowControl:
 
     @property
     def stopped(self) -> bool:
-        """Whether the motion was told to end."""
+        """Whether the motion is to end."""
         return self._stopped
+
+
+@dataclass(frozen=True, eq=False)
+class FollowOptions(StreamOptions):
+    """Options of `follow` and `Following`: those of `StreamOptions`, and these.
+
+    tolerance [rad, m]: half of the servo's, because nobody corrects the arm by hand.
+
+    speed: the share of the trajectory's own speed, above 0 and at most 1.
+
+    approach: whether to move straight in joint space to the start first, if the arm is elsewhere.
+
+    start_tolerance [rad, m]: allowed distance from the start without that, one number or (n,).
+
+    control: what pauses, resumes and stops the motion, from any thread. None: a new one.
+
+    Raises InputError for a number that is not positive, a speed above 1, or a value of another type.
+    """
+
+    tolerance: ArrayLike = TRACKING_TOLERANCE
+    speed: float = 1.0
+    approach: bool = False
+    start_tolerance: ArrayLike = START_TOLERANCE
+    control: FollowControl | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "speed", as_positive(self.speed, "speed"))
+        if self.speed > 1.0:
+            raise InputError(f"speed is a share of the trajectory's own, above 0 and at most 1; got {self.speed:g}")
+        as_flag(self.approach, "approach")
+        if self.control is not None:
+            require(self.control, FollowControl, "control", "as FollowControl() is")
+
+
+USUAL_FOLLOW = FollowOptions()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -121,29 +154,16 @@ class Following(Cycles[FollowCycle]):
     """
 
     def __init__(
-        self,
-        arm: Arm,
-        trajectory: Trajectory,
-        sink: Sink,
-        feedback: Feedback,
-        options: StreamOptions = USUAL,
-        *,
-        speed: float = 1.0,
-        approach: bool = False,
-        start_tolerance: ArrayLike = START_TOLERANCE,
-        control: FollowControl | None = None,
+        self, arm: Arm, trajectory: Trajectory, sink: Sink, feedback: Feedback, options: FollowOptions = USUAL_FOLLOW
     ) -> None:
-        super().__init__(arm, sink, feedback, options, ServoSettings(), TRACKING_TOLERANCE)
-        made = FollowControl() if control is None else control
-        self.control = require(made, FollowControl, "control", "as FollowControl() is")
+        require(options, FollowOptions, "options", "as FollowOptions() is")
+        super().__init__(arm, sink, feedback, options, ServoSettings())
+        self.control = FollowControl() if options.control is None else options.control
         self.motion = motion_of(self.arm, trajectory)
         self._leg = self._main = LimitedMotion.of(self._commanded_arm, self.motion)
-        self.speed = as_positive(speed, "speed")
-        if self.speed > 1.0:
-            raise InputError(f"speed is a share of the trajectory's own, above 0 and at most 1; got {shown(speed)}")
-        self.approach = as_flag(approach, "approach")
+        self.speed, self.approach = options.speed, options.approach
         self.largest_error, self.largest_lag = np.zeros(self.arm.n), np.zeros(self.arm.n)
-        self._near = one_or_each(start_tolerance, self.arm.n, "start_tolerance")
+        self._near = one_or_each(options.start_tolerance, self.arm.n, "start_tolerance")
         self._clock = MotionClock(0.0, 0.0)
         self._astray = False
         self._seen = self._arrived = inf
@@ -171,13 +191,9 @@ class Following(Cycles[FollowCycle]):
         return self._leg is not self._main
 
     def _cycle(self, now: float) -> FollowCycle:
-        measured, theta, blind = self._measure(now)
+        theta, blind = self._measure(now)
         self._require_patience(blind, now)
-        if self.state is None and theta is not None:
-            self._begin(theta, now)
-        self._update_filter(None if blind else measured, now)
         if self.state is None:
-            self.tally.waited += self.period
             return self._reported(now, None, None, blind)
         lag = None if theta is None else frozen(np.abs(theta - self.state.theta))
         strayed = "" if theta is None else self._watch.deviation(theta)
@@ -204,12 +220,14 @@ class Following(Cycles[FollowCycle]):
         elif self.at_rest and now - self._seen >= PATIENCE:
             raise StreamError(Ending.FEEDBACK_FAILED, blind)
 
-    def _begin(self, theta: Array, now: float) -> None:
+    def _start(self, theta: Array, now: float) -> None:
         """Begin at the measured theta (n,), on the way to the start. Raises StreamError if it is too far."""
+        if self.state is not None:
+            return
         elsewhere = why_elsewhere(self.arm, theta, self.motion.waypoints[0], self._near)
         if elsewhere and not self.approach:
             raise StreamError(Ending.ELSEWHERE, elsewhere)
-        self._start_at(theta, now)
+        self._begin_at(theta, now)
         self._leg = LimitedMotion.of(self._commanded_arm, way_there(self._commanded_arm, theta, self.motion))
         self._clock = MotionClock(0.0, 0.0)
 
@@ -347,12 +365,8 @@ def follow(
     trajectory: Trajectory,
     sink: Sink,
     feedback: Feedback,
-    options: StreamOptions = USUAL,
+    options: FollowOptions = USUAL_FOLLOW,
     *,
-    speed: float = 1.0,
-    approach: bool = False,
-    start_tolerance: ArrayLike = START_TOLERANCE,
-    control: FollowControl | None = None,
     handle_signals: bool = True,
     on_cycle: Callable[[FollowCycle], object] | None = None,
     clock: Clock | None = None,
@@ -378,11 +392,7 @@ def follow(
         trajectory: The motion, with the arm's joints in any order, without jumps, at rest at both ends.
         sink: Where setpoints go.
         feedback: Where the joint state comes from.
-        options: Rate, timeout of the joint state, tolerance, velocity mode and interlock, as in `run`.
-        speed: The share of the trajectory's own speed, above 0 and at most 1.
-        approach: Whether to move straight in joint space to the start first, if the arm is elsewhere.
-        start_tolerance: Allowed distance from the start without that, one number or (n,) [rad, m].
-        control: What pauses, resumes and stops the motion, from any thread, or None.
+        options: Speed, tolerances, approach and control, and what all loops share.
         handle_signals: Whether SIGTERM and SIGHUP end it, as in `run`.
         on_cycle: Called with each `FollowCycle`, or None; it must be quick.
         clock: The clock, by default the system's monotonic one.
@@ -396,10 +406,7 @@ def follow(
         LimitError: The trajectory leaves the arm's position limits.
     """
     require_callback(on_cycle, "on_cycle", "(cycle)")
-    following = Following(
-        arm, trajectory, sink, feedback, options, speed=speed, approach=approach, start_tolerance=start_tolerance,
-        control=control,
-    )  # fmt: skip
+    following = Following(arm, trajectory, sink, feedback, options)
     report = drive(following, clock=clock, handle_signals=handle_signals, on_cycle=on_cycle)
     motion, off = following.motion, (following.largest_lag, following.largest_error)
     return FollowReport(report, following.at, motion.duration, following.pace, *off, motion.joint_names, motion.units)

@@ -7,7 +7,7 @@ import time
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Hashable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import islice
 from math import inf
 from typing import Any
@@ -20,23 +20,14 @@ from ...support.errors import InputError, closest, listed, one_line, shown
 from ...support.strict_json import LARGEST_MESSAGE
 from ..servo import AnyCommand, JogCommand, ServoState, TwistCommand
 from ..servo.step import COMMANDS
-from .interlock import Interlock
-from .messages import StateMessage, obey_interlock_message, parse_command
-from .motors import MotorSide, motor_side
-from .protocols import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Measured, Reading
+from .messages import MotorSide, StateMessage, motor_side, obey_interlock_message, parse_command
+from .protocols import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Interlock, Measured, Reading
 
 LONGEST_SENDER = 100
 """Most characters of a sender's name in a message."""
 
 MAX_OTHER_NAMES = 20
 """Most unknown names to keep for messages."""
-
-
-def moment(now: float | None) -> float:
-    """A time [s], by default that of the system's clock that is never set."""
-    if now is None:
-        return time.monotonic()
-    return now if type(now) is float else as_number(now, "now [s]")
 
 
 @dataclass(frozen=True)
@@ -49,36 +40,25 @@ class Arrival:
     number: int | None = None
     reason: str = ""
 
-    @classmethod
-    def checked(
-        cls, sender: str, now: float | None, value: Any = None, number: int | None = None, reason: str = ""
-    ) -> Arrival:
-        """From what a caller gave; InputError where it is of another type."""
-        if number is not None and not isinstance(number, (int, float)):
-            raise InputError(f"number must be a counter, a whole number; got {shown(number)}")
-        name = one_line(require(sender, str, "sender", "the name of who says it"), LONGEST_SENDER)
-        return cls(name, moment(now), value, number, require(reason, str, "reason", "in words"))
-
 
 class Latest:
     """The latest arrival, and the one before from another sender.
 
-    A value counts for `timeout` [s], like a dead man's switch, and only from a single sender. A refused message
+    A value counts for a timeout [s], like a dead man's switch, and only from a single sender. A refused message
     replaces the value, so malformed input stops the arm. A message is dropped if its number does not exceed the
     sender's last one. Silence for a timeout resets this. Writers and readers may be threads, so an arrival may be
     stamped a little after a look.
     """
 
-    def __init__(self, timeout: float, what: str) -> None:
-        self.timeout = as_positive(timeout, f"the timeout of a {what}")
+    def __init__(self) -> None:
         self.last: Arrival | None = None
         self._rival: Arrival | None = None
-        self._what, self._dropped = what, ""
+        self._dropped = ""
 
-    def arrive(self, new: Arrival) -> None:
+    def arrive(self, new: Arrival, timeout: float) -> None:
         """Keep an arrival in place of the last one."""
         before = self.of(new.sender)
-        if before is not None and abs(new.time - before.time) <= self.timeout:
+        if before is not None and abs(new.time - before.time) <= timeout:
             numbers = new.number, before.number
             if None not in numbers and numbers[0] <= numbers[1]:  # type: ignore[operator]
                 self._dropped = f"; number {new.number} came after {before.number} and was left out"
@@ -91,19 +71,83 @@ class Latest:
         """What came from `sender`, if that is the last arrival or the one before from another."""
         return next((arrival for arrival in (self.last, self._rival) if arrival and arrival.sender == sender), None)
 
-    def fault(self, now: float) -> str:
+    def fault(self, now: float, timeout: float, what: str) -> str:
         """Why no value counts at `now` [s]; "" if that of the last arrival does."""
         if self.last is None:
-            return f"no {self._what} has arrived"
+            return f"no {what} has arrived"
         age = now - self.last.time
-        if not abs(age) <= self.timeout:
-            return f"the last {self._what} is {age:.3g} s old (timeout {self.timeout:g} s){self._dropped}"
-        if self._rival is not None and abs(now - self._rival.time) <= self.timeout:
-            return f"two senders of a {self._what}, {self._rival.sender} and {self.last.sender}: stop one of them"
-        return f"{self._what} from {self.last.sender} refused: {self.last.reason}" if self.last.value is None else ""
+        if not abs(age) <= timeout:
+            return f"the last {what} is {age:.3g} s old (timeout {timeout:g} s){self._dropped}"
+        if self._rival is not None and abs(now - self._rival.time) <= timeout:
+            return f"two senders of a {what}, {self._rival.sender} and {self.last.sender}: stop one of them"
+        return f"{what} from {self.last.sender} refused: {self.last.reason}" if self.last.value is None else ""
 
 
-class Inbox:
+class Arrivals:
+    """What arrives from any thread, by name, each with the rules of `Latest`. Only the latest are kept.
+
+    what: the noun for messages. `note`: what a reason adds where nothing counts.
+    """
+
+    def __init__(self, timeout: float, what: str, names: Iterable[str]) -> None:
+        self.note = ""
+        self._what, self._lock = what, threading.Lock()
+        self._parts = {name: Latest() for name in names}
+        self.timeout = timeout
+
+    @property
+    def timeout(self) -> float:
+        """Seconds that a value is valid."""
+        return self._timeout
+
+    @timeout.setter
+    def timeout(self, seconds: float) -> None:
+        self._timeout = as_positive(seconds, f"the timeout of a {self._what}")
+
+    def refuse(self, sender: str, reason: str, now: float | None = None) -> None:
+        """Note that an unusable message has arrived. It counts against what its sender has sent, else against all.
+
+        Args:
+            sender: The sender's name.
+            reason: The reason, in words.
+            now: The time of arrival [s]; by default that of `MonotonicClock`.
+        """
+        arrival = Arrival(_name(sender), moment(now), reason=require(reason, str, "reason", "in words"))
+        with self._lock:
+            its_own = [part for part in self._parts.values() if part.of(arrival.sender)]
+            for part in its_own or self._parts.values():
+                part.arrive(arrival, self._timeout)
+
+    def _arrive(self, sender: str, now: float | None, number: int | None, values: Mapping[str, Any]) -> None:
+        if number is not None and not isinstance(number, (int, float)):
+            raise InputError(f"number must be a counter, a whole number; got {shown(number)}")
+        name, at = _name(sender), moment(now)
+        with self._lock:
+            for part, value in values.items():
+                self._parts[part].arrive(Arrival(name, at, value, number), self._timeout)
+
+    def _look(self, now: float) -> tuple[dict[str, Arrival | None], dict[str, list[str]]]:
+        """The last arrivals, and the names without a value that counts at `now` [s] by the reason."""
+        faults: dict[str, list[str]] = {}
+        with self._lock:
+            for name, part in self._parts.items():
+                if fault := part.fault(now, self._timeout, self._what):
+                    faults.setdefault(fault, []).append(name)
+            return {name: part.last for name, part in self._parts.items()}, faults
+
+
+def moment(now: float | None) -> float:
+    """A time [s], by default that of the system's clock that is never set."""
+    if now is None:
+        return time.monotonic()
+    return now if type(now) is float else as_number(now, "now [s]")
+
+
+def _name(sender: str) -> str:
+    return one_line(require(sender, str, "sender", "the name of who says it"), LONGEST_SENDER)
+
+
+class Inbox(Arrivals):
     """A source that holds one command, put there by `put(sender, command)` from any thread.
 
     A command counts for `timeout` [s]: repeat it. Two senders within a timeout cancel each other. A refused message
@@ -112,17 +156,7 @@ class Inbox:
     """
 
     def __init__(self, timeout: float = COMMAND_TIMEOUT) -> None:
-        self._latest = Latest(timeout, "command")
-        self._lock = threading.Lock()
-
-    @property
-    def timeout(self) -> float:
-        """Seconds that a command is valid."""
-        return self._latest.timeout
-
-    @timeout.setter
-    def timeout(self, seconds: float) -> None:
-        self._latest.timeout = as_positive(seconds, "the timeout of a command")
+        super().__init__(timeout, "command", [""])
 
     def put(self, sender: str, value: AnyCommand, now: float | None = None, number: int | None = None) -> None:
         """Put in a command. InputError for what is no command.
@@ -140,21 +174,7 @@ class Inbox:
                 raise InputError(
                     f"a command is a TwistCommand, JogCommand, PoseCommand or six numbers: {error}"
                 ) from error
-        self._arrive(Arrival.checked(sender, now, value, number))
-
-    def refuse(self, sender: str, reason: str, now: float | None = None) -> None:
-        """Something from `sender` that cannot be used arrived at `now` [s].
-
-        Args:
-            sender: The sender's name.
-            reason: The reason, in words.
-            now: The time of arrival [s]; by default that of `MonotonicClock`.
-        """
-        self._arrive(Arrival.checked(sender, now, reason=reason))
-
-    def _arrive(self, arrival: Arrival) -> None:
-        with self._lock:
-            self._latest.arrive(arrival)
+        self._arrive(sender, now, number, {"": value})
 
     def read(self, now: float, state: ServoState | None = None) -> Reading:
         """The command of the one commander at `now` [s], or None and the reason.
@@ -167,16 +187,18 @@ class Inbox:
             The `Reading`: a command, or None and the reason.
         """
         now = moment(now)
-        with self._lock:
-            fault, last = self._latest.fault(now), self._latest.last
+        arrivals, faults = self._look(now)
+        last, fault = arrivals[""], next(iter(faults), "")
         if last is None:
-            return Reading(None, inf, fault, idle=True)
+            return Reading(None, inf, fault + self.note, idle=True)
         age = now - last.time
+        if not fault:
+            return Reading(last.value, age)
         stopped = isinstance(last.value, JogCommand) and not last.value.theta_dot.any()
-        return Reading(None if fault else last.value, age, fault, idle=bool(fault) and stopped and age > self.timeout)
+        return Reading(None, age, fault + self.note, idle=stopped and age > self.timeout)
 
 
-class StateInbox:
+class StateInbox(Arrivals):
     """A feedback of joint states put there by `put(sender, {joint: value})` or `put(sender, theta)` from any thread.
 
     The messages of several senders are merged. The joint state needs a value for every joint and is as old as the
@@ -192,10 +214,7 @@ class StateInbox:
     def __init__(self, arm: Arm, timeout: float = FEEDBACK_TIMEOUT, *, units: str = "joint") -> None:
         self.motors = motor_side(require_arm(arm), units)
         self.names = arm.joint_names if self.motors is None else self.motors.names
-        what = "joint state" if self.motors is None else "motors' state"
-        self._parts = {name: Latest(timeout, what) for name in self.names}
-        self.timeout = timeout
-        self._lock = threading.Lock()
+        super().__init__(timeout, "joint state" if self.motors is None else "motors' state", self.names)
         self._others: tuple[str, ...] = ()
 
     def put(
@@ -211,50 +230,29 @@ class StateInbox:
             now: The time of arrival [s]; by default that of `MonotonicClock`, the loop's own.
             number: The sender's own counter, where it counts.
         """
-        arrival = Arrival.checked(sender, now, number=number)
+        at = moment(now)
         try:
             values = self._values(state)
         except InputError as error:
-            self.refuse(sender, str(error), arrival.time)
-            return
-        with self._lock:
-            for joint, value in values.items():
-                self._parts[joint].arrive(replace(arrival, value=value))
-
-    def refuse(self, sender: str, reason: str, now: float | None = None) -> None:
-        """Note that an unusable message has arrived.
-
-        Args:
-            sender: The sender's name.
-            reason: The reason, in words.
-            now: The time of arrival [s]; by default that of `MonotonicClock`.
-        """
-        arrival = Arrival.checked(sender, now, reason=reason)
-        with self._lock:
-            its_own = [part for part in self._parts.values() if part.of(arrival.sender)]
-            for part in its_own or self._parts.values():
-                part.arrive(arrival)
+            self.refuse(sender, str(error), at)
+        else:
+            self._arrive(sender, at, number, values)
 
     def read(self, now: float) -> Measured:
         """The joint state at `now` [s], or None and which joint it lacks, and why."""
-        now, lacking = moment(now), dict[str, list[str]]()
-        with self._lock:
-            for name, part in self._parts.items():
-                if fault := part.fault(now):
-                    lacking.setdefault(fault, []).append(name)
-            arrivals = {name: part.last for name, part in self._parts.items()}
+        arrivals, faults = self._look(moment(now))
         time = min(-inf if arrival is None else arrival.time for arrival in arrivals.values())
-        values = [arrival.value for arrival in arrivals.values() if arrival is not None]
-        if not lacking:
+        if not faults:
+            values = [arrival.value for arrival in arrivals.values() if arrival is not None]
             return Measured(frozen(values) if self.motors is None else self.motors.theta(values), time)
         reason = "; ".join(
             fault if len(names) == len(self.names) else f"{fault} ({', '.join(names)})"
-            for fault, names in lacking.items()
+            for fault, names in faults.items()
         )
         if time == -inf and self._others:  # another name in the messages may be that of a joint with a slip
             missing = next(name for name, arrival in arrivals.items() if arrival is None)
             reason += f"; a message named {listed(self._others, 5)}" + closest(missing, self._others)
-        return Measured(None, time, reason)
+        return Measured(None, time, reason + self.note)
 
     def _values(self, state: Mapping[str, float] | ArrayLike) -> dict[str, float]:
         """The values that count, by name; InputError for what is not finite."""
@@ -274,14 +272,12 @@ class StateInbox:
 
 
 class MessageInput(ABC):
-    """Texts that arrive on a line, read once a cycle into an inbox by `parse`, malformed ones included.
+    """Texts that arrive on a line, read once a cycle into `inbox`, malformed ones included.
 
     Texts that waited for longer than a timeout are dropped, because their age is unknown. The last `each` texts of at
-    most `senders` senders count. Together they are no longer than one message. The rest of a flood is not read. `note`:
-    what a reason adds where no message counts.
+    most `senders` senders count. Together they are no longer than one message. The rest of a flood is not read.
     """
 
-    note = ""
     senders, each = 3, 1
     """Two senders of commands are one too many already."""
 
@@ -297,10 +293,6 @@ class MessageInput(ABC):
     def sender_name(self, sender: Any) -> str:
         """The sender in words."""
         return str(sender)
-
-    def _obey(self, text: bytes, fresh: bool) -> bool:
-        """Whether a text was an interlock message, which is then obeyed."""
-        return False
 
     def _take(self, now: float) -> None:
         """Put all that has arrived by `now` [s] into the inbox."""
@@ -325,6 +317,10 @@ class MessageInput(ABC):
         else:
             self._inbox.put(sender, value, now, number)
 
+    def _obey(self, text: bytes, fresh: bool) -> bool:
+        """Whether a text was an interlock message, which is then obeyed."""
+        return False
+
 
 class CommandInput(MessageInput):
     """A source of commands and interlock messages as JSON (`command_of`)."""
@@ -340,8 +336,7 @@ class CommandInput(MessageInput):
     def read(self, now: float, state: ServoState | None = None) -> Reading:
         """The command at `now` [s] of all that has arrived, or None and the reason."""
         self._take(now)
-        reading = self._commands.read(now)
-        return reading if reading.command is not None else replace(reading, reason=reading.reason + self.note)
+        return self._commands.read(now)
 
 
 class StateInput(MessageInput):
@@ -361,7 +356,7 @@ class StateInput(MessageInput):
 
         def parsed(text: bytes) -> tuple[Any, int | None]:
             state = parse(arm, text, self.motors)
-            self.interlock.follow(state.interlock, "the robot")
+            self.interlock.mirror(state.interlock, "the robot")
             return state.values, state.number
 
         super().__init__(self._states, parsed)
@@ -369,5 +364,4 @@ class StateInput(MessageInput):
     def read(self, now: float) -> Measured:
         """The joint state at `now` [s] of all that has arrived, or None and the reason."""
         self._take(now)
-        measured = self._states.read(now)
-        return measured if measured.theta is not None else replace(measured, reason=measured.reason + self.note)
+        return self._states.read(now)

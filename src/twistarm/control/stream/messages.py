@@ -1,7 +1,9 @@
-"""Messages of the loop as JSON: commands and joint states in, setpoints out (docs/streaming.md)."""
+"""Messages of the loop (docs/streaming.md): JSON in and out, values of joints or motors, recordings as ROS 2's."""
 
 from __future__ import annotations
 
+import os
+import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from math import isfinite
@@ -10,23 +12,36 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...arm.arm import Arm, require_arm
-from ...support.checks import Array, as_number, as_whole, require, require_mapping
+from ...planning.files.mcap_file import LABELS, SETPOINTS, TEXT, Bag
+from ...support.checks import (
+    Array,
+    as_number,
+    as_theta,
+    as_whole,
+    require,
+    require_choice,
+    require_mapping,
+    require_method,
+)
 from ...support.errors import InputError, TwistarmError, listed, shown
 from ...support.fields import Check, anything, fields, list_of, numbers, one_of
 from ...support.fields import text as any_text
 from ...support.strict_json import decoded
 from ...theory.rotations import from_quaternion_wxyz
 from ..servo import AnyCommand, JogCommand, PoseCommand, TwistCommand
-from .interlock import STATES, WORDS, Interlock
-from .motors import MotorSide
-from .protocols import Setpoint
+from .cycles import Cycle
+from .protocols import STATES, WORDS, Interlock, Setpoint, Sink
 
 QUATERNION_TOL = 1e-3
 """Allowed error of a quaternion's length: four printed decimals."""
 
+UNITS = ("joint", "motor", "counts")
+"""Units of values to and from a robot."""
 
 INTERLOCK = b'"interlock"'
 """Text in every interlock message. The search for it is cheap even in a flood of messages."""
+
+DIAGNOSTIC, KEYS = "diagnostic_msgs/msg/", ("status", "reason", "joint", "scale", "interlock")
 
 
 class CommandMessage(NamedTuple):
@@ -44,6 +59,43 @@ class StateMessage(NamedTuple):
     values: dict[str, float]
     number: int | None
     interlock: str | None = None
+
+
+class MotorSide:
+    """The arm as its drives see it, motor = G theta + o, differentials included.
+
+    units: "motor", rad and m on the motor side, or "counts" of the drives, not rounded.
+
+    Raises InputError if the arm has no actuators, or joints that no motor determines.
+    """
+
+    def __init__(self, arm: Arm, units: str) -> None:
+        if arm.actuators is None or arm.actuators.joint_names != arm.joint_names:
+            raise InputError(
+                f"units {units!r} need actuators for each joint of {arm.name}: [actuators] in its arm.toml"
+            )
+        if arm.actuators.undriven:
+            raise InputError(f"no motor determines {listed(arm.actuators.undriven)} of {arm.name}")
+        self._actuators = arm.actuators
+        self.units = units
+        self.names = arm.actuators.names
+        self._scale = arm.actuators.counts_per_unit if units == "counts" else np.ones(len(self.names))
+
+    def of(self, setpoint: Setpoint) -> tuple[Array, Array]:
+        """Where the motors are to be (k,) and how fast they turn (k,), per second."""
+        position = self._actuators.to_motor(setpoint.theta) * self._scale
+        return position, self._actuators.velocity_to_motor(setpoint.theta_dot) * self._scale
+
+    def theta(self, values: Sequence[float]) -> Array:
+        """theta (n,) from the motors' values (k,) in their order. InputError where they are not k finite numbers."""
+        motor = as_theta(values, len(self.names), "the motors' state", self.names)
+        return self._actuators.to_theta(motor / self._scale)
+
+
+def motor_side(arm: Arm, units: str) -> MotorSide | None:
+    """The motors' side in these `UNITS`, None for "joint". InputError for other units, and as `MotorSide`."""
+    require_choice(units, UNITS, "units")
+    return None if units == "joint" else MotorSide(arm, units)
 
 
 def parse_command(arm: Arm, text: str | bytes) -> CommandMessage:
@@ -103,16 +155,17 @@ def command_of(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
 
 
 def obey_interlock_message(interlock: Interlock, text: bytes, fresh: bool) -> bool:
-    """Obey an interlock message, {"interlock": one of `WORDS`} with an optional "reason". Returns whether it was one.
+    """Obey {"interlock": one of `WORDS`}, with an optional "reason". Returns whether the text was one.
+
     A stale one may stop the arm but not enable it.
     """
     if INTERLOCK not in text:
         return False
     try:
-        said = fields(decoded(text), "", {"interlock": one_of(WORDS)}, {"reason": any_text, "number": anything})
+        message = fields(decoded(text), "", {"interlock": one_of(WORDS)}, {"reason": any_text, "number": anything})
     except InputError:
         return False
-    interlock.hear(said["interlock"], said.get("reason", ""), fresh)
+    interlock.obey(message["interlock"], message.get("reason", ""), fresh)
     return True
 
 
@@ -142,9 +195,7 @@ def parse_state(arm: Arm, text: str | bytes, motors: MotorSide | None = None) ->
 
 
 def values_by_name(known: Collection[str], names: Sequence[str], values: Sequence[float]) -> dict[str, float]:
-    """Values by name, in any order.
-
-    Unknown names are ignored.
+    """Values by name, in any order. Unknown names are ignored.
 
     Raises InputError for unequal lengths, and for a known name that is repeated or not finite.
     """
@@ -244,3 +295,40 @@ _COMMANDS: Mapping[str, tuple[Mapping[str, Check], Mapping[str, Check], _Build]]
     "stop": ({"stop": _true}, {}, lambda arm, given: JogCommand(np.zeros(arm.n))),
 }
 """By kind of command: required fields, optional fields, and its constructor."""
+
+
+class Recorder(Bag):
+    """A sink that records each setpoint that it sends to `sink`. As `on_cycle` it records each joint state too.
+
+    The file appears at the end of the block. /setpoints has JointTrajectory of one point each, /diagnostics their
+    status, /joint_states and /tf the usable joint states and the poses of all links, /labels those of `follow`. Stamps
+    are wall-clock time if the stream's clock is the system's. The extra `mcap` is needed.
+
+    Args:
+        arm: The arm.
+        path: The file to write, named .mcap at its end.
+        sink: Where setpoints go.
+    """
+
+    def __init__(self, arm: Arm, path: str | os.PathLike[str], sink: Sink) -> None:
+        self._sink = require_method(sink, "sink", "write")
+        super().__init__(arm, path, time.time_ns() - time.monotonic_ns(), time.monotonic())
+
+    def __call__(self, cycle: Cycle) -> None:
+        """Record the joint state and the labels of a cycle."""
+        if cycle.theta is not None:
+            self.add_state(cycle.time, cycle.theta)
+        for label in getattr(cycle, "labels", ()):
+            self.add(LABELS, cycle.time, TEXT, label)
+
+    def write(self, setpoint: Setpoint) -> None:
+        """Send the setpoint, then record it."""
+        try:
+            self._sink.write(setpoint)
+        finally:
+            now, output, message = setpoint.time, setpoint.output, setpoint_message(self._arm, setpoint)
+            self.add_motion(SETPOINTS, now, [(0.0, setpoint.theta, setpoint.theta_dot)])
+            values = [self.of(f"{DIAGNOSTIC}KeyValue", key, str(message[key] or "")) for key in KEYS]
+            level, words = int(output.status != "OK"), output.explain()
+            status = self.of(f"{DIAGNOSTIC}DiagnosticStatus", level, "twistarm", words, self._arm.name, values)
+            self.add("/diagnostics", now, f"{DIAGNOSTIC}DiagnosticArray", [status])

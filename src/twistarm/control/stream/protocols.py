@@ -1,4 +1,4 @@
-"""Interfaces and options of the loop: sources of commands, sinks for setpoints, feedback from joints, clocks.
+"""Interfaces and options of the loop: sources of commands, sinks, feedback from joints, clocks, the interlock.
 
 Any object with these methods works. An object that must be closed is a context manager, closed by its opener. A device
 that fails raises OSError or a TwistarmError. A sink without a listener raises `UndeliveredError`.
@@ -6,17 +6,18 @@ that fails raises OSError or a TwistarmError. A sink without a listener raises `
 
 from __future__ import annotations
 
+import threading
 import time
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from ...support.checks import Array, as_flag, as_positive, as_reals, require
+from ...support.checks import Array, as_flag, as_floats, as_positive, as_reals, require, require_choice
 from ...support.display import Brief
-from ...support.errors import InputError, TwistarmError, shown
+from ...support.errors import InputError, TwistarmError, one_line, shown
 from ..servo import AnyCommand, ServoOutput, ServoState
-from .interlock import ENABLED, Interlock
 
 COMMAND_TIMEOUT = 0.2
 """Seconds that a command is valid: five messages at 25 Hz, which pages and game pads manage."""
@@ -24,8 +25,22 @@ COMMAND_TIMEOUT = 0.2
 FEEDBACK_TIMEOUT = 0.2
 """Seconds that a joint state is valid. Most drives report at 50 Hz or faster."""
 
+TOLERANCE = 0.2
+"""Allowed distance of a joint from the command [rad, m]. An operator corrects it."""
+
 LATEST = 1e12
 """Seconds (30,000 years) beyond any clock, except one that counts nanoseconds."""
+
+ENABLED, STOPPED, EMERGENCY_STOP = "enabled", "stopped", "emergency stop"
+
+STATES = (ENABLED, STOPPED, EMERGENCY_STOP)
+"""States of an interlock, and those that a robot may report."""
+
+WORDS = ("enable", "stop", "emergency stop", "clear")
+"""Words that messages may send to an interlock."""
+
+LONGEST_REASON = 200
+"""Most characters of a reason. It may come from outside and is in every message."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -143,16 +158,100 @@ class MonotonicClock:
             time.sleep(left)
 
 
+class Interlock:
+    """Whether an arm may move, set by operators, messages and programs. Thread-safe.
+
+    It starts enabled unless `enabled` is False. If it forbids motion, `run` brings the arm to rest within its
+    acceleration limits. The stream continues. An emergency stop is latched: `enable` has no effect before `clear`,
+    which moves nothing (ISO 13850, 4.1.4). This is software and does not replace hardware.
+    """
+
+    def __init__(self, *, enabled: bool = True) -> None:
+        self._lock = threading.Lock()
+        self._now = (ENABLED, "") if as_flag(enabled, "enabled") else (STOPPED, "it waits to be enabled")
+
+    def enable(self) -> bool:
+        """Let the arm move. Returns whether it may now; an emergency stop must be cleared first."""
+        return self._change(ENABLED, "", (STOPPED,)) == ENABLED
+
+    def stop(self, reason: str = "") -> None:
+        """Bring the arm to rest until `enable`; an emergency stop stays one."""
+        self._change(STOPPED, reason, (ENABLED, STOPPED))
+
+    def emergency_stop(self, reason: str = "") -> None:
+        """Bring the arm to rest until `clear` and then `enable`. The first reason stays until then."""
+        self._change(EMERGENCY_STOP, reason, (ENABLED, STOPPED))
+
+    def clear(self) -> None:
+        """End an emergency stop. The arm is then stopped and waits for `enable`."""
+        self._change(STOPPED, "the emergency stop was cleared; it waits to be enabled", (EMERGENCY_STOP,))
+
+    def _change(self, word: str, reason: str, only_from: tuple[str, ...]) -> str:
+        new = word, one_line(require(reason, str, "reason", "in words"), LONGEST_REASON)
+        with self._lock:
+            if self._now[0] in only_from:
+                self._now = new
+            return self._now[0]
+
+    def obey(self, word: str, reason: str = "", fresh: bool = True) -> None:
+        """Obey a message with one of `WORDS`. A late one (`fresh` is False) may stop the arm, but not enable it."""
+        if require_choice(word, WORDS, "word") in ("stop", "emergency stop"):
+            (self.stop if word == "stop" else self.emergency_stop)(reason)
+        elif fresh:
+            self.clear() if word == "clear" else self.enable()
+
+    def mirror(self, state: str | None, who: str) -> None:
+        """Stop if the robot `who` reports one of `STATES` that forbids motion. "enabled" and None change nothing."""
+        if state is not None and require_choice(state, STATES, "state") != ENABLED:
+            emergency = state == EMERGENCY_STOP
+            (self.emergency_stop if emergency else self.stop)(f"{who} is {'in ' * emergency}{state}")
+
+    @property
+    def allows_motion(self) -> bool:
+        """Whether the arm may move."""
+        return self._now[0] == ENABLED
+
+    @property
+    def word(self) -> str:
+        """One of "enabled", "stopped" and "emergency stop"."""
+        return self._now[0]
+
+    @property
+    def reason(self) -> str:
+        """Why it is stopped; "" without a reason or if enabled."""
+        return self._now[1]
+
+    @property
+    def barrier(self) -> str:
+        """Why the arm may not move, the word and its reason; "" where it may."""
+        word, reason = self._now
+        return "" if word == ENABLED else ": ".join(filter(None, (word, reason)))
+
+
+@runtime_checkable
+class Interlocked(Protocol):
+    """A source or feedback with interlock messages. The stream sets its interlock here."""
+
+    interlock: Interlock
+
+
+def one_or_each(given: ArrayLike, n: int, name: str) -> Array:
+    """Positive numbers (n,), one for each joint in its unit, from one number or n. Raises InputError otherwise."""
+    values = as_floats(given, name)
+    if values.shape not in ((), (n,)) or not (values > 0.0).all():
+        raise InputError(f"{name} must be one positive number or {n}; got {shown(given)}")
+    return np.broadcast_to(values, (n,))
+
+
 @dataclass(frozen=True, eq=False)
 class StreamOptions:
-    """Options of `run`, `Streaming`, `follow` and `Following`.
+    """Options of `run` and `Streaming`. `FollowOptions` has more.
 
     rate [Hz]: cycles per second. A period may not exceed the servo's longest step (`ServoSettings.max_dt`).
 
     feedback_timeout [s]: greatest age of the joint state.
 
-    tolerance [rad, m]: greatest distance of a joint from what was commanded, one number or (n,). None: 0.2 for the
-    servo, where an operator corrects, and 0.1 for a trajectory.
+    tolerance [rad, m]: greatest distance of a joint from what was commanded, one number or (n,).
 
     velocity_mode: whether the robot takes rates alone.
 
@@ -163,7 +262,7 @@ class StreamOptions:
 
     rate: float = 100.0
     feedback_timeout: float = FEEDBACK_TIMEOUT
-    tolerance: ArrayLike | None = None
+    tolerance: ArrayLike = TOLERANCE
     velocity_mode: bool = False
     interlock: Interlock | None = None
 

@@ -1,25 +1,35 @@
-"""The report of a stream: cycles and lateness, stale inputs, and why it ended."""
+"""The watch on the joint state, and the report of a stream: cycles, lateness, stale inputs, and why it ended."""
 
 from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field
 from enum import Enum
+from math import inf
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arm.arm import Arm
+from ...limits.joint_limits import AS_GOOD_AS_UNBOUNDED
+from ...support.checks import Array, as_theta
 from ...support.display import told
-from ...support.messages import joined
+from ...support.errors import InputError
+from ...support.messages import Quantity, Text, joined
 from ..servo import ServoReason
+from .protocols import Measured, one_or_each
 
 
 class Ending(Enum):
     """Why a stream ended."""
 
     DURATION = "the time was over"
-    DONE = "it was told to end"
+    DONE = "the program ended it"
     INTERRUPTED = "it was interrupted"
     ARRIVED = "the motion is done"
     STOPPED = "it was stopped on its way"
     ELSEWHERE = "the arm is not where the motion begins"
+    BEYOND_LIMITS = "the measured arm is beyond its position limits"
     STRAYED = "the arm is not where it was commanded to be"
     SOURCE_FAILED = "the source of commands failed"
     FEEDBACK_FAILED = "the feedback failed"
@@ -102,7 +112,7 @@ class StreamReport(Tally):
 
     @property
     def started(self) -> bool:
-        """Whether a joint state ever arrived, so that the servo could begin."""
+        """Whether the servo began: a joint state arrived that can be used."""
         return bool(self.statuses)
 
     @property
@@ -117,10 +127,10 @@ class StreamReport(Tally):
 
     def explain(self) -> str:
         """The report in lines."""
-        statuses = ", ".join(f"{status} {count}" for status, count in self.statuses.items())
-        reasons = ", ".join(f"{reason.name} {count}" for reason, count in self.reasons.items())
+        counts = [", ".join(f"{status} {count}" for status, count in self.statuses.items())]
+        counts += [", ".join(f"{reason.name} {count}" for reason, count in self.reasons.items())]
         spans = (
-            (self.waited, "waited for the first joint state", self.blind_reason if not self.started else ""),
+            (self.waited, "waited for the first joint state", "" if self.started else self.blind_reason),
             (self.blind, "had no fresh joint state", self.blind_reason),
             (self.uncommanded, "had no command", self.uncommanded_reason),
             (self.barred, "was not allowed to move", self.barred_reason),
@@ -129,8 +139,7 @@ class StreamReport(Tally):
             joined(": ", filter(None, [f"ended: {self.ending.value}", self.reason])),
             f"{self.cycles} cycles in {self.duration:.2f} s at {self.rate:g} Hz, {self.missed} missed",
             f"cycles began late by {self.late_mean * 1e3:.3f} ms (mean), {self.late_max * 1e3:.3f} ms (most)",
-            f"status: {statuses}" if statuses else "the arm was never moved: no joint state arrived",
-            *([f"reasons: {reasons}"] if reasons else []),
+            *(f"{name}: {count}" for name, count in zip(("status", "reasons"), counts, strict=True) if count),
             *filter(None, [self.assumed]),
             *(
                 f"{what} for {seconds:.3f} s{', at last because: ' if why else ''}{why}"
@@ -147,3 +156,101 @@ class StreamReport(Tally):
 def with_counts(texts: Counter[str]) -> list[str]:
     """Each text, with how often it occurred."""
     return [f"{text} ({count} times)" if count > 1 else text for text, count in texts.items()]
+
+
+class FeedbackWatch:
+    """Whether the measurement is usable and the arm follows.
+
+    timeout [s]: older joint states are stale. tolerance (n,) or one number [rad, m]: the allowed distance of a joint
+    from all setpoints of the last `timeout`, and of the first joint state from the position limits. A shorter lag is no
+    deviation. `returned`: whether the last joint state was the first after a gap longer than `timeout`.
+    """
+
+    def __init__(self, arm: Arm, timeout: float, tolerance: ArrayLike) -> None:
+        self._arm = arm
+        self._timeout = timeout
+        self._tolerance = one_or_each(tolerance, arm.n, "tolerance")
+        self._heard = inf
+        self.returned = False
+        self._since = -inf
+        self._now: tuple[Array, Array] | None = None
+        self._before: tuple[Array, Array] | None = None
+
+    def look(self, measured: Measured | None, now: float) -> tuple[Array | None, str]:
+        """theta (n,) at `now` [s], or None and why the joint state cannot be used."""
+        self.returned = False
+        if measured is None:
+            return None, "no joint state has arrived"
+        if measured.theta is None:
+            return None, measured.reason or "the joint state is unknown"
+        age = now - measured.time
+        if not age <= self._timeout:
+            return None, f"the last joint state is {age:.3g} s old (timeout {self._timeout:g} s)"
+        if age < -self._timeout:  # less is a thread that heard it while the loop waited for its turn
+            return None, f"the joint state is {-age:.3g} s from the future: its clock is another, or went back"
+        try:
+            theta = as_theta(measured.theta, self._arm.n, "the joint state", self._arm.joint_names)
+        except InputError as error:
+            return None, str(error)
+        if theta.ndim != 1 or not (np.abs(theta) < AS_GOOD_AS_UNBOUNDED).all():
+            return None, f"the joint state is no position of {self._arm.name}: {theta.tolist()}"
+        self.returned = measured.time - self._heard > self._timeout
+        self._heard = measured.time
+        return theta, ""
+
+    def forget(self) -> None:
+        """Forget all setpoints, because the servo restarts at the measured position."""
+        self._before = self._now = None
+
+    def follow(self, theta: Array, now: float) -> None:
+        """Note where the commanded arm is. Two boxes are kept, each over a timeout: what comes and goes costs O(1)."""
+        if not 0.0 <= now - self._since <= self._timeout or self._now is None:
+            self._before, self._now, self._since = self._now, (theta, theta), now
+        else:
+            lower, upper = self._now
+            self._now = np.minimum(lower, theta), np.maximum(upper, theta)
+
+    def error(self, theta: Array) -> Array | None:
+        """Each joint's distance (n,) from all setpoints of the last timeout. None before the first."""
+        if self._now is None:
+            return None
+        lower, upper = self._now
+        if self._before is not None:
+            lower, upper = np.minimum(lower, self._before[0]), np.maximum(upper, self._before[1])
+        return np.maximum(np.maximum(lower - theta, theta - upper), 0.0)
+
+    def deviation(self, theta: Array) -> str:
+        """The joint that is too far from its setpoints and its distance; "" for none."""
+        away = self.error(theta)
+        if away is None or not (away > self._tolerance).any():
+            return ""
+        return self._worst(
+            away,
+            "joint {joint} is {away} from where it was commanded to be (tolerance {tolerance}): see why it did not "
+            "follow, and start again from where it is",
+        )
+
+    def beyond_limits(self, theta: Array) -> str:
+        """The joint that is beyond its position limit by more than the tolerance; "" for none.
+
+        A servo that began there would move the arm by all of it. Joint states in degrees look so.
+        """
+        limits, turns = self._arm.limits, np.array(self._arm.units) == "rad"
+        as_given, as_degrees = (
+            np.maximum(limits.lower - x, x - limits.upper) for x in (theta, np.where(turns, np.radians(theta), theta))
+        )
+        if not (as_given > self._tolerance).any():
+            return ""
+        in_degrees = not (as_degrees > self._tolerance).any()
+        remedy = "in degrees it would be inside, so send radians" if in_degrees else "see its units and its zero"
+        return self._worst(as_given, "joint {joint} is {away} beyond its limit (tolerance {tolerance}): " + remedy)
+
+    def _worst(self, away: Array, template: str) -> str:
+        j = int(np.argmax(away / self._tolerance))
+        unit = self._arm.units[j]
+        return Text(
+            template,
+            joint=self._arm.joint_names[j],
+            away=Quantity(away[j], unit, 3),
+            tolerance=Quantity(self._tolerance[j], unit),
+        )

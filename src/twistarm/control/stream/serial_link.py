@@ -20,10 +20,8 @@ from ...support.errors import InputError, missing_extra, shown
 from ...support.interrupts import Closeable
 from ..servo import STATUSES
 from .inbox import CommandInput, StateInput
-from .interlock import EMERGENCY_STOP, ENABLED, STOPPED
-from .messages import StateMessage
-from .motors import MotorSide
-from .protocols import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Setpoint
+from .messages import MotorSide, StateMessage
+from .protocols import COMMAND_TIMEOUT, EMERGENCY_STOP, ENABLED, FEEDBACK_TIMEOUT, STOPPED, Setpoint
 
 LETTERS = {ENABLED: "E", STOPPED: "S", EMERGENCY_STOP: "X"}
 
@@ -130,10 +128,9 @@ def parse_state_line(arm: Arm, line: bytes, motors: MotorSide | None = None) -> 
         number, *values = body.decode("ascii").split(",")
         interlock = STATE_OF.get(values[-1]) if values else None
         values = values[:-1] if interlock else values
-        said = [float(value) for value in values]
         names = motors.names if motors else arm.joint_names
-        as_theta(said, len(names), "the joint state line", names)
-        return StateMessage(dict(zip(names, said, strict=True)), as_whole(int(number), "number"), interlock)
+        theta = as_theta([float(value) for value in values], len(names), "the joint state line", names).tolist()
+        return StateMessage(dict(zip(names, theta, strict=True)), as_whole(int(number), "number"), interlock)
     except ValueError as error:  # InputError is one
         raise InputError(f"a joint state line is number,theta_1,…,theta_{arm.n}[,E|S|X]*hh: {error}") from error
 

@@ -13,18 +13,17 @@ from ...arm.arm import Arm
 from ...support.checks import Array, as_positive, require, require_callback, require_method
 from ...support.errors import InputError, shown
 from ..servo import AnyCommand, ServoSettings, servo_step
-from .cycles import Cycle, Cycles, call_device
-from .driving import drive
+from .cycles import Cycle, Cycles, call_device, drive
 from .protocols import COMMAND_TIMEOUT, USUAL, Clock, Feedback, Reading, Setpoint, Sink, Source, StreamOptions
 from .report import Ending, StreamReport
 
 if TYPE_CHECKING:
     from ...collision import Scene
 
-TOLERANCE = 0.2
-"""Allowed distance of a joint from the command [rad, m]."""
-
 RELEASE_FIRST = "release the controls first: they were held when the arm was enabled"
+
+MOVED = 0.01
+"""A resting joint that moves farther [rad, m] is moved by others. Noise and the last of a motion are below."""
 
 
 class Streaming(Cycles[Cycle]):
@@ -42,7 +41,7 @@ class Streaming(Cycles[Cycle]):
         settings: ServoSettings | None = None,
         scene: Scene | None = None,
     ) -> None:
-        super().__init__(arm, sink, feedback, options, ServoSettings() if settings is None else settings, TOLERANCE)
+        super().__init__(arm, sink, feedback, options, ServoSettings() if settings is None else settings)
         self.source = require_method(source, "source", "read")
         self.scene = scene
         if scene is not None:
@@ -51,14 +50,13 @@ class Streaming(Cycles[Cycle]):
             require_scene(scene, self.arm).near_pairs  # noqa: B018  (what takes long is done before the loop)
         self.command_timeout = as_positive(command_timeout, "command_timeout")
         self._interlock(self.source)
-        self._released = inf
+        self._rest_began = inf
+        self._rest_distance: Array | None = None  # of the measured arm from its setpoint, once it rests
         # A command from before the arm was enabled moves nothing until the controls were released once.
         self._await_release = not self.interlock.allows_motion
 
     def _cycle(self, now: float) -> Cycle:
-        measured, theta, blind = self._measure(now)
-        self._start(theta, now)
-        self._update_filter(None if blind else measured, now)
+        theta, blind = self._measure(now)
         reading = call_device(Ending.SOURCE_FAILED, self.source.read, now, self.state)
         command, uncommanded = self._command(reading)
         barred = self.interlock.barrier
@@ -66,16 +64,19 @@ class Streaming(Cycles[Cycle]):
         if self._await_release:
             command, uncommanded = None, RELEASE_FIRST
         if self.state is None:
-            self.tally.waited += self.period
             return Cycle(now, reading, None, None, blind, interlock=self.interlock.word)
         strayed = "" if theta is None else self._watch.deviation(theta)
         if barred:
             command, uncommanded = None, ""
         self.tally.count(blind=blind, uncommanded=uncommanded, barred=barred)
         reason = strayed or barred or blind or self._time_fault(now) or uncommanded
-        setpoint = self._step(None if reason else command, now, reason)
+        command = None if reason else command
+        if theta is not None and not strayed and self.at_rest:
+            self._while_at_rest(theta, now, command)
+        else:
+            self._rest_began, self._rest_distance = inf, None
+        setpoint = self._step(command, now, reason)
         undelivered = self._send(setpoint)
-        self._restart_at_rest(theta, now, released=command is None)
         why = "; ".join(filter(None, (reason, undelivered)))
         ending = Ending.STRAYED if strayed else None
         return Cycle(now, reading, theta, setpoint, why, ending, not undelivered, setpoint.interlock)
@@ -83,14 +84,34 @@ class Streaming(Cycles[Cycle]):
     def _failed(self, now: float, reason: str, ending: Ending) -> Cycle:
         return Cycle(now, None, None, None, reason, ending, interlock=self.interlock.word)
 
-    def _start(self, theta: Array | None, now: float) -> None:
-        """Start at the measured theta: the first, or one that returns while the commanded arm rests.
-
-        The arm may have moved meanwhile, so it is not sent back.
-        """
-        if theta is not None and (self.state is None or (self._watch.returned and self.at_rest)):
-            self._start_at(theta, now)
+    def _start(self, theta: Array, now: float) -> None:
+        """Start at the first theta, and at one that returns while the arm rests: it may have moved meanwhile."""
+        if self.state is None or (self._watch.returned and self.at_rest):
+            self._begin_at(theta, now)
             self._watch.forget()
+
+    def _while_at_rest(self, theta: Array, now: float, command: AnyCommand | None) -> None:
+        """Where others have moved the resting arm, start the next motion where it is, so that it does not jump back.
+
+        Under a load an arm rests off its setpoint, so its distance counts against that after a feedback_timeout at
+        rest. In velocity mode an arm without a command always restarts: only motion needs corrections.
+        """
+        assert self.state is not None
+        distance = theta - self.state.theta
+        if _asks_for_motion(command):
+            if self._rest_distance is not None and (np.abs(distance - self._rest_distance) > MOVED).any():
+                self._start_at(theta, now)
+                self._watch.forget()
+            self._rest_began, self._rest_distance = inf, None
+            return
+        self._rest_began = min(self._rest_began, now)
+        if now - self._rest_began < self.feedback_timeout:
+            return
+        if self._rest_distance is None:
+            self._rest_distance = distance
+        if self.velocity_mode and command is None:
+            self._start_at(theta, now)
+            self._watch.follow(theta, now)
 
     def _command(self, reading: Reading) -> tuple[AnyCommand | None, str]:
         if reading.command is None:
@@ -108,16 +129,6 @@ class Streaming(Cycles[Cycle]):
             self._commanded_arm, self.state, command, dt, settings=self.settings, scene=self.scene
         )
         return self._moved(state, output, now, follow=True)
-
-    def _restart_at_rest(self, theta: Array | None, now: float, released: bool) -> None:
-        """In velocity mode, restart at the measured position after resting a while without a command."""
-        if not (self.velocity_mode and released and self.at_rest and theta is not None):
-            self._released = inf
-            return
-        self._released = min(self._released, now)
-        if now - self._released >= self.feedback_timeout:
-            self._start_at(theta, now)
-            self._watch.follow(theta, now)
 
 
 def _asks_for_motion(command: Any) -> bool:
@@ -151,8 +162,11 @@ def run(
     is well. If it came to rest without a joint state, it restarts at the measured position.
 
     A joint farther than `tolerance` (one number or (n,)) [rad, m] from all setpoints of the last `feedback_timeout`
-    ends the stream. While `interlock` forbids motion, the arm comes to rest and waits. Each cycle, each setpoint and
-    the report have its word. After it is enabled, the controls must be released first: a cycle without a motion.
+    ends the stream. So does a start farther beyond a position limit, as of joint states in degrees. Where others have
+    moved the resting arm by more than 0.01 rad or m, the next motion begins where it is.
+
+    While `interlock` forbids motion, the arm comes to rest and waits. Each cycle, each setpoint and the report have its
+    word. After it is enabled, the controls must be released first: a cycle without a motion.
 
     Robots that accept only rates receive the servo's, plus a correction toward the servo's position. A filter learns
     each drive's gain and delay (`RateObserver`). The servo reserves 15 % of the velocity and 10 % of the acceleration

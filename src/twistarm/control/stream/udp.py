@@ -1,23 +1,25 @@
-"""UDP: commands and joint states in, setpoints out, one JSON message per datagram (docs/streaming.md)."""
+"""UDP: commands and joint states in, setpoints out, a JSON message per datagram, signed or not (docs/streaming.md)."""
 
 from __future__ import annotations
 
 import errno
+import hmac
 import os
+import secrets
 import socket
-from collections.abc import Collection, Hashable, Iterator
+import time
+from collections.abc import Callable, Collection, Hashable, Iterator
 from typing import Any
 
 from ...arm.arm import Arm, require_arm
-from ...support.checks import require, require_names
+from ...support.checks import require, require_clock, require_names
 from ...support.errors import InputError, listed, shown
+from ...support.files import as_path, read_bounded
 from ...support.interrupts import Closeable
 from ...support.strict_json import LARGEST_MESSAGE, encode
-from .inbox import CommandInput, StateInput
-from .messages import parse_state, setpoint_message
-from .motors import motor_side
+from .inbox import CommandInput, Inbox, StateInbox, StateInput
+from .messages import motor_side, parse_state, setpoint_message
 from .protocols import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Setpoint, UndeliveredError
-from .signing import Signer, Verifier
 
 LOOPBACK = "127.0.0.1"
 """Default host. Only programs on this machine may then move the arm."""
@@ -29,6 +31,9 @@ buffer would only deliver older messages in a flood.
 
 MOST_PER_CYCLE = 512
 """Datagrams read in one cycle, about a millisecond's work: more than the buffer holds."""
+
+WINDOW = 2 * 10**9
+"""Nanoseconds for the difference of two computers' clocks plus the travel of a datagram."""
 
 
 class Socket(Closeable):
@@ -66,14 +71,16 @@ class Socket(Closeable):
 class Receiver(Socket):
     """A socket that listens on host and port (0: a free one) to `senders`, signed by `key` if given.
 
-    senders: hosts, empty for all. `note` counts the dropped datagrams and gives the last reason; "" for none. Raises
+    senders: hosts, empty for all. The inbox's note counts the dropped datagrams and gives the last reason. Raises
     InputError for an unusable host or port, and for an invalid key.
     """
+
+    _inbox: Inbox | StateInbox
 
     def __init__(self, host: str, port: int, senders: Collection[str], key: bytes | None) -> None:
         self._allowed = _addresses(require_names(senders, "senders"))
         self._verifier = None if key is None else Verifier(key)
-        self.note, self._left_out = "", 0
+        self._left_out = 0
         super().__init__(host, port, listens=True)
 
     def sender_name(self, sender: Any) -> str:
@@ -94,7 +101,7 @@ class Receiver(Socket):
             return datagram if self._verifier is None else self._verifier.verified(datagram)
         except InputError as error:
             self._left_out += 1
-            self.note = f"; {self._left_out} datagrams were left out, the last from {named(sender)}: {error}"
+            self._inbox.note = f"; {self._left_out} datagrams were left out, the last from {named(sender)}: {error}"
             return None
 
     def waiting(self) -> Iterator[tuple[Any, bytes]]:
@@ -218,3 +225,69 @@ def _addresses(hosts: Collection[str]) -> set[str]:
     except (OSError, UnicodeError) as error:
         raise InputError(f"no such host among those that may send, {listed(hosts)}: {error}") from error
     return {str(address[0]).partition("%")[0] for *_, address in found}
+
+
+def read_key(path: str | os.PathLike[str]) -> bytes:
+    """The key in a file without surrounding white space. Raises InputError for an unreadable file or an invalid key."""
+    file = as_path(path)
+    try:
+        key = read_bounded(file, 2048).strip()
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise InputError(f"cannot read the key {shown(str(path))}: {why}") from error
+    return checked_key(key)
+
+
+def checked_key(key: bytes) -> bytes:
+    """A checked key. Raises InputError without its bytes."""
+    if not isinstance(key, bytes) or not 16 <= len(key) <= 1024:
+        raise InputError("a key is 16 to 1024 bytes: `openssl rand -hex 32 > key` makes one")
+    return key
+
+
+def _mac(key: bytes, *parts: bytes) -> bytes:
+    return hmac.digest(key, b" ".join(parts), "sha256").hex().encode()
+
+
+class Signer:
+    """Signs datagrams: `session counter mac text`, mac = HMAC-SHA256(key, "session counter text") (RFC 2104) in hex.
+
+    session: 16 hexadecimal digits, drawn at the start. counter: nanoseconds since 1970, above the last one's.
+    """
+
+    def __init__(self, key: bytes, now: Callable[[], int] = time.time_ns) -> None:
+        self._key, self._now, self._counter = checked_key(key), require_clock(now, "now"), 0
+        self._session = secrets.token_hex(8).encode()
+
+    def sign(self, text: bytes) -> bytes:
+        """The text as a signed datagram."""
+        self._counter = max(self._counter + 1, self._now())
+        counted = self._session, b"%d" % self._counter
+        return b" ".join((*counted, _mac(self._key, *counted, require(text, bytes, "text", "a message encoded")), text))
+
+
+class Verifier:
+    """Accepts signed datagrams once each, in order, within 2 s of this computer's clock, none from before its start."""
+
+    def __init__(self, key: bytes, now: Callable[[], int] = time.time_ns) -> None:
+        self._key, self._now = checked_key(key), require_clock(now, "now")
+        self._floor = self._now()
+        self._counters: dict[bytes, int] = {}
+
+    def verified(self, datagram: bytes) -> bytes:
+        """The text in a datagram. InputError where it is unsigned, forged, old, or was here before."""
+        session, *parts = require(datagram, bytes, "datagram", "as it arrived").split(b" ", 3)
+        if len(parts) != 3 or len(session) != 16 or not parts[0].isdigit() or len(parts[0]) > 20:
+            raise InputError("it is not signed")
+        digits, mac, text = parts
+        if not hmac.compare_digest(mac, _mac(self._key, session, digits, text)):
+            raise InputError("its signature is wrong: the keys differ, or it was forged")
+        counter, now = int(digits), self._now()
+        if abs(counter - now) > WINDOW:
+            raise InputError(f"its time is {(counter - now) / 1e9:+.3g} s from ours (at most 2 s): set both clocks")
+        if counter <= max(self._floor, self._counters.get(session, 0)):
+            raise InputError("it was here before, came after a later one, or is older than this program")
+        self._counters[session] = counter
+        for silent in [each for each, last in self._counters.items() if now - last > WINDOW]:
+            self._floor = max(self._floor, self._counters.pop(silent))  # still too old if this clock goes back
+        return text

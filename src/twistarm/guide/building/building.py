@@ -1,30 +1,48 @@
-"""The course built on an arm: every lesson run, its page and the pages around it."""
+"""The course built on an arm: every lesson run in a process of its own, its page, the pages around it, and a print."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping, Sequence
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
+from html import escape
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import twistarm
 
 from ...arm.arm import Arm
 from ...arm.loading.load import load_arm
-from ...support.errors import InputError
+from ...support.errors import InputError, one_line
 from ...support.files import as_path, stamp, write_whole
-from ...viewer.server.watching import loaded
+from ...viewer.screenshot import browser_at_work, printed
+from ...viewer.server.watching import load_with_files
 from ..course import ERRATA, lesson_file, lessons
-from .cells import cells_of, title_of
+from ..teaching.reader import VARIABLE
+from .lesson import cells_of, title_of
 from .pages import SCRIPTS, STYLE, before_page, index_page, lesson_page, site_file
-from .running import run_lessons
 
 RECORD = "twistarm-guide.json"
 """The file that says that a folder is the guide's, and of what its pages were made."""
+
+TIMEOUT = 120.0
+"""Seconds that a lesson may take."""
+
+Outcome = dict[str, Any]
+"""What `lesson` writes."""
+
+SOLUTION = r"<details[^>]*><summary>Show a solution</summary>.*?</details>"
+"""The model solution of an exercise in a page."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +73,7 @@ def build(
 
     Args:
         folder: A new or empty folder, or one that was built before.
-        arm: The keywords of `load_arm`, as JSON can hold them.
+        arm: The keywords of `load_arm`, numbers, texts, paths and tuples or dictionaries of them.
         names: Lessons; all where not given.
         progress: Called with the share that is done.
 
@@ -67,7 +85,7 @@ def build(
         TwistarmError: The arm cannot be loaded.
     """
     wanted = lessons() if names is None else tuple(names)
-    the_arm, read = loaded(partial(load_arm, **arm))
+    the_arm, read = load_with_files(partial(load_arm, **arm))
     site = _made(as_path(folder).absolute())
     made_of = _stamps(arm, wanted, read)
     if all((site / f"{name}.html").is_file() for name in ("index", *wanted)) and _recorded(site) == made_of:
@@ -123,19 +141,53 @@ def _recorded(site: Path) -> str:
     return ""
 
 
-def as_keywords(source: str, keywords: Mapping[str, Any]) -> dict[str, Any]:
-    """The keywords of `load_arm` for JSON, with absolute paths."""
+def run_lessons(
+    names: Sequence[str], arm: Mapping[str, Any], scenes: Path, timeout: float = TIMEOUT
+) -> Iterator[tuple[str, Outcome]]:
+    """The outcome of each lesson as it arrives. No process outlives the iteration."""
+    with ThreadPoolExecutor(max_workers=2) as pool:
+        running = {pool.submit(_outcome, name, arm, scenes, timeout): name for name in names}
+        try:
+            yield from ((running[each], each.result()) for each in as_completed(running))
+        finally:
+            pool.shutdown(cancel_futures=True)
 
-    def plain(value: Any) -> Any:
-        if isinstance(value, (list, tuple)):
-            return [plain(each) for each in value]
-        return str(value.absolute()) if isinstance(value, Path) else value
 
-    place = Path(source).expanduser()
-    try:
-        source = str(place.absolute()) if place.exists() else source
-        made = {"source": source, **{name: plain(value) for name, value in keywords.items() if value}}
-        json.dumps(made, allow_nan=False)
-    except (OSError, TypeError, ValueError) as error:
-        raise InputError(f"the arm {source!r} cannot be handed to the lessons: {error}") from error
-    return made
+def _outcome(name: str, arm: Mapping[str, Any], scenes: Path, timeout: float) -> Outcome:
+    # One thread each: two lessons at once fill two cores.
+    threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+    environment = {**os.environ, **threads, VARIABLE: json.dumps(arm, default=str), "PYTHONWARNINGS": "ignore"}
+    with TemporaryDirectory(prefix="twistarm-guide-") as folder:
+        log, result = Path(folder, "log"), Path(folder, "outcome.json")
+        command = (sys.executable, "-m", "twistarm.guide.building.lesson", lesson_file(name), scenes, result)
+        try:
+            with log.open("wb") as said:
+                streams: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": said, "stderr": said}
+                code = subprocess.run(command, **streams, env=environment, timeout=timeout, check=False).returncode
+            if code == 0:
+                outcome: Outcome = json.loads(result.read_text("utf-8"))
+                return outcome
+            how = f"ended with code {code}"
+        except subprocess.TimeoutExpired:
+            how = f"was ended after {timeout:g} s"
+        last = log.read_text("utf-8", errors="replace").strip().rpartition("\n")[2]
+    words = f"{name}: {how}" + (f": {one_line(last, 300)}" if last else "")
+    body = f'<p class="failed" role="note">{escape(words)}. Its text is missing; twistarm guide tries again.</p>'
+    return {"body": body, "sections": [], "failed": words}
+
+
+def pdf_of(site: Path, lesson: str, solutions: bool = True) -> bytes:
+    """The PDF of a lesson of the site in `site`, unfolded. Without `solutions` it is a sheet for a class.
+
+    Raises TwistarmError without a browser, or if it prints nothing.
+    """
+    with browser_at_work("print") as (browser, folder):
+        page = folder / f"{lesson}.html"
+        shutil.copytree(site / "assets", folder / "assets")
+        text = (site / page.name).read_text("utf-8")
+        if not solutions:
+            text = re.sub(SOLUTION, "", text, flags=re.DOTALL)
+        # On paper nothing can be unfolded, tried or opened.
+        text = re.sub(r"<iframe .*?</iframe>", "", text.replace("<details", "<details open"), flags=re.DOTALL)
+        page.write_text(re.sub(r"<script .*?</script>", "", text, flags=re.DOTALL), "utf-8")
+        return printed(browser, page)

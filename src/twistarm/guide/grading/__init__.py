@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from .checking import check, check_file
+from .running import IN_SANDBOX
 from .verdict import Report, Verdict
 
-__all__ = ["Report", "Verdict", "check", "check_file"]
+__all__ = ["IN_SANDBOX", "Report", "Verdict", "check", "check_file"]

@@ -24,100 +24,80 @@ from .verdict import Case, Verdict, judged
 HEADER = "# twistarm guide results 1"
 """The first line of such a file."""
 
-Rows = dict[tuple[str, int], dict[str, Any]]
-
 
 def verdicts_on(text: str, path: Path) -> Iterator[Verdict]:
     """A verdict for each exercise of a results file, in words of Octave and MATLAB.
 
     None is right if the script did not run to its end.
-    """
-    lines = text.splitlines()
-    ran = {tuple(line.split(",")[:2]) for line in lines[1:] if line.strip() and not line.startswith("#")}
-    whole = f"# {len(ran)} cases" in lines
-    for exercise, cases, answers in read_results(text, path):
-        verdict = judged(exercise, cases, answers, OCTAVE)
-        if verdict.ok and not whole:
-            words = f"{verdict.words}, but others are missing in {path.name}: run the whole script again"
-            verdict = replace(verdict, state="unusable", words=words)
-        yield verdict
-
-
-def read_results(text: str, path: Path) -> Iterator[tuple[Exercise, list[Case], list[ReturnValue]]]:
-    """Each exercise of a results file with its cases and the answers to them.
 
     Raises:
         InputError: A line is not as the scripts write it.
         UnknownNameError: It names an exercise that there is not.
     """
-    rows: Rows = {}
+    cases = cases_in(text, path)
+    ended = f"# {len(cases)} cases" in text.splitlines()
+    for name in dict.fromkeys(name for name, _ in cases):
+        asked, answers = zip(*(case for (other, _), case in cases.items() if other == name), strict=True)
+        verdict = judged(every_exercise()[name], asked, answers, OCTAVE)
+        if verdict.ok and not ended:
+            words = f"{verdict.words}, but others are missing in {path.name}: run the whole script again"
+            verdict = replace(verdict, state="unusable", words=words)
+        yield verdict
+
+
+def cases_in(text: str, path: Path) -> dict[tuple[str, str], tuple[Case, ReturnValue]]:
+    """Each case of a results file and the answer to it, by the exercise's name and the case's number."""
+    exercises = every_exercise()
+    rows: dict[tuple[str, str], dict[tuple[str, int], Any]] = {}
     for number, line in enumerate(text.splitlines()[1:], 2):
-        if line.strip() and not line.startswith("#"):
-            _read(line, rows, f"{path}, line {number}")
+        if not line.strip() or line.startswith("#"):
+            continue
+        where = f"{path}, line {number}"
+        try:
+            name, case, what, k, height, width, *rest = line.split(",")
+            if what not in ("argument", "answer", "error"):
+                raise ValueError(what)
+            shape = int(height), int(width)
+            value: Any = (
+                ",".join(rest) if what == "error" else np.array(list(map(float, rest))).reshape(shape, order="F")
+            )
+            rows.setdefault((name, case), {})[what, int(k)] = value
+        except ValueError as error:
+            why = f"it is not as the script writes it ({one_line(str(error), 80)}): run the script again"
+            raise InputError(f"{where}: {why}") from error
+        if name not in exercises:
+            raise UnknownNameError(f"{where}: there is no exercise {one_line(name, 60)!r}{closest(name, exercises)}")
     if not rows:
         raise InputError(f"{path} holds no results: run the script again")
-    exercises = every_exercise()
-    for name in dict.fromkeys(name for name, _ in rows):
-        exercise = exercises[name]
-        found = [each for (other, _), each in rows.items() if other == name]
-        cases = [_case(exercise, each, path) for each in found]
-        yield exercise, cases, [_answer(each, case) for each, case in zip(found, cases, strict=True)]
+    return {key: _case(exercises[key[0]], row, path) for key, row in rows.items()}
 
 
-def _read(line: str, rows: Rows, where: str) -> None:
-    """Note what one line says."""
-    try:
-        name, case, what, k, height, width, *rest = line.split(",")
-        entry = rows.setdefault((name, int(case)), {"arguments": {}})
-        if what == "error":
-            entry["error"] = ",".join(rest)
-        else:
-            numbers = np.array([float(each) for each in rest]).reshape(int(height), int(width), order="F")
-            if what == "argument":
-                entry["arguments"][int(k)] = numbers
-            elif what == "answer":
-                entry["answer"] = numbers
-            else:
-                raise ValueError(what)
-    except ValueError as error:
-        why = f"it is not as the script writes it ({one_line(str(error), 80)}): run the script again"
-        raise InputError(f"{where}: {why}") from error
-    exercises = every_exercise()
-    if name not in exercises:
-        raise UnknownNameError(f"{where}: there is no exercise {one_line(name, 60)!r}{closest(name, exercises)}")
-
-
-def _case(exercise: Exercise, entry: dict[str, Any], path: Path) -> Case:
-    """The case of a line's arguments, in the forms of the exercise's instances."""
-    given = entry["arguments"]
-    forms = _forms(exercise.name)
-    if sorted(given) != list(range(1, len(forms) + 1)):
-        raise InputError(f"{path}: {exercise.name} takes {len(forms)} arguments; the file has {len(given)}")
-    arguments = tuple(_as(given[i + 1], form) for i, form in enumerate(forms))
+def _case(exercise: Exercise, row: dict[tuple[str, int], Any], path: Path) -> tuple[Case, ReturnValue]:
+    """A case in the forms of the exercise's instances. A row or column is a vector or a number where one is wanted."""
+    axes = _axes(exercise.name)
+    given = {k: numbers for (what, k), numbers in row.items() if what == "argument"}
+    if sorted(given) != list(range(1, len(axes) + 1)):
+        raise InputError(f"{path}: {exercise.name} takes {len(axes)} arguments; the file has {len(given)}")
+    arguments = tuple(
+        given[k] if count == 2 else given[k].ravel() if count == 1 else float(given[k].ravel()[0])
+        for k, count in enumerate(axes, start=1)
+    )
     expected = of_function(exercise.reference, arguments)
     if expected.error is not None or expected.undefined:
         raise InputError(f"{path}: the arguments of {exercise.name} are not those of the script: run it again")
-    return Case(arguments, expected)
+    case = Case(arguments, expected)
+    if ("answer", 0) not in row:
+        text = row.get(("error", 0), "it gave no answer")
+        kind = "NotImplementedError" if "not written yet" in text else "an error"
+        return case, ReturnValue(error=Failure(kind, text))
+    numbers, form = row["answer", 0], form_of(expected.value)
+    if len(form) < 2 and 1 in numbers.shape and numbers.size == int(np.prod(form)):
+        numbers = numbers.reshape(form)
+    return case, of_function(lambda: numbers, ())
 
 
 @cache
-def _forms(exercise: str) -> tuple[int, ...]:
+def _axes(exercise: str) -> tuple[int, ...]:
     """How many axes each argument of an exercise has, on any arm."""
     instances = every_exercise()[exercise].instances(np.random.default_rng(0), load_arm("rr_planar"))
     return tuple(np.ndim(each) for each in next(iter(instances)))
-
-
-def _as(numbers: Any, axes: int) -> Any:
-    return numbers if axes == 2 else numbers.ravel() if axes == 1 else float(numbers.ravel()[0])
-
-
-def _answer(entry: dict[str, Any], case: Case) -> ReturnValue:
-    """An answer. A row or column becomes a vector or a number if one is expected."""
-    text = entry.get("error", None if "answer" in entry else "it gave no answer")
-    if text is not None:
-        return ReturnValue(error=Failure("NotImplementedError" if "not written yet" in text else "an error", text))
-    numbers = entry["answer"]
-    form = form_of(case.expected.value)
-    if len(form) < 2 and 1 in numbers.shape and numbers.size == int(np.prod(form)):
-        numbers = numbers.reshape(form)
-    return of_function(lambda: numbers, ())

@@ -144,7 +144,7 @@ def judged(
     if len(answers) < len(cases):
         return verdict("unusable", "It gave fewer answers than it was asked for")
     pairs = list(zip(cases, answers, strict=False))
-    wrong = next((k for k, (case, answer) in enumerate(pairs) if not _right(exercise, case, answer)), None)
+    wrong = next((pair for pair in pairs if not _alike(exercise, *pair, pair[0].expected)), None)
     if wrong is None:
         if changed := sorted({exercise.parameters[i] for each in answers for i in each.changed}):
             words = f"{' and '.join(changed)} is another after the call: the caller finds it changed"
@@ -155,67 +155,52 @@ def judged(
         function = exercise.wrong(slip)
         if all(_alike(exercise, case, answer, of_function(function, case.arguments)) for case, answer in pairs):
             return verdict("wrong", slip.words.format(**terms), slip.name)
-    return verdict(*_of_the_case(exercise, *pairs[wrong]))
+    return verdict("wrong", _of_the_case(exercise, *wrong))
 
 
-def _graded_numbers(exercise: Exercise, case: Case, answer: ReturnValue) -> Any:
-    """What counts of an answer of the right form, as numbers in a row."""
-    if answer.form != case.expected.form or not np.isfinite(answer.numbers).all():
-        return answer.numbers
-    with np.errstate(all="ignore"):  # of an answer that is far away
-        return flat(exercise.seen(answer.value, *case.arguments))
-
-
-def _right(exercise: Exercise, case: Case, answer: ReturnValue) -> bool:
-    return answer.form == case.expected.form and _close(exercise, case, answer, case.expected)
-
-
-def _alike(exercise: Exercise, case: Case, answer: ReturnValue, slip: ReturnValue) -> bool:
-    """Whether a slip explains an answer by form and numbers. NaN equals NaN and an error."""
-    if answer.error is not None and slip.error is not None:
-        return answer.error.kind == slip.error.kind
-    if answer.error is not None or slip.error is not None:
-        return answer.undefined and slip.undefined
-    return answer.form == slip.form and _close(exercise, case, answer, slip)
-
-
-def _close(exercise: Exercise, case: Case, one: ReturnValue, other: ReturnValue) -> bool:
-    a, b = _graded_numbers(exercise, case, one), _graded_numbers(exercise, case, other)
+def _alike(exercise: Exercise, case: Case, answer: ReturnValue, other: ReturnValue) -> bool:
+    """Whether an answer is another by form and numbers, the right one or a slip's. NaN equals NaN and an error."""
+    if answer.error is not None and other.error is not None:
+        return answer.error.kind == other.error.kind
+    if answer.error is not None or other.error is not None:
+        return answer.undefined and other.undefined
+    if answer.form != other.form:
+        return False
+    a, b = answer.numbers, other.numbers
+    if answer.form == case.expected.form and np.isfinite([*a, *b]).all():  # else there is no graded part of it
+        with np.errstate(all="ignore"):  # of an answer that is far away
+            a, b = (flat(exercise.seen(each.value, *case.arguments)) for each in (answer, other))
     scale = max(1.0, float(np.abs(case.expected.numbers).max(initial=0.0)))
     return a.shape == b.shape and bool(np.allclose(a, b, rtol=0.0, atol=exercise.tolerance * scale, equal_nan=True))
 
 
-def _of_the_case(exercise: Exercise, case: Case, answer: ReturnValue) -> tuple[str, str]:
-    """State and words for an answer that no slip explains."""
-    call = f"{exercise.name}({_shown_arguments(exercise, case)})"
+def _of_the_case(exercise: Exercise, case: Case, answer: ReturnValue) -> str:
+    """Words for an answer that no slip explains."""
+    names = zip(exercise.parameters, case.arguments, strict=True)
+    call = f"{exercise.name}({', '.join(f'{name}={_shown(value)}' for name, value in names)})"
     expected = in_words(form_of(case.expected.value))
     if answer.error is not None:
-        return "wrong", _of_error(exercise, answer.error, call)
+        return _of_error(exercise, answer.error, call)
     if answer.form == "None":
-        return "wrong", f"It returns nothing (None) where {expected} is expected: is a `return` missing?"
+        return f"It returns nothing (None) where {expected} is expected: is a `return` missing?"
     if answer.form != case.expected.form:
         flat_is_right = answer.form in ((*case.expected.form, 1), (1, *case.expected.form))
         how = ": a vector has one axis here, as .ravel() gives it" if flat_is_right else ""
-        return "wrong", f"It returns {in_words(answer.form)} where {expected} is expected{how}."
+        return f"It returns {in_words(answer.form)} where {expected} is expected{how}."
     bad = answer.numbers[~np.isfinite(answer.numbers)]
     if bad.size:
         what = "NaN (not a number)" if np.isnan(bad).any() else "infinity"
-        return "wrong", f"It returns {what} for {call}: a division by 0, or a root, acos or logarithm out of its range."
+        return f"It returns {what} for {call}: a division by 0, or a root, acos or logarithm out of its range."
+    right, yours, where = case.expected.value, answer.value, ""
+    if not isinstance(right, list) and np.size(right) > LARGEST_SHOWN:  # the first column or row that differs
+        axis = int(np.ndim(right) == 2 and len(right) <= LARGEST_SHOWN)
+        scale = max(1.0, float(np.abs(right).max()))
+        differs = np.abs(np.subtract(right, yours)) > exercise.tolerance * scale
+        k = int(np.argmax(differs.any(axis=tuple(n for n in range(np.ndim(right)) if n != axis))))
+        where = f"{'Column' if axis else 'Row' if np.ndim(right) == 2 else 'Number'} {k + 1} of "
+        right, yours = np.take(right, k, axis), np.take(yours, k, axis)
     known = "is" if exercise.seen is whole else "may be"
-    where, right, yours = _first_difference(exercise, case.expected.value, answer.value)
-    return "wrong", f"{where}{call} {known} {_shown(right)}, and yours gives {_shown(yours)}."
-
-
-def _first_difference(exercise: Exercise, right: Any, yours: Any) -> tuple[str, Any, Any]:
-    """The first different column, row or number of arrays too large for a line, and its name."""
-    if isinstance(right, list) or np.size(right) <= LARGEST_SHOWN:
-        return "", right, yours
-    scale = max(1.0, float(np.abs(right).max()))
-    apart = np.argwhere(~np.isclose(right, yours, rtol=0.0, atol=exercise.tolerance * scale))
-    axis = int(np.ndim(right) == 2 and len(right) <= LARGEST_SHOWN)
-    k = int(apart[:, axis].min()) if len(apart) else 0
-    name = "Column" if axis else "Row" if np.ndim(right) == 2 else "Number"
-    return f"{name} {k + 1} of ", np.take(right, k, axis), np.take(yours, k, axis)
+    return f"{where}{call} {known} {_shown(right)}, and yours gives {_shown(yours)}."
 
 
 def _of_error(exercise: Exercise, error: Failure, call: str) -> str:
@@ -235,7 +220,10 @@ def why_stopped(error: Failure, where: str = "") -> str:
         what, advice = STOPS[error.kind]
         return f"{what}{where}{advice}"
     if error.module:
-        return f"imports {error.module}{where}, {_why_no_module(error.module)}"
+        part = error.module.removeprefix("twistarm.")
+        ours = f"where no module is: write `from twistarm import {part}`, or `from {THEORY_OF}.{part} import …`"
+        why = ours if part in THEORY else "which is not installed: leave it out, or install it"
+        return f"imports {error.module}{where}, {why}"
     raised = one_line(f"{error.kind}: {error.text}".rstrip(": "), 200)
     return f"stops{where} with {raised}"
 
@@ -243,28 +231,13 @@ def why_stopped(error: Failure, where: str = "") -> str:
 def _of_a_name_taken(exercise: Exercise, text: str) -> str:
     """The problem, if an argument is used as its namesake module or function. Otherwise empty."""
     missing = re.fullmatch(r"'numpy.ndarray' object has no attribute '(\w+)'", text)
-    meant = next((each for each in THEORY if missing and hasattr(import_module(f"{THEORY_OF}.{each}"), missing[1])), "")
-    if missing and meant:
-        return (
-            f"an array has no function {missing[1]}: where an argument has the name {meant}, it hides the module; "
-            "give the argument another name"
-        )
+    for module in THEORY:
+        if missing and hasattr(import_module(f"{THEORY_OF}.{module}"), missing[1]):
+            hidden = f"where an argument has the name {module}, it hides the module; give the argument another name"
+            return f"an array has no function {missing[1]}: {hidden}"
     if "'numpy.ndarray' object is not callable" in text:
         return f"an argument ({', '.join(exercise.parameters)}) is called as a function: is yours of the same name?"
     return ""
-
-
-def _why_no_module(name: str) -> str:
-    """Why a module cannot be imported, and what to write instead."""
-    _, _, part = name.partition("twistarm.")
-    if part in THEORY:
-        return f"where no module is: write `from twistarm import {part}`, or `from {THEORY_OF}.{part} import …`"
-    return "which is not installed: leave it out, or install it"
-
-
-def _shown_arguments(exercise: Exercise, case: Case) -> str:
-    names = zip(exercise.parameters, case.arguments, strict=True)
-    return ", ".join(f"{name}={_shown(value)}" for name, value in names)
 
 
 def _shown(value: Any) -> str:

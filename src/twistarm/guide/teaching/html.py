@@ -14,9 +14,6 @@ from ...arm.arm import Arm
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ...support.files import write_whole
-from ...viewer.files.page_export import Inline, beside, stand_alone
-from ...viewer.files.scene_snapshot import SceneSnapshot, of_arm
-from ...viewer.parts.findings import loaded
 from ..exercises.exercise import Exercise
 from . import stills, svg
 from .markup import block, inline, program
@@ -78,39 +75,32 @@ def scene(
     arm: Arm, theta: Array, trajectory: Trajectory | None, caption: str, screws: bool, alt: str, folder: Path | None
 ) -> str:
     """An arm to look at from all sides: a saved page in a frame, a drawing for paper."""
-    shown = _snapshot(arm, theta, trajectory, screws)
-    if folder is None:
-        frame = Inline.page(stand_alone(shown), alt).html
-    else:
-        file = f"{folder.name}/{_saved(shown, folder)}"
-        # No sandbox: opened from disk its scripts could not be read then. The scene's own policy lets it reach nothing.
-        frame = (
-            f'<iframe class="live" src="{file}" title="{escape(alt)}" loading="lazy"></iframe>'
-            f'<p class="live aside"><a href="{file}">Open it in a new window</a></p>'
-        )
-    still = f'<div class="still">{_picture(stills.arm(arm, theta), alt)}</div>'
-    return f'<figure class="scene">{frame}{still}{_caption(caption)}</figure>'
+    # The view takes a while to import, and only scenes need it.
+    from ...viewer.parts.arm_data import loading_findings
+    from ...viewer.saved_page import Inline, beside, of_arm, stand_alone
 
-
-def _snapshot(arm: Arm, theta: Array, trajectory: Trajectory | None, screws: bool) -> SceneSnapshot:
-    """What the page shows."""
     shown = of_arm(arm, trajectory, theta)
     if shown.playback is not None and trajectory is not None:
         # Nobody looks yet: the reader plays it, from its beginning.
         shown = replace(shown, playback=replace(shown.playback, running=False), theta=trajectory(0.0))
     # No doctor is going to look, so nothing is said of one; where loading noted nothing, the page shows no findings.
-    findings = {**loaded(arm), "note": ""}
-    return replace(shown, visible={**shown.visible, "screws": screws}, findings=findings)
-
-
-def _saved(shown: SceneSnapshot, folder: Path) -> str:
-    """Write the page and its shared scripts into `folder`. Returns the page's name."""
-    page, files = beside(shown)
-    name = f"scene_{hashlib.sha256(page.encode()).hexdigest()[:12]}.html"
-    for each, text in {name: page, **files}.items():
-        if not (folder / each).is_file() or (folder / each).read_text("utf-8", errors="replace") != text:
-            write_whole(folder / each, text)
-    return name
+    findings = {**loading_findings(arm), "note": ""}
+    shown = replace(shown, visible={**shown.visible, "screws": screws}, findings=findings)
+    if folder is None:
+        frame = Inline.page(stand_alone(shown), alt).html
+    else:
+        page, files = beside(shown)
+        name = f"scene_{hashlib.sha256(page.encode()).hexdigest()[:12]}.html"
+        for each, content in {name: page, **files}.items():  # scenes share their scripts, so most are there
+            if not (folder / each).is_file() or (folder / each).read_text("utf-8", errors="replace") != content:
+                write_whole(folder / each, content)
+        # No sandbox: opened from disk its scripts could not be read then. The scene's own policy lets it reach nothing.
+        frame = (
+            f'<iframe class="live" src="{folder.name}/{name}" title="{escape(alt)}" loading="lazy"></iframe>'
+            f'<p class="live aside"><a href="{folder.name}/{name}">Open it in a new window</a></p>'
+        )
+    still = f'<div class="still">{_picture(stills.arm(arm, theta), alt)}</div>'
+    return f'<figure class="scene">{frame}{still}{_caption(caption)}</figure>'
 
 
 def slider(name: str, question: str, answer: str, numbers: Mapping[str, Any]) -> str:

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 from ...arm.arm import Arm
 from ...support.checks import Array
 from ...theory import joints, poe, rotations, screws
-from .figures import arm_points, axes2, axes3, plot_arm, plot_frame, plot_point, plot_screw
-from .style import BLUE, GREY, INK, ORANGE
+from .figures import BLUE, GREY, INK, ORANGE, arm_points, axes2, axes3, plot_arm, plot_frame, plot_point, plot_screw
 
 Numbers = Mapping[str, Any]
 

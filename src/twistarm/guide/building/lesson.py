@@ -1,6 +1,6 @@
-"""The process of one lesson: it runs the cells and writes their text and outputs as HTML.
+"""A lesson: its cells, and the process that runs them and writes their text and outputs as HTML.
 
-    python -m twistarm.guide.building.lesson_process LESSON.py SCENES OUT.json
+    python -m twistarm.guide.building.lesson LESSON.py SCENES OUT.json
 
 The outcome is JSON: `body`, `sections` (name and title of each) and `failed`, empty or a sentence with cell and reason.
 """
@@ -10,21 +10,58 @@ from __future__ import annotations
 import ast
 import io
 import json
+import re
 import sys
 import traceback
 from contextlib import redirect_stdout, suppress
+from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from typing import Any
 
-from ...support.errors import one_line
-from ..teaching import outlet
+from ...support.errors import InputError, missing_extra, one_line
+from ..teaching import output
 from ..teaching.html import fold, text
 from ..teaching.markup import program, slug
-from .cells import Cell, cells_of
 
 LONGEST_OUTPUT = 20_000
 """Most characters of a cell's output on a page."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Text in markdown, or a program.
+
+    A page folds a program unless it is tagged "shown". The cell begins at `line` of the file.
+    """
+
+    source: str
+    code: bool
+    shown: bool
+    line: int
+
+
+def cells_of(path: Path) -> tuple[Cell, ...]:
+    """The cells of the lesson at `path`."""
+    try:
+        import jupytext
+    except ImportError as error:
+        raise missing_extra("the guide", "jupytext", "guide") from error
+    text = path.read_text("utf-8")
+    notebook = jupytext.reads(text, fmt="py:percent")
+    starts = [number for number, line in enumerate(text.splitlines(), start=1) if re.match(r"# ?%%", line)]
+    return tuple(
+        Cell(cell.source, cell.cell_type == "code", "shown" in cell.metadata.get("tags", ()), start + 1)
+        for cell, start in zip(notebook.cells, starts, strict=True)
+    )
+
+
+def title_of(cells: tuple[Cell, ...]) -> str:
+    """The title: the first line of the first cell."""
+    first = cells[0].source.partition("\n")[0] if cells else ""
+    if not first.startswith("# "):
+        raise InputError("a lesson begins with a cell of text with the first line `# TITLE`")
+    return first[2:].strip()
 
 
 def outcome(path: Path, scenes: Path) -> dict[str, Any]:
@@ -37,25 +74,29 @@ def outcome(path: Path, scenes: Path) -> dict[str, Any]:
         if not cell.code:
             body.append(text(cell.source))
             continue
-        output = ""
+        shown = ""
         if not failed:
             try:
-                output = _run(cell, path, scenes, names)
+                shown = _run(cell, path, scenes, names)
             except Exception as error:
+                own = [at.lineno for at in traceback.extract_tb(error.__traceback__) if at.filename == str(path)]
+                line = own[-1] if own else getattr(error, "lineno", None)
                 why = one_line(f"{type(error).__name__}: {error}", 300)
-                failed = f"{path.stem}: cell {number} (line {_line(error, path, cell)}) failed: {why}"
-                output = f'<p class="failed" role="note">{escape(failed)}. The programs after it did not run.</p>'
+                failed = f"{path.stem}: cell {number} (line {line or cell.line}) failed: {why}"
+                shown = f'<p class="failed" role="note">{escape(failed)}. The programs after it did not run.</p>'
         if cell.shown:
             body.append(program(cell.source))
         elif not _only_calls_guide(cell.source):
             programs.append(cell.source)
-        body.append(output)
-        if output and programs:
+        body.append(shown)
+        if shown and programs:
             body.append(_folded(programs))
             programs = []
     if programs:
         body.append(_folded(programs))
-    return {"body": "\n".join(body), "sections": [(slug(title), title) for title in _sections(cells)], "failed": failed}
+    lines = (line for cell in cells if not cell.code for line in cell.source.splitlines())
+    titles = [line[3:].strip() for line in lines if line.startswith("## ")]
+    return {"body": "\n".join(body), "sections": [(slug(title), title) for title in titles], "failed": failed}
 
 
 def _run(cell: Cell, path: Path, scenes: Path, names: dict[str, Any]) -> str:
@@ -64,7 +105,7 @@ def _run(cell: Cell, path: Path, scenes: Path, names: dict[str, Any]) -> str:
     printed = io.StringIO()
     # Lines are counted as in the file, so that an error names its own.
     code = compile("\n" * (cell.line - 1) + cell.source, str(path), "exec")
-    with outlet.installed(lambda each: shown.append(each.html(scenes))), redirect_stdout(printed):
+    with output.installed(lambda each: shown.append(each.html(scenes))), redirect_stdout(printed):
         exec(code, names)
     words = escape(printed.getvalue()[:LONGEST_OUTPUT].rstrip())
     said = f'<pre class="printed" tabindex="0"><samp>{words}</samp></pre>' if words else ""
@@ -79,16 +120,6 @@ def _only_calls_guide(source: str) -> bool:
     with suppress(SyntaxError):
         return all(ast.unparse(each).startswith("guide.") for each in ast.parse(source).body)
     return False
-
-
-def _sections(cells: tuple[Cell, ...]) -> list[str]:
-    lines = (line for cell in cells if not cell.code for line in cell.source.splitlines())
-    return [line[3:].strip() for line in lines if line.startswith("## ")]
-
-
-def _line(error: Exception, path: Path, cell: Cell) -> int:
-    own = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
-    return own[-1] or cell.line if own else getattr(error, "lineno", None) or cell.line
 
 
 if __name__ == "__main__":

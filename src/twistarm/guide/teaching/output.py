@@ -1,20 +1,22 @@
-"""Calls of a lesson that say and show something, one for each kind, and numbers as formulae."""
+"""What a lesson shows, one function for each kind: in a page, in a notebook, or as text on standard output."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from inspect import cleandoc
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...arm.arm import Arm
+from ...planning.trajectory import Trajectory
 from ...support.errors import InputError, listed
-from .outlet import show
-
-if TYPE_CHECKING:
-    from ...arm.arm import Arm
-    from ...planning.trajectory import Trajectory
+from . import html
 
 SLIDERS: dict[str, dict[str, Any]] = {
     "frame": {"order": "ZYZ", "alpha": 30, "beta": 50, "gamma": 20},
@@ -32,13 +34,51 @@ ROUNDING = 1e-9
 """Smaller entries in a table of coordinates are rounding and shown as 0."""
 
 
+@dataclass(frozen=True)
+class Shown:
+    """An output of a lesson, as text for a terminal and as HTML.
+
+    `html(folder)` writes its files into the folder, or embeds them without one.
+    """
+
+    plain: str
+    html: Callable[[Path | None], str]
+
+
+Outlet = Callable[[Shown], None]
+
+_INSTALLED: list[Outlet] = []
+
+
+@contextmanager
+def installed(outlet: Outlet) -> Iterator[None]:
+    """Meanwhile, what lessons show goes to `outlet`."""
+    _INSTALLED.append(outlet)
+    try:
+        yield
+    finally:
+        _INSTALLED.remove(outlet)
+
+
+def show(plain: str, html: Callable[[Path | None], str]) -> None:
+    """Show it where the lesson runs."""
+    ipython = sys.modules.get("IPython")
+    shell = ipython and ipython.get_ipython()
+    if _INSTALLED:
+        _INSTALLED[-1](Shown(plain, html))
+    elif shell is not None and hasattr(shell, "kernel"):  # a notebook; a terminal's IPython has no kernel
+        from IPython.display import HTML, display
+
+        display(HTML(html(None)))  # type: ignore[no-untyped-call]
+    else:
+        sys.stdout.write(plain.rstrip() + "\n")
+
+
 def say(markdown: str) -> None:
     """Show text of the lesson, markdown with formulae between dollars.
 
     Indented text of several lines is taken as if it began at the margin.
     """
-    from . import html
-
     words = cleandoc(markdown)
     show(words, lambda _: html.text(words))
 
@@ -56,8 +96,6 @@ def table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str = 
         rows: As many cells in each row.
         caption: What the table says, in a sentence.
     """
-    from . import html
-
     lines = [[_cell(cell) for cell in row] for row in rows]
     if any(len(line) != len(head) for line in lines):
         raise InputError(f"each row of a table has as many cells as its head, {len(head)}")
@@ -74,8 +112,6 @@ def figure(fig: Any, alt: str, caption: str = "") -> None:
         alt: What the figure shows, in words, for readers who do not see it.
         caption: What the figure says, markdown.
     """
-    from . import html
-
     if not alt.strip():
         raise InputError("a figure needs alt, its words for a reader who does not see it")
     show(f"[figure] {alt}", lambda _: html.figure(fig, alt, caption))
@@ -97,8 +133,6 @@ def scene(
         caption: What there is to see or do, markdown.
         screws: Whether the screw axes are drawn.
     """
-    from . import html
-
     x = np.asarray(arm.ready if theta is None else theta, float)
     alt = f"{arm.name}, an arm of {arm.n} joints, to be turned and moved"
     show(f"[scene] {alt}", lambda folder: html.scene(arm, x, trajectory, caption, screws, alt, folder))
@@ -113,8 +147,6 @@ def slider(name: str, question: str, answer: str, **numbers: Any) -> None:
         answer: The answer, markdown; it stands behind a fold.
         numbers: Where it begins; angles in degrees, as the page shows them, lengths in metres.
     """
-    from . import html
-
     if name not in SLIDERS:
         raise InputError(f"there is no slider {name!r}; there are {listed(SLIDERS)}")
     if unknown := set(numbers) - set(SLIDERS[name]):
@@ -125,8 +157,6 @@ def slider(name: str, question: str, answer: str, **numbers: Any) -> None:
 
 def predict(question: str, answer: str) -> None:
     """Ask the reader a question before the lesson answers it. Question and folded answer are markdown."""
-    from . import html
-
     show(f"Question: {question}\nAnswer: {answer}", lambda _: html.prediction(question, answer))
 
 

@@ -1,4 +1,4 @@
-"""The arm of a lesson: the reader's, or a bundled one if that does not fit."""
+"""The reader of a lesson: the arm that it runs on, and the exercises that the reader writes, graded."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ from typing import Any
 from ...arm.arm import Arm
 from ...arm.loading.load import load_arm
 from ...support.errors import InputError
-from .saying import say
+from .. import grading
+from ..exercises import exercises_of
+from . import html
+from .output import say, show
 
 VARIABLE = "TWISTARM_GUIDE_ARM"
 """Environment variable with what `load_arm` takes, as JSON: {"source": "my_arm.urdf.xacro", "tip": "tool0"}."""
@@ -70,3 +73,40 @@ def _loaded(text: str) -> Arm:
     except (ValueError, AttributeError, TypeError, KeyError) as error:
         raise InputError(f'{VARIABLE} takes JSON like {{"source": "my_arm.urdf"}}; got {text!r}') from error
     return load_arm(source, **keywords)
+
+
+def practice(lesson: str) -> None:
+    """Show the exercises of a lesson by name: prompts, signatures, how to check, folded solutions."""
+    entries = exercises_of(lesson)
+    texts = [f"Exercise {k}: {e.name}\n\n{e.prompt}\n\n{e.signature}\n" for k, e in enumerate(entries, start=1)]
+    how = f"To check: twistarm guide check guide_exercises/{lesson}.py"
+    show("\n".join([*texts, how]), lambda _: html.exercises(lesson, entries))
+
+
+def check(function: Callable[..., Any]) -> grading.Report:
+    """Grade a function as the exercise of its name and show the verdict.
+
+    The instances are random and the screws of `arm()`.
+
+    Args:
+        function: The reader's function. A copy of this process runs it for a limited time.
+
+    Returns:
+        The report: `ok` where everything is right. In a file that is being graded itself it is empty.
+
+    Raises:
+        InputError: It is no function.
+        UnknownNameError: There is no exercise of its name; the closest one is named.
+    """
+    if os.environ.get(grading.IN_SANDBOX):
+        return grading.Report(getattr(function, "__name__", ""))
+    report = _ShownReport(**vars(grading.check(function, arm())))
+    show("\n".join(report.told), lambda _: html.report(report.lines, report.printed_lines))
+    return report
+
+
+class _ShownReport(grading.Report):
+    """A report that was shown when it was made."""
+
+    def _ipython_display_(self) -> None:
+        """Not shown again as the value of a notebook's cell."""
