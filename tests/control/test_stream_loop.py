@@ -104,6 +104,13 @@ def test_an_old_joint_state_stops_the_arm_until_a_fresh_one(rover, clock, robot,
     assert report.ok
 
 
+def test_a_feedback_that_loses_the_joint_state_does_not_say_that_none_arrived(robot, stream):
+    feedback = SimpleNamespace(read=lambda now: robot.read(now) if now < 100.5 else None)
+    report = stream(feedback=feedback, duration=1.0)
+    assert report.blind == pytest.approx(0.5, abs=2 * PERIOD)
+    assert "arrived" not in report.blind_reason
+
+
 @pytest.mark.parametrize("moved", [[0.0, 0.18, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 1.5]])
 def test_a_robot_that_was_off_is_commanded_from_where_it_is(rover, clock, robot, stream, moved):
     """Off for 1.5 s, and back, within the tolerance or not: no setpoint asks it to jump back."""
