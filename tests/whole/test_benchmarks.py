@@ -16,8 +16,7 @@ sys.path.append(str(ROOT))
 
 from benchmarks import problems  # noqa: E402
 from benchmarks.__main__ import main  # noqa: E402
-from benchmarks.judge import Judge  # noqa: E402
-from benchmarks.robots import ARMS, make_robot  # noqa: E402
+from benchmarks.problems import ARMS, Judge, make_robot  # noqa: E402
 
 
 @pytest.fixture(scope="module", params=ARMS)

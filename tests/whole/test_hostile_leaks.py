@@ -96,10 +96,10 @@ def test_what_is_written_tells_no_place(
 
 def test_the_page_that_is_served_tells_no_place(arm: Path) -> None:
     pytest.importorskip("meshcat")
-    from twistarm.viewer.parts.findings import examined
-    from twistarm.viewer.protocol.messages import failure
+    from twistarm.viewer.messages import failure
+    from twistarm.viewer.parts.arm_data import doctor_findings
 
     loaded = load_arm(arm)
     assert any(CANARY in one.what for one in loaded.findings), "on the terminal a whole path helps"
-    assert all(CANARY not in str(one) for one in examined(loaded)["findings"])
+    assert all(CANARY not in str(one) for one in doctor_findings(loaded)["findings"])
     assert CANARY not in str(failure(InputError(f"cannot write {arm}")))
