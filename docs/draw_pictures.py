@@ -12,7 +12,7 @@ from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 from twistarm import Approach, Arm, FreeMove, LineMove, Scene, Trajectory, Viewer, load_arm, plan, reach_map, save_png
-from twistarm.viewer.files.screenshot import find_browser
+from twistarm.viewer.screenshot import find_browser
 
 DOCS = Path(__file__).parent
 PICTURES = DOCS / "pictures"

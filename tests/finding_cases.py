@@ -250,7 +250,6 @@ CASES: dict[str, Case] = {
     "package-without-manifest": xacro('<gazebo file="$(find copied)/x"/>', files={"copied/urdf/x.urdf": ""}),
     "environment-kept": xacro('<gazebo h="$(optenv HOME)"/>'),
     "package-left-out": xacro(CAMERA, ignore_packages=["camera"]),
-    "package-not-used": urdf(two_joints(), ignore_packages=["camera"]),
     "package-needed-not-found": xacro('<xacro:include filename="$(find nowhere)/x.xacro"/>'),
     "xacro-arguments: missing": xacro('<xacro:property name="h" value="$(arg height)"/><gazebo h="${h}"/>'),
     "xacro-arguments: unknown": urdf(two_joints(), xacro_args={"colour": "red"}),

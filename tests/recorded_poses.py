@@ -9,8 +9,8 @@ import pytest
 
 from twistarm import Arm
 from twistarm.support.strict_json import encode
-from twistarm.viewer.protocol.jobs import Job
-from twistarm.viewer.protocol.messages import parse
+from twistarm.viewer.jobs import Job
+from twistarm.viewer.messages import parse
 from twistarm.viewer.stage import Stage
 from viewer_page import THETA
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from math import isfinite
 from typing import Any
 
-from twistarm.viewer.protocol.messages import LONGEST_NAME, SCHEMA
+from twistarm.viewer.messages import LONGEST_NAME, SCHEMA
 
 GOOD: dict[str, Any] = {
     "number": 0.5,

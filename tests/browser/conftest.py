@@ -15,7 +15,7 @@ from arms import load
 from twistarm import Arm
 from twistarm.support.errors import TwistarmError
 from twistarm.viewer import Viewer
-from twistarm.viewer.files.screenshot import find_browser
+from twistarm.viewer.screenshot import find_browser
 from waiting import settled
 
 FLAGS = (

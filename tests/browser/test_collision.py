@@ -10,8 +10,7 @@ import pytest
 
 from twistarm import Scene, load_arm, plan_joint
 from twistarm.viewer import Viewer
-from twistarm.viewer.files.page_export import stand_alone
-from twistarm.viewer.files.scene_snapshot import on_show
+from twistarm.viewer.saved_page import on_show, stand_alone
 from twistarm.viewer.scene.arm_drawing import Drawing
 from twistarm.viewer.stage import Stage
 from waiting import settled, until

@@ -1,4 +1,4 @@
-"""Driving from the page alone: the switch, buttons held by mouse and keyboard in each of the axes, and the gauges."""
+"""Driving from the page alone: the switch, buttons held by mouse and keyboard in each of the axes."""
 
 from __future__ import annotations
 
@@ -185,34 +185,3 @@ def test_what_happens_where_the_arm_cannot_follow_is_chosen_there(benches: Bench
     until(page, "document.querySelector('#jog-unreachable [value=slide]:enabled')?.checked")
     bench.viewer.show_servo(None)
     until(page, "!document.getElementById('drive').disabled")
-
-
-def test_the_gauges_near_a_singularity_and_near_a_limit(benches: Benches) -> None:
-    """tests/viewer/test_viewer_gauge.py has the numbers."""
-    bench = benches("rover_arm_6dof")
-    arm, theta = bench.arm, bench.arm.ready.copy()
-    upper = arm.limits.upper[1]
-    theta[[1, 2, 4]] = upper - np.radians(2.0), 1.0, 0.12  # the wrist almost straight, the elbow far from its ends
-    page = bench.drive(theta)
-    singularity, limit = (page.get_by_role("meter", name=name) for name in ("singularity", "limit"))
-    assert 0.8 < float(singularity.get_attribute("aria-valuenow")) < 1
-    far = float(limit.get_attribute("aria-valuenow"))
-    filled = limit.locator("span").bounding_box()["width"] / limit.bounding_box()["width"]
-    assert far == pytest.approx(1 - np.radians(2.0) / (0.05 * 5 * np.ptp([arm.limits.lower[1], upper])), abs=0.01)
-    assert filled == pytest.approx(far, abs=0.02)  # the bar fills with danger
-    assert singularity.get_attribute("aria-valuetext").startswith("near: slowed")
-    assert limit.get_attribute("aria-valuetext") == "shoulder_pitch, 2.0° to its upper limit"
-
-    page.get_by_role("button", name="− shoulder_pitch", exact=True).hover()
-    page.mouse.down()
-    until(page, f"twistarm.state.frame.theta[1] < {upper - np.radians(4.0)}")
-    page.mouse.up()
-    room = np.degrees(upper - bench.standing()[1])
-    assert limit.get_attribute("aria-valuetext") == f"shoulder_pitch, {room:.1f}° to its upper limit"
-    assert float(limit.get_attribute("aria-valuenow")) < far
-
-    page.get_by_role("button", name="+ wrist_pitch", exact=True).hover()
-    page.mouse.down()
-    until(page, "document.querySelector('.gauge').dataset.standing === ''")
-    page.mouse.up()
-    assert singularity.get_attribute("aria-valuetext") == "far"

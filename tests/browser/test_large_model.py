@@ -16,7 +16,7 @@ import schema_samples as samples
 from twistarm import load_arm
 from twistarm.description.meshes import Mesh, read_mesh
 from twistarm.viewer import Viewer
-from twistarm.viewer.protocol.messages import LARGEST_VALUE, SCHEMA
+from twistarm.viewer.messages import LARGEST_VALUE, SCHEMA
 from twistarm.viewer.scene import links
 from waiting import WAIT, settled, until
 

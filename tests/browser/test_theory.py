@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from twistarm import Arm, ReachMap, load_arm, plan_joint, reach_map
 from twistarm.planning.trajectory import Trajectory
 from twistarm.viewer import Viewer, save_html
-from twistarm.viewer.scene.axes import arm_size
+from twistarm.viewer.scene.arm_drawing import arm_size
 from waiting import after_frames, settled, until
 
 pytestmark = pytest.mark.browser

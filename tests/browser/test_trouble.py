@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose
 from twistarm import Arm, ArmBuilder, load_arm
 from twistarm.planning.joint_space import plan_joint
 from twistarm.viewer import Viewer
-from twistarm.viewer.server.watching import loaded
+from twistarm.viewer.server.watching import load_with_files
 from waiting import settled, until
 
 pytestmark = pytest.mark.browser
@@ -157,7 +157,7 @@ def test_a_changed_file_is_drawn_anew_and_a_broken_one_reported(browser: Any, ar
     file = tmp_path / "small.urdf"
     file.write_text(arm.description.text)
     load = partial(load_arm, file)
-    first, files = loaded(load)
+    first, files = load_with_files(load)
     shown = "document.getElementById('notice')"
     with Viewer(first, [0.1, 0.2, 0.3], open_browser=False) as viewer:
         viewer.watch(load, files)

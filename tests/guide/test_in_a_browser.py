@@ -21,7 +21,7 @@ from twistarm.guide.building.pages import SCRIPTS, site_file
 from twistarm.guide.teaching import output
 from twistarm.guide.teaching.output import SLIDERS, slider
 from twistarm.support.errors import TwistarmError
-from twistarm.viewer.files.screenshot import FLAGS, find_browser
+from twistarm.viewer.screenshot import FLAGS, find_browser
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 

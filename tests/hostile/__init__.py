@@ -1,1 +1,1 @@
-"""Hostile files, names and strangers: cases as data and generators, and where they are tried."""
+"""The view's server as a stranger reaches it."""

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import socket
 import time
-from collections.abc import Callable
-from contextlib import suppress
-from itertools import count
 
 
 class Target:
@@ -15,7 +12,6 @@ class Target:
     def __init__(self, host: str, port: int, token: str, seconds: float) -> None:
         self.host, self.port, self.token = host, port, token
         self.end = time.monotonic() + seconds
-        self.held: list[socket.socket] = []
 
     def on(self) -> bool:
         return time.monotonic() < self.end
@@ -42,38 +38,6 @@ class Target:
         made.recv(1)
         return made
 
-    def crowd(self, number: int, begin: Callable[[], socket.socket]) -> list[socket.socket]:
-        """As many as can be had."""
-        for _ in range(number):
-            with suppress(OSError):
-                self.held.append(begin())
-            if not self.on():
-                break
-        return self.held
-
-    def each(self, number: int, begin: Callable[[], socket.socket], data: Callable[[int], bytes], pause: float) -> None:
-        """Send every one of a crowd a piece again and again; what was closed is opened anew."""
-        self.crowd(number, begin)
-        for k in count():
-            for j, one in enumerate(self.held):
-                try:
-                    one.send(data(k), socket.MSG_DONTWAIT)
-                except BlockingIOError:
-                    continue
-                except OSError:
-                    with suppress(OSError):
-                        one.close()
-                        self.held[j] = begin()
-                if not self.on():
-                    return
-            time.sleep(pause)
-
-    def again(self, once: Callable[[], object]) -> None:
-        """The same over and over, as fast as it goes."""
-        while self.on():
-            with suppress(OSError):
-                once()
-
 
 def frame(text: bytes) -> bytes:
     """A masked WebSocket frame of fewer than 126 bytes. A mask of zeros changes nothing."""
@@ -88,21 +52,3 @@ HANDSHAKE = {
 }
 
 POSE = b'{"type":"pose","name":"zero","ease":false,"number":7}'
-
-
-def asked(target: Target, data: bytes) -> None:
-    with target.open() as one:
-        one.sendall(data)
-        one.recv(4096)
-
-
-def flooded(one: socket.socket, data: bytes, target: Target) -> None:
-    """Sent as far as the other side takes it, its answers read and thrown away."""
-    view, one_end = memoryview(data), time.monotonic() + 1.0
-    while view and target.on() and time.monotonic() < one_end:
-        try:
-            view = view[one.send(view[:65536], socket.MSG_DONTWAIT) :]
-        except BlockingIOError:
-            time.sleep(0.001)
-        with suppress(BlockingIOError):
-            one.recv(65536, socket.MSG_DONTWAIT)

@@ -1,9 +1,8 @@
-"""A picture of the arm: which browser draws it, what one that fails leaves behind, and a real one."""
+"""A picture of the arm: what a browser that fails leaves behind, and a real one."""
 
 from __future__ import annotations
 
 import os
-import subprocess
 import tempfile
 from pathlib import Path
 
@@ -15,12 +14,11 @@ from PIL import Image
 from catalogue import load
 from twistarm import InputError, TwistarmError, Viewer, plan_joint, save_png
 from twistarm.cli.application import run
-from twistarm.viewer.files import screenshot as headless
-from viewer_page import stored, until
+from twistarm.viewer import screenshot
+from viewer_page import stored
 
 ARM = load("rr_planar")
 SIZE = (320, 240)
-COPY = 'for word in "$@"; do case "$word" in --screenshot=*) /bin/cp {} "${{word#--screenshot=}}";; esac; done\n'
 
 
 @pytest.fixture(autouse=True)
@@ -33,135 +31,62 @@ def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The only folder on PATH, in a world without installed headless."""
+def browser(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The only browser on PATH: a script, which draws `drawing.png` beside it and keeps the page."""
     folder = tmp_path / "bin"
     folder.mkdir()
-    monkeypatch.setenv("PATH", str(folder))
-    monkeypatch.setattr(headless, "PLACES", ())
-    return folder
-
-
-def install(folder: Path, script: str, name: str = "chromium") -> Path:
-    """A browser that is a shell script, and notes its arguments beside itself."""
-    program = folder / name
-    program.write_text(f'#!/bin/sh\nprintf "%s\\n" "$@" > "$0.arguments"\n{script}')
+    Image.effect_noise(SIZE, 50.0).save(folder / "drawing.png")
+    program = folder / "chromium"
+    program.write_text(
+        f'#!/bin/sh\nfor word in "$@"; do case "$word" in\n'
+        f'--screenshot=*) /bin/cp {folder}/drawing.png "${{word#--screenshot=}}";;\n'
+        f'file://*) word="${{word#file://}}"; /bin/cp "${{word%#pane}}" {folder}/page.html;;\nesac; done\n'
+    )
     program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(folder))
+    monkeypatch.setattr(screenshot, "BROWSERS", ("google-chrome", "chromium"))
     return program
 
 
-def arguments(program: Path) -> list[str]:
-    return Path(f"{program}.arguments").read_text().splitlines()
-
-
-def drawing(folder: Path, size: tuple[int, int] = SIZE) -> Path:
-    """A picture that a browser might have drawn."""
-    file = folder / "drawing.png"
-    Image.effect_noise(size, 50.0).save(file)
-    return file
-
-
-def test_a_browser_is_found_on_path_or_in_the_usual_places(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (path / "chromium").write_text("not a program")
-    with pytest.raises(TwistarmError, match="apt install chromium"):
-        headless.find_browser()
-    chrome = install(path, "", "google-chrome")
-    assert headless.find_browser() == str(chrome)
-    (path / "chromium").unlink()
-    assert headless.find_browser() == str(chrome)
-    away = path.parent / "Google Chrome.app"
-    away.mkdir()
-    monkeypatch.setattr(headless, "PLACES", ("/nowhere/chrome", str(install(away, "", "Google Chrome"))))
-    monkeypatch.setenv("PATH", "")
-    assert headless.find_browser() == str(away / "Google Chrome")
-
-
-def test_a_snap_draws_below_the_home_folder(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (path / "linked").symlink_to(install(path, "", "snap"))
-    assert headless.is_snap(str(path / "linked"))
-    assert not headless.is_snap(str(install(path, "exec /usr/lib/chromium/chromium\n", "google-chrome")))
-    home = tmp_path / "home"
-    home.mkdir()
-    monkeypatch.setenv("HOME", str(home))
-    program = install(path, "# /snap/bin/chromium\n" + COPY.format(drawing(tmp_path)))
-    save_png(ARM, tmp_path / "arm.png", size=SIZE)
-    assert arguments(program)[-1].startswith(f"file://{home}/twistarm-")
-    assert list(home.iterdir()) == []
-
-
-@pytest.mark.parametrize("lingers", [False, True])
-def test_the_picture_is_what_the_browser_drew(
-    path: Path, tmp_path: Path, scratch: Path, monkeypatch: pytest.MonkeyPatch, lingers: bool
-) -> None:
-    drawn, target = drawing(tmp_path), tmp_path / "arm.png"
-    monkeypatch.setattr(headless, "TIMEOUT", 0.5 if lingers else 60.0)
-    program = install(path, COPY.format(drawn) + "/bin/sleep 60\n" * lingers)
-    assert save_png(ARM, target, size=SIZE) == target
-    assert target.read_bytes() == drawn.read_bytes()
-    given = arguments(program)
-    assert "--window-size=320,240" in given
-    assert any(word.startswith(f"--user-data-dir={scratch}/") for word in given), "a profile of its own"
-    assert list(scratch.iterdir()) == []
-
-
-def test_the_page_shows_the_posture(path: Path, tmp_path: Path) -> None:
-    kept = tmp_path / "kept.html"
-    keep = f'for word in "$@"; do :; done; word="${{word#file://}}"; /bin/cp "${{word%#pane}}" {kept}\n'
-    install(path, keep + COPY.format(drawing(tmp_path)))
+def test_the_picture_is_what_the_browser_drew_of_the_posture(browser: Path, tmp_path: Path, scratch: Path) -> None:
+    target = tmp_path / "arm.png"
     with Viewer(ARM, [0.5, 0.6], open_browser=False) as viewer:
         viewer.show_screws(False)
-        viewer.save_png(tmp_path / "arm.png", size=SIZE)
-    shown = stored(kept.read_text("utf-8"))
+        assert viewer.save_png(target, size=SIZE) == target
+    assert target.read_bytes() == browser.with_name("drawing.png").read_bytes()
+    shown = stored(browser.with_name("page.html").read_text("utf-8"))
     assert_allclose(shown["samples"]["theta"], [[0.5, 0.6]])
     assert shown["visible"]["screws"] is False
     motion = plan_joint(ARM, [[0.2, 0.1], [0.9, -0.5]], limits={"velocity": 1.0, "acceleration": 2.0})
-    save_png(ARM, tmp_path / "arm.png", size=SIZE, trajectory=motion)
-    shown = stored(kept.read_text("utf-8"))
+    save_png(ARM, target, size=SIZE, trajectory=motion)
+    shown = stored(browser.with_name("page.html").read_text("utf-8"))
     assert_allclose(shown["samples"]["theta"], [[0.2, 0.1]])
     # A path leaves out steps below 1e-4 of the arm (1 m).
     ends = np.array(shown["path"]["points"])[[0, -1]]
     assert_allclose(ends, ARM.fk(np.array([[0.2, 0.1], [0.9, -0.5]]))[:, :3, 3], atol=1e-4)
-
-
-def ended(pid: int) -> bool:
-    """Whether a process is dead, though nobody may have asked for its end yet."""
-    done = subprocess.run(["/bin/ps", "-o", "stat=", "-p", str(pid)], capture_output=True, text=True, check=False)
-    return not done.stdout.strip() or done.stdout.strip().startswith("Z")
-
-
-def test_a_browser_that_hangs_is_ended_with_its_children(
-    path: Path, tmp_path: Path, scratch: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(headless, "TIMEOUT", 0.5)
-    install(path, f"/bin/sleep 60 & echo $! > {tmp_path}/child\n/bin/sleep 60\n")
-    with pytest.raises(TwistarmError, match=r"0\.5 s"):
-        save_png(ARM, tmp_path / "arm.png", size=SIZE)
-    child = int((tmp_path / "child").read_text())
-    until(lambda: ended(child))
     assert list(scratch.iterdir()) == []
-    assert not (tmp_path / "arm.png").exists()
 
 
-def test_a_picture_that_is_none_is_known(tmp_path: Path) -> None:
-    whole = drawing(tmp_path).read_bytes()
-    Image.new("RGB", SIZE, (238, 241, 245)).save(tmp_path / "blank.png")
-    assert headless.fault(whole, SIZE) is None
-    for data in (b"no picture", whole[: len(whole) // 2], drawing(tmp_path, (320, 200)).read_bytes()):
-        assert headless.fault(data, SIZE)
-    assert "WebGL" in str(headless.fault((tmp_path / "blank.png").read_bytes(), SIZE))
+def test_a_snap_draws_below_the_home_folder(browser: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    home = tmp_path / "home"
+    home.mkdir()
+    monkeypatch.setenv("HOME", str(home))
+    folder = browser.with_name("folder")
+    browser.write_text(browser.read_text().replace("#!/bin/sh", f"#!/bin/sh\n# /snap/bin/\necho {home}/* > {folder}"))
+    save_png(ARM, tmp_path / "arm.png", size=SIZE)
+    assert folder.read_text().startswith(f"{home}/twistarm-")
+    assert list(home.iterdir()) == []
 
 
 @pytest.mark.parametrize(
-    ("script", "named"),
-    [("echo 'no \033[1mscreen' >&2; exit 7\n", r"code 7 \(no \\x1b\[1mscreen"), (COPY.format('"$0"'), "PNG"),
-     (None, "Exec format error")],
-)  # fmt: skip
+    ("program", "named"),
+    [(b"#!/bin/sh\nexit 7\n", "code 7"), (b"#!/bin/sh\n/bin/sleep 60\n", r"0\.5 s"), (b"\x7fELF", "chromium")],
+)
 def test_a_browser_that_fails_changes_nothing(
-    path: Path, tmp_path: Path, scratch: Path, script: str | None, named: str
+    browser: Path, tmp_path: Path, scratch: Path, monkeypatch: pytest.MonkeyPatch, program: bytes, named: str
 ) -> None:
-    program = install(path, script or "")
-    if script is None:
-        program.write_bytes(b"\x7fELF")
+    monkeypatch.setattr(screenshot, "TIMEOUT", 0.5)
+    browser.write_bytes(program)
     target = tmp_path / "arm.png"
     target.write_text("as it was")
     with pytest.raises(TwistarmError, match=named):
@@ -170,8 +95,19 @@ def test_a_browser_that_fails_changes_nothing(
     assert list(scratch.iterdir()) == []
 
 
-def test_bad_sizes_paths_and_postures_are_refused_before_a_browser_starts(path: Path, tmp_path: Path) -> None:
-    program = install(path, "")
+def test_a_picture_that_is_none_is_known(browser: Path, tmp_path: Path) -> None:
+    drawn, target = browser.with_name("drawing.png"), tmp_path / "arm.png"
+    for image in (Image.new("RGB", SIZE, (238, 241, 245)), Image.effect_noise((320, 200), 50.0)):
+        image.save(drawn)
+        with pytest.raises(TwistarmError, match="chromium"):
+            save_png(ARM, target, size=SIZE)
+    drawn.write_bytes(drawn.read_bytes()[:200])
+    with pytest.raises(TwistarmError, match="PNG"):
+        save_png(ARM, target, size=SIZE)
+    assert not target.exists()
+
+
+def test_bad_sizes_paths_and_postures_are_refused_before_a_browser_starts(browser: Path, tmp_path: Path) -> None:
     for size in ((1280,), (199, 720), (1280, 4097), (640.0, 480), "1280x720", None):
         with pytest.raises(InputError, match="size"):
             save_png(ARM, tmp_path / "arm.png", size=size)  # type: ignore[arg-type]
@@ -180,21 +116,20 @@ def test_bad_sizes_paths_and_postures_are_refused_before_a_browser_starts(path: 
             save_png(ARM, tmp_path / name)
     with pytest.raises(InputError, match="theta"):
         save_png(ARM, tmp_path / "arm.png", [0.1])
-    assert not Path(f"{program}.arguments").exists()
+    assert not browser.with_name("page.html").exists()
 
 
 def test_the_command(
-    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    browser: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    install(path, COPY.format(drawing(tmp_path)))
     command = ["view", "rr_planar", "--theta", "10 20", "--force", "-o", "arm.png", "--size"]
     assert run([*command, "320x240", "-o", "arm.html"]) == 0
-    assert capsys.readouterr().out.splitlines() == ["written: arm.png", "written: arm.html"]
     assert Image.open("arm.png").size == SIZE
-    (path / "chromium").rename(path / "elsewhere")
+    browser.unlink()
+    capsys.readouterr()
     wrong = [*command, "320"], [*command, "10x9999"], ["view", "rr_planar", "-o", "new.html", "--size", "320x240"]
-    for arguments, named in zip((*wrong, [*command, "320x240"]), ("--size", "size", "--size", "browser"), strict=True):
+    for arguments, named in zip((*wrong, [*command, "320x240"]), ("--size", "size", "--size", "Chromium"), strict=True):
         assert run(arguments) == 2
         (line,) = capsys.readouterr().err.splitlines()
         assert named in line
@@ -205,7 +140,7 @@ def test_the_command(
 def test_a_real_browser_draws_the_whole_arm(tmp_path: Path, scratch: Path, size: tuple[int, int]) -> None:
     """Screws are drawn pink, and in no other place but the legend: they show where the arm is."""
     try:
-        headless.find_browser()
+        screenshot.find_browser()
     except TwistarmError as error:
         if os.environ.get("TWISTARM_REQUIRE_ALL") == "1":
             pytest.fail(f"{error}, and TWISTARM_REQUIRE_ALL=1")

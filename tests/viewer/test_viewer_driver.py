@@ -137,14 +137,12 @@ def test_it_stops_at_a_limit_and_says_which(arm: Arm) -> None:
         with driven(viewer) as page:
 
             def halted() -> bool:
-                """Below 3 % of what is commanded, on the way to the limit; the gauge, measured now and then, too."""
-                return bool(page.latest["servo"]["status"] == "HALTED_LIMIT" and page.latest["gauge"]["room"] < 1e-2)
+                """Below 3 % of what is commanded, on the way to the limit."""
+                return bool(page.latest["servo"]["status"] == "HALTED_LIMIT")
 
             push(page, halted, type="jog_joints", rates=rates.tolist())
             assert page.latest["servo"]["joint"] == arm.joint_names[joint]
-            gauge = page.latest["gauge"]
-            assert (gauge["joint"], gauge["end"]) == (arm.joint_names[joint], "upper")
-        assert viewer.theta[joint] <= arm.limits.upper[joint]
+        assert arm.limits.upper[joint] - 0.05 < viewer.theta[joint] <= arm.limits.upper[joint]
 
 
 def test_limits_that_an_arm_does_not_give_are_the_usual_ones_and_said(arm: Arm) -> None:
@@ -203,7 +201,6 @@ def test_switched_off_it_comes_to_rest_and_frees_the_sliders(viewer: Viewer, arm
         switch(page, False)
         assert viewer.theta[0] - moving > 1e-3  # braked, not cut off
         assert not page.latest["servo"]["driven"]
-        assert page.latest["gauge"]["sigma"] is None
         assert driving() == []
         left = viewer.theta
         page.ask(type="joint", name=arm.joint_names[0], value=0.25)

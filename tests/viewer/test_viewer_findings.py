@@ -16,8 +16,8 @@ from twistarm import Arm, arm_from_screws, diagnose, joints, load_arm
 from twistarm.checking.doctor import Diagnosis
 from twistarm.description.findings import Finding, Place, finding
 from twistarm.viewer import Viewer, save_html
-from twistarm.viewer.parts import findings as module
-from twistarm.viewer.parts.findings import PENDING, examined, loaded, node_of
+from twistarm.viewer.parts import arm_data as module
+from twistarm.viewer.parts.arm_data import PENDING, doctor_findings, loading_findings, node_of
 from twistarm.viewer.server import server as server_module
 from viewer_page import Page, stored, visit
 
@@ -102,13 +102,13 @@ def test_the_node_that_a_finding_points_at(arm: Arm, element: str, name: str, no
 
 
 def test_every_node_that_is_pointed_at_is_placed_in_the_scene(arm: Arm, viewer: Viewer) -> None:
-    nodes = {told["node"] for told in examined(arm)["findings"]} - {None}
+    nodes = {told["node"] for told in doctor_findings(arm)["findings"]} - {None}
     assert {"/screws/screw:0", UPPER, "/arm/link:left"} <= nodes
     assert nodes <= set(visit(viewer).latest["frame"]["transforms"])
 
 
 def test_the_findings_are_those_of_diagnose_gravest_first(arm: Arm) -> None:
-    found, message = diagnose(arm), examined(arm)
+    found, message = diagnose(arm), doctor_findings(arm)
     assert len(found) > len(arm.findings) > 0
     told = [(one["severity"], one["code"], one["place"], one["what"], one["remedy"]) for one in message["findings"]]
     assert told == [(one.severity, one.code, str(one.place), one.what, one.remedy) for one in found]
@@ -119,11 +119,15 @@ def test_the_findings_are_those_of_diagnose_gravest_first(arm: Arm) -> None:
 def test_an_arm_without_a_description_has_its_notes_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "examine_arm", lambda arm: pytest.fail("there is nothing to look at"))
     bare = arm_from_screws(joints.revolute([0, 0, 1], [0, 0, 0]), np.eye(4), joints=["turn"])
-    assert examined(bare) == loaded(bare) == {"type": "findings", "findings": [], "counts": {}, "note": ""}
+    assert (
+        doctor_findings(bare)
+        == loading_findings(bare)
+        == {"type": "findings", "findings": [], "counts": {}, "note": ""}
+    )
     assert node_of(bare, Place("bare", None, "joint", "turn")) == "/screws/screw:0"
     assert node_of(bare, Place("bare", None, "link", "turn")) is None
     with Viewer(bare, open_browser=False) as viewer:
-        assert visit(viewer).latest["findings"] == loaded(bare)
+        assert visit(viewer).latest["findings"] == loading_findings(bare)
 
 
 def test_the_page_lives_while_the_doctor_is_slow(arm: Arm, viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -132,7 +136,7 @@ def test_the_page_lives_while_the_doctor_is_slow(arm: Arm, viewer: Viewer, monke
     monkeypatch.setattr(module, "examine_arm", lambda arm: done.wait(10) and late)
     viewer.show(arm.random_theta(np.random.default_rng(0)))
     with Page(viewer) as page:
-        assert page.latest["findings"] == loaded(arm)
+        assert page.latest["findings"] == loading_findings(arm)
         page.ask(type="pose", name="zero", ease=False)
         page.until(lambda: not any(page.latest["frame"]["theta"]))
         assert page.latest["findings"]["note"] == PENDING
@@ -151,7 +155,7 @@ def test_a_doctor_who_fails_is_told_and_the_page_lives(
     page = hear(viewer, lambda message: message["note"] != PENDING)
     told = page.latest["findings"]
     assert told["note"] == rf"From the loading alone: the doctor failed: {SCRIPT}\nat a loss"
-    assert told["findings"] == loaded(arm)["findings"]
+    assert told["findings"] == loading_findings(arm)["findings"]
     assert "error" not in page.latest
     viewer.show(arm.ready)
 
@@ -171,5 +175,5 @@ def test_the_stand_alone_page_holds_the_diagnosis_and_no_name_breaks_out(arm: Ar
     page = save_html(arm, tmp_path / "view.html").read_text()
     assert "<script>hacked" not in page
     data = stored(page)
-    assert data["findings"] == examined(arm)
+    assert data["findings"] == doctor_findings(arm)
     assert any(told["name"] == SCRIPT for told in data["findings"]["findings"])

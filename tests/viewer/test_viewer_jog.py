@@ -18,8 +18,8 @@ from twistarm import ArmBuilder, plan_joint
 from twistarm.control.servo import AnyCommand, JogCommand, ServoOutput, ServoReason, TwistCommand
 from twistarm.control.stream import Cycle, Inbox, Reading, Setpoint, SimulatedJoints, StreamReport, run
 from twistarm.viewer import Viewer
-from twistarm.viewer.parts.servo import servo_words
 from twistarm.viewer.parts.show import NO_REPORT
+from twistarm.viewer.server.driver import servo_words
 from viewer_page import Page, until
 
 ARM = (

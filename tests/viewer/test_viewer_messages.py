@@ -17,11 +17,11 @@ from twistarm.control.servo import ServoOutput
 from twistarm.support.errors import InputError, LimitError
 from twistarm.support.strict_json import encode
 from twistarm.viewer import Viewer
-from twistarm.viewer.draw import Draw
+from twistarm.viewer.messages import SCHEMA, failure, parse
 from twistarm.viewer.parts.arm_data import tool_path
-from twistarm.viewer.parts.servo import servo_words
-from twistarm.viewer.protocol.messages import SCHEMA, failure, parse
+from twistarm.viewer.parts.custom import Draw
 from twistarm.viewer.scene.arm_drawing import Drawing
+from twistarm.viewer.server.driver import servo_words
 from twistarm.viewer.stage import Stage
 from viewer_page import THETA, Page, matrix, visit
 

@@ -17,8 +17,8 @@ from twistarm import Position, Trajectory, solve_ik
 from twistarm.planning.joint_space import plan_joint
 from twistarm.support.errors import InputError, LimitError, TwistarmError
 from twistarm.support.strict_json import LARGEST_MESSAGE, encode
+from twistarm.viewer.messages import parse
 from twistarm.viewer.parts.pose_list import LARGEST_LIST
-from twistarm.viewer.protocol.messages import parse
 from twistarm.viewer.stage import Stage
 from viewer_page import swing
 

@@ -19,8 +19,7 @@ from twistarm.description.meshes import Part, read_mesh
 from twistarm.support.errors import DescriptionError
 from twistarm.viewer.parts.theory import axes
 from twistarm.viewer.scene import links
-from twistarm.viewer.scene.arm_drawing import Drawing
-from twistarm.viewer.scene.axes import anchors
+from twistarm.viewer.scene.arm_drawing import Drawing, anchors
 from twistarm.viewer.scene.kinematics import carried
 from twistarm.viewer.stage import Stage
 from urdf_text import joint, write

@@ -12,7 +12,7 @@ from recorded_poses import ask, done
 from test_viewer_target import xyzw
 from twistarm import Approach, Arm, InputError, load_arm, solve_ik_all
 from twistarm.viewer import Viewer
-from twistarm.viewer.protocol.messages import SCHEMA
+from twistarm.viewer.messages import SCHEMA
 from twistarm.viewer.stage import Stage
 from viewer_page import Page
 

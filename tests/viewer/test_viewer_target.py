@@ -17,8 +17,8 @@ from twistarm import Arm, InputError, arm_from_screws, joints, load_arm, solve_i
 from twistarm.arm.engine import MOST_JOINTS
 from twistarm.ik import Position
 from twistarm.planning.joint_space import plan_joint
+from twistarm.viewer.messages import SCHEMA
 from twistarm.viewer.parts.target import AT_ONCE, MAX_TIME
-from twistarm.viewer.protocol.messages import SCHEMA
 from twistarm.viewer.stage import Stage
 
 ROVER = load_arm("rover_arm")

@@ -15,8 +15,8 @@ from joint_arms import Joint, by_hand, from_urdf, random_chain
 from recorded_poses import ask
 from twistarm import Arm, ArmBuilder, load_arm, plan_joint
 from twistarm.planning.trajectory import Trajectory
-from twistarm.viewer.files.scene_snapshot import sampled_theory
 from twistarm.viewer.parts.theory import axes, numbers
+from twistarm.viewer.saved_page import sampled_theory
 from twistarm.viewer.stage import Stage
 
 Matrix = NDArray[np.float64]

@@ -140,11 +140,12 @@ def test_the_command_line_prints_in_one_module() -> None:
 VIEWER_FLOORS = (
     ("viewer",),
     ("server",),
-    ("files", "state_transfer"),
-    ("stage", "draw"),
+    ("screenshot",),
+    ("saved_page",),
+    ("stage",),
     ("parts",),
-    ("protocol", "scene"),
-    ("page_files", "memo"),
+    ("scene",),
+    ("messages", "jobs"),
 )
 """The rooms and modules of the view, top to bottom."""
 

@@ -62,7 +62,6 @@ CODES: dict[str, Code] = {
     "companion-not-used": Code("info", "an SRDF or a file of limits is not used: several fit, or it gives too little"),
     # packages and xacro
     "package-not-found": Code("warning", "a package was not found, but nothing the kinematics needs uses it"),
-    "package-not-used": Code("warning", "nothing had to be left out for a package that the caller does without"),
     "package-without-manifest": Code("info", "a folder is taken for a package by its name; it has no package.xml"),
     "package-left-out": Code(
         "info", "a part of the description is left out with the package that the caller does without"

@@ -10,10 +10,12 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from urllib.parse import unquote
 
 from ..support.checks import require_names
-from ..support.errors import InputError, shown
+from ..support.errors import InputError, closest, shown
 from ..support.files import as_path, is_file, open_regular
+from ..support.messages import Text, package_folder
 
 MAX_DEPTH = 4
 """Depth of the search for packages under a folder of the user."""
@@ -59,11 +61,11 @@ class PackageIndex:
     def find(self, package: str) -> Path | None:
         """The folder of `package`, or None."""
         found = self._packages_near.get(package) or self._sourced.get(package)
-        return found[0] if found else self._copy(package, only_marked=True)
+        return found[0] if found else self._copy(package)
 
     def find_for_mesh(self, package: str) -> Path | None:
-        """As `find`, or any folder of that name. Meshes are only drawn, so their contents cannot leak."""
-        return self.find(package) or self._copy(package) or self.find_for_mesh_alone(package)
+        """As `find`, then in `mesh_dirs`. Meshes are only drawn, so their contents cannot leak."""
+        return self.find(package) or self.find_for_mesh_alone(package)
 
     def find_for_mesh_alone(self, package: str) -> Path | None:
         """The folder of `package` in `mesh_dirs`, or None. No text is read there."""
@@ -72,11 +74,6 @@ class PackageIndex:
     def names(self) -> list[str]:
         """The names of all packages that can be found."""
         return [*self._packages_near, *self._sourced]
-
-    @property
-    def near(self) -> tuple[Path, ...]:
-        """Folders in which a mesh without a package's name may lie: those above the description, and the user's."""
-        return (*list(self.file.parents)[:NEAR], *self.user_dirs)
 
     def searched(self) -> str:
         """The places of the search, in words."""
@@ -105,7 +102,7 @@ class PackageIndex:
         if folder not in self._allowed:
             name = None if is_too_wide(folder) else package_name(folder)
             named = name is not None and folder in self._real_folders(name)
-            self._allowed[folder] = named or (folder in self.copies.values() and _is_marked(folder))
+            self._allowed[folder] = named or folder in self.copies.values()
         return self._allowed[folder]
 
     def _real_folders(self, package: str) -> Iterator[Path]:
@@ -125,24 +122,22 @@ class PackageIndex:
             if built and not is_too_wide(sources.parent) and source.is_relative_to(sources):
                 yield from () if any(part[0] == "." for part in source.relative_to(sources).parts) else (source,)
 
-    def _copy(self, package: str, *, only_marked: bool = False) -> Path | None:
-        """The folder of that name, above the description if there is one, else one that looks like a robot's package.
+    def _copy(self, package: str) -> Path | None:
+        """The folder of that name that looks like a robot's package, one above the description first.
 
         A link does not count, nor the home folder and those above it. Of the folders beside them (`/etc`) only those
         above the description count.
         """
         above = self.file.parents
-        named = [folder for folder in self._folders_near if folder.name == package and package[:1] != "."]
         own = [
             folder
-            for folder in named
-            if os.path.realpath(folder) == str(folder) and not is_too_wide(folder)
+            for folder in self._folders_near
+            if folder.name == package and package[:1] != "." and os.path.realpath(folder) == str(folder)
+            if not is_too_wide(folder) and _is_marked(folder)
             if folder in above or not (folder.parent == Path(folder.anchor) or folder.parent in _home().parents)
         ]
-        found = min(own, key=lambda folder: (not _is_marked(folder), folder not in above), default=None)
-        if found is None or (only_marked and not _is_marked(found)):
-            return None
-        return self.copies.setdefault(package, found)
+        found = min(own, key=lambda folder: folder not in above, default=None)
+        return None if found is None else self.copies.setdefault(package, found)
 
     @functools.cached_property
     def _folders_near(self) -> list[Path]:
@@ -291,3 +286,54 @@ def _installed(folder: Path) -> Iterator[Path]:
     """Packages that colcon has installed there: `NAME/share/NAME`, or all in `share`."""
     yield from filter(os.path.isdir, (prefix / SHARE / prefix.name for prefix in _children(folder)))
     yield from _children(folder / SHARE)
+
+
+_IN_PACKAGE = re.compile(r"(?:(?:package|model)://([^/\\]*)|\$\(find\s+([^)\s]+)\))[/\\]*")
+
+
+def resolve_uri(uri: str, packages: PackageIndex) -> Path | None:
+    """The mesh file of a URI: `package://`, `model://`, `file://`, `$(find p)/…`, absolute, or beside the file.
+
+    Without a package's name, `package://` begins at the file's folder, at those above, or at the caller's folders.
+    None if there is no such file, or if it really lies outside the packages and the caller's folders.
+    """
+    _, folders, files = _places(uri, packages)
+    reals = (Path(os.path.realpath(file)) for file in files)
+    given = (*folders, *packages.user_dirs)
+    own = packages.file.parent
+    return next((real for real in reals if real.is_relative_to(own) or packages.allows(real, given)), None)
+
+
+def why_missing(uri: str, packages: PackageIndex) -> tuple[str, str]:
+    """Why there is no file at a URI, and the remedy. Both are equal for files with one remedy."""
+    package, folders, files = _places(uri, packages)
+    if not folders:
+        near = closest(package, packages.names())
+        correct = f"correct the name{near}, or " if near else ""
+        remedy = Text("{correct}pass {folder}", correct=correct, folder=package_folder(package))
+        return f"package {package!r} not found", remedy
+    if files:
+        remedy = Text("pass {folder}", folder=package_folder("them"))
+        return "they lie outside the description's package", remedy
+    where = f"in package {package!r}" if package else "where the description looks for them"
+    return f"no such file stands {where}", "correct the paths, or put the files there"
+
+
+def _places(uri: str, packages: PackageIndex) -> tuple[str, list[Path], list[Path]]:
+    """The package that a URI names, the folders in which its path may begin, and the files that are there.
+
+    `package://./x` and `package:///x` name no package. The path may have %20 for a space, and backslashes.
+    """
+    found = _IN_PACKAGE.match(uri.strip())
+    package = (found[1] or found[2] or "") if found else ""
+    package = "" if package == "." else package
+    path = uri.strip()[found.end() :] if found else re.sub(r"^file://(localhost(?=/))?", "", uri.strip())
+    if package:
+        folders = [folder for folder in [packages.find_for_mesh(package)] if folder is not None]
+    else:
+        parents = packages.file.parents
+        folders = [*parents[:NEAR], *packages.user_dirs] if found else [parents[0]]
+    decoded = unquote(path)
+    spellings = dict.fromkeys((path, decoded, path.replace("\\", "/"), decoded.replace("\\", "/")))
+    files = (folder / spelling for folder in folders for spelling in spellings)
+    return package, folders, [file for file in files if is_file(file)]

@@ -18,7 +18,6 @@ from .bounds import WIDE, limit_numbers, note_softened, rate, read_axis, read_bo
 from .catalog import models_share
 from .document import Reading, existing_file, floats, parse_xml, read_text
 from .expansion.expand import expand_xacro, is_xacro
-from .expansion.expansion import not_used
 from .findings import Place, refusal
 from .geometry import INERTIA, Geometries, drop_unusable_inertials, read_origin
 from .packages import package_index
@@ -70,8 +69,7 @@ def read_description(
         what = f"it is plain URDF and takes no xacro arguments ({', '.join(xacro_args)})"
         raise refusal("xacro-arguments", Place(str(file)), what, "leave them out")
     else:
-        noted = tuple(not_used(package, file) for package in ignore_packages)
-        text, reading = read_text(file), Reading(file, packages)
+        noted, text, reading = (), read_text(file), Reading(file, packages)
     reading.findings += noted
     if may_be_mjcf(text) and (root := parse_xml(text, reading)).tag == "mujoco":
         from .mjcf.translation import translated  # most programs read none

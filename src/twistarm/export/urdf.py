@@ -12,8 +12,7 @@ from ..arm.loading.arm_builder import builder_of
 from ..checking.doctor.repair import COPY, repaired
 from ..description.bounds import LIMIT_NAMES, WIDE
 from ..description.geometry import read_origin
-from ..description.mesh_paths import resolve_uri
-from ..description.packages import package_index
+from ..description.packages import package_index, resolve_uri
 from ..description.source_text import SourceText
 from ..description.tree import Description
 from ..description.writing import add_joint, add_origin, replace_capsules

@@ -15,31 +15,29 @@ from ..collision import Scene
 from ..limits.joint_limits import unit_of
 from ..planning.trajectory import Trajectory
 from ..planning.within import require_within
-from ..support.checks import Array
 from ..support.errors import LimitError, listed, unknown_name
 from ..sweeps.voxel_map import digest_of
+from .jobs import Job
+from .messages import Message, PageRequest, Source
 from .parts.arm_data import (
     LIMIT_TOL,
     checked_theta,
     describe_arm,
     extra_joints,
+    loading_findings,
     require_all_inside,
     require_inside,
     rest,
     tool_path,
 )
 from .parts.collisions import Collisions
-from .parts.controls import Controls
-from .parts.findings import loaded
+from .parts.custom import Controls
 from .parts.player import Player
 from .parts.program import Program
 from .parts.reach import Reach
-from .parts.servo import Gauge
 from .parts.show import NO_REPORT, Part, Route, Show
 from .parts.target import Choices, Solutions, TargetPart
 from .parts.theory import Theory
-from .protocol.jobs import Job
-from .protocol.messages import Message, PageRequest, Source
 from .scene.kinematics import Placement, kinematics
 
 
@@ -53,7 +51,7 @@ class Stage(Show):
         self.scene = scene
         self._placement = Placement(arm)
         self._beside = beside
-        self.findings = loaded(arm)
+        self.findings = loading_findings(arm)
         self.program = Program(arm, self.poses)
         self.reach = Reach()
         self.solutions = Solutions()
@@ -63,7 +61,6 @@ class Stage(Show):
         self.parts: tuple[Part, ...] = (
             Player(),
             TargetPart(),
-            Gauge(arm),
             Theory(arm),
             self.reach,
             self.program,
@@ -139,16 +136,15 @@ class Stage(Show):
         map if the arm is the same.
         """
         self.visible, self.needed, self.tolerances = old.visible, old.needed, old.tolerances
-        self.controls.take_over(old.controls)
         self.drawings = old.drawings
-        self.collisions.follow(old.collisions)
+        self.controls.take_over(old.controls)
+        self.collisions.take_over(old.collisions)
         if digest_of(self.arm) == digest_of(old.arm):
             self.reach.drawn = old.reach.drawn
         words = [*self._take_values(old), *self.poses.take_over(old.poses)]
         if (playback := old.playback) is not None:
-            if self._fits(playback.trajectory, old.arm):
+            if self._fits(playback.trajectory):
                 self.playback = playback
-                self.program.follow(old.program)
                 if old.path["points"]:
                     self.draw_path(tool_path(self.arm, playback.trajectory))
             else:
@@ -158,27 +154,29 @@ class Stage(Show):
     def _take_values(self, old: Stage) -> Iterator[str]:
         """Take over the values of joints by name; the joints that had to move to a limit."""
         before = dict(zip(old.arm.joint_names, old.theta.tolist(), strict=True)) | dict(old.others)
-        names, limits = self.arm.joint_names, self.arm.limits
-        values: Array = np.array([before.get(name, start) for name, start in zip(names, self.theta, strict=True)])
-        self.theta = np.clip(values, limits.lower, limits.upper)
-        rest = {name: before.get(name, start) for name, start in self.others.items()}
-        self.others = {
-            name: float(np.clip(rest[name], joint.lower, joint.upper)) for name, joint in self.extra_joints.items()
-        }
-        moved = [name for name, a, b in zip(names, values, self.theta, strict=True) if abs(a - b) > LIMIT_TOL]
-        moved += [name for name, value in rest.items() if abs(value - self.others[name]) > LIMIT_TOL]
+        moved = []
+
+        def inside(name: str, default: float, lower: float, upper: float) -> float:
+            value = float(np.clip(before.get(name, default), lower, upper))
+            if abs(value - before.get(name, default)) > LIMIT_TOL:
+                moved.append(name)
+            return value
+
+        arm, limits = self.arm, self.arm.limits
+        joints = zip(arm.joint_names, self.theta.tolist(), limits.lower, limits.upper, strict=True)
+        self.theta = np.array([inside(*joint) for joint in joints])
+        others = ((name, value, self.extra_joints[name]) for name, value in self.others.items())
+        self.others = {name: inside(name, value, joint.lower, joint.upper) for name, value, joint in others}
         if moved:
             yield f"moved to the nearer limit: {listed(moved, 6)}"
 
-    def _fits(self, motion: Trajectory, before: Arm) -> bool:
-        """Whether a motion fits this arm's joints and limits. Limits that it broke before do not count."""
-        if motion.joint_names != self.arm.joint_names:
-            return False
-        for limits in (self.arm.limits, before.limits):
+    def _fits(self, motion: Trajectory) -> bool:
+        """Whether a motion has this arm's joints and keeps to its limits."""
+        if motion.joint_names == self.arm.joint_names:
             with suppress(LimitError):
-                require_within(motion, limits)
-                return limits is self.arm.limits
-        return True
+                require_within(motion, self.arm.limits)
+                return True
+        return False
 
     # messages -----------------------------------------------------------------------------------------
 

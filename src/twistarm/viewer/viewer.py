@@ -24,18 +24,16 @@ from ..support.errors import InputError, shown
 from ..support.files import writable, write_whole
 from ..support.interrupts import Closeable
 from ..sweeps import ReachMap
-from .draw import Draw
-from .files.page_export import HEIGHT, Inline, stand_alone
-from .files.scene_snapshot import SceneSnapshot, on_show
-from .files.screenshot import write_picture
+from .messages import LARGEST_VALUE, Message, as_name
 from .parts.arm_data import NO_PATH, check_trajectory, checked_theta, tool_path
-from .parts.controls import Control, V
+from .parts.custom import Control, Draw, V
 from .parts.reach import drawing
-from .parts.servo import servo_words
 from .parts.target import choices_of
-from .protocol.messages import LARGEST_VALUE, Message, as_name
+from .saved_page import HEIGHT, Inline, SceneSnapshot, on_show, stand_alone
 from .scene.arm_drawing import Drawing
 from .scene.drawing import require_meshcat
+from .screenshot import write_picture
+from .server.driver import servo_words
 from .server.watching import Watch
 from .stage import Stage
 
@@ -100,12 +98,10 @@ class Viewer(Closeable):
         """The page's address with its secret token, new at each start. With it, anyone can move the view."""
         name = {"": "127.0.0.1", "0.0.0.0": "127.0.0.1", "::": "::1"}.get(self._host, self._host)
         authority = f"{f'[{name}]' if ':' in name else name}:{self._server.port}"
-        return f"http://{authority}/{self._server.authentication.token}/"
+        return f"http://{authority}/{self._server.token}/"
 
     def open_page(self) -> bool:
-        """Open the page in this user's browser.
-
-        Returns whether a graphical browser exists.
+        """Open the page in this user's browser. Returns whether a graphical browser exists.
 
         The browser starts with `url` as an argument. Other users of a shared computer can read arguments; paste `url`
         there.
@@ -143,17 +139,12 @@ class Viewer(Closeable):
             raise InputError("the viewer was closed: there is nothing to show it in; Viewer(arm) opens another")
 
     def play(self, trajectory: Trajectory, speed: float = 1.0, loop: bool = False) -> None:
-        """Play `trajectory` from its start, `speed` times as fast, repeated with `loop`.
-
-        Returns at once.
+        """Play a trajectory from its start. Returns at once.
 
         Args:
-            trajectory: A motion of the arm on show.
-            speed: Playback speed, 1 as planned.
+            trajectory: A motion of the arm on show. Another arm's raises InputError.
+            speed: Playback speed, above 0, 1 as planned.
             loop: Whether it plays again and again.
-
-        Raises:
-            InputError: The trajectory is of another arm, or speed is not positive.
         """
         self._require_open()
         arm = self.arm
@@ -181,13 +172,13 @@ class Viewer(Closeable):
     ) -> None:
         """Show what `load` returns whenever one of `files`, or a file that it read, changes.
 
-        `twistarm.viewer.server.watching.loaded` finds the files of an arm. The pages show each load, or why it failed
-        while the last good arm stays. `say` receives the same text, from another thread.
+        `twistarm.viewer.server.watching.load_with_files` finds the files of an arm. The pages show each load, or why it
+        failed while the last good arm stays.
 
         Args:
             load: A function that returns the arm.
             files: The files to watch at first.
-            say: Called with a line of text after each change.
+            say: Called with the same line of text after each change, from another thread.
         """
         self._watches.append(Watch(self._server, load, files, say))
 
@@ -294,9 +285,9 @@ class Viewer(Closeable):
     ) -> Control[float]:
         """Show a slider on the pages, in place of a control of the same name.
 
-        Callbacks run one after the other in a thread, and may call every method of the view. If one is slow, the next
-        call skips values. An error in one is shown as one line on the pages and in the terminal. Controls stay when
-        another arm is loaded. Saved pages leave them out.
+        Returns the control, whose `value` Python can read and set. Callbacks run one after the other in a thread, and
+        may call every method of the view. If one is slow, the next call skips values. An error in one is shown as one
+        line on the pages and in the terminal. Controls stay when another arm is loaded. Saved pages leave them out.
 
         Args:
             name: What the pages call it.
@@ -304,12 +295,6 @@ class Viewer(Closeable):
             hi: The upper end.
             on_change: Called with the value after a page has moved the slider, or None.
             value: The first value, by default `lo`.
-
-        Returns:
-            The control, whose `value` Python can read and set.
-
-        Raises:
-            InputError: An argument cannot be used, or the view is closed.
         """
         lower, upper = as_number(lo, "lo"), as_number(hi, "hi")
         if not -LARGEST_VALUE <= lower < upper <= LARGEST_VALUE:
@@ -362,17 +347,9 @@ class Viewer(Closeable):
     def save_html(self, path: str | os.PathLike[str], trajectory: Trajectory | None = None) -> Path:
         """Write a saved page of the present state: joints, layers, findings and the loaded trajectory.
 
-        See `twistarm.viewer.save_html`.
-
         Args:
-            path: The file to write.
+            path: The file to write, as in `twistarm.viewer.save_html`.
             trajectory: A motion that the page plays in place of the loaded one, or None.
-
-        Returns:
-            The path written.
-
-        Raises:
-            InputError: The file cannot be written, or the trajectory is of another arm.
         """
         target = writable(path)
         return write_whole(target, stand_alone(self._exhibit(trajectory)))
@@ -388,12 +365,6 @@ class Viewer(Closeable):
         Args:
             height: Height of the frame [pixels].
             static: Whether the frame holds a stand-alone page instead of the live one.
-
-        Returns:
-            An object that a notebook shows.
-
-        Raises:
-            InputError: An argument cannot be used.
         """
         if as_flag(static, "static"):
             return Inline.page(stand_alone(self._exhibit()), self.arm.name, height)
@@ -407,18 +378,11 @@ class Viewer(Closeable):
         return shown if trajectory is None else shown.playing(trajectory)
 
     def save_png(self, path: str | os.PathLike[str], *, size: tuple[int, int] = (1280, 720)) -> Path:
-        """Write a picture of what is on show; see `twistarm.viewer.save_png`.
+        """Write a picture of what is on show.
 
         Args:
-            path: The file to write, which ends in .png.
+            path: The file to write, as in `twistarm.viewer.save_png`.
             size: (width, height) [pixels].
-
-        Returns:
-            The path written.
-
-        Raises:
-            InputError: The size or the path cannot be used.
-            TwistarmError: There is no browser, or it does not draw.
         """
         return write_picture(path, size, self._exhibit)
 

@@ -18,7 +18,7 @@ from ...description.companions.srdf import ArmGroup, arm_groups, note_names, pat
 from ...description.document import Reading
 from ...description.findings import Finding, Place, finding, refusal
 from ...description.packages import PackageIndex, package_names, variable_names
-from ...description.tips.choice import choose_ends, note_choice
+from ...description.tips import choose_ends, note_choice
 from ...description.tree import Description, Semantics
 from ...description.urdf import build_description, read_description
 from ...limits.joint_limits import JointLimits

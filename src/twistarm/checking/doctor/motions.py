@@ -17,7 +17,7 @@ from ...collision.survey import collision_shares
 from ...description.companions.data_files import toml_key
 from ...description.findings import Finding, Place, finding
 from ...description.source_text import SourceText
-from ...description.tips.bodies import tool_rank
+from ...description.tips import tool_rank
 from ...description.tree import Description
 from ...ik import closed_form_of
 from ...limits.joint_limits import slides

@@ -20,7 +20,6 @@ import numpy as np
 from ...arm.pinocchio_model import model_of, why_no_pinocchio
 from ...description.document import Reading, floats
 from ...description.geometry import inertial_problem
-from ...description.mesh_paths import plain
 from ...description.packages import package_index, package_name
 from ...description.source_text import SourceText
 from ...description.tree import Description
@@ -44,6 +43,7 @@ COPY = "copy.urdf"
 
 _FIND = re.compile(r"^\$\(find\s+([^)\s]+)\)/?")
 _SCHEME = re.compile(r"^\w+://")
+_SLASHES = re.compile(r"(?<=[^:/\\])[/\\]+")
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ def _mend_mesh(source: SourceText, mesh: ET.Element, description: Description, f
     """A path that is found from `folder`, and three scales."""
     changes: dict[str, str | None] = {}
     written = mesh.get("filename", "").strip()
-    moved, scale = _moved_uri(plain(written), description, folder), (mesh.get("scale") or "1 1 1").split()
+    moved, scale = _moved_uri(_SLASHES.sub("/", written), description, folder), (mesh.get("scale") or "1 1 1").split()
     if moved != written:
         changes["filename"] = moved
         yield f"mesh path {written!r} made {moved!r}"

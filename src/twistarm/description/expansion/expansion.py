@@ -65,7 +65,6 @@ class Expansion:
         self._xacro, self._ignored, self._env_vars = xacro, tuple(ignore_packages), tuple(env_vars)
         self._documents: list[dict[str, str | None]] = []
         self._unknown: set[str] = set()
-        self._idle = dict.fromkeys(self._ignored)
         self._notes: dict[str, Finding] = {}
 
     def findings(self) -> tuple[Finding, ...]:
@@ -75,7 +74,7 @@ class Expansion:
             what = f"$(find {package}): package not found; nothing the kinematics needs uses it"
             remedy = Text("pass {folder} if its files matter", folder=package_folder(package))
             unknown.append(finding("package-not-found", Place(self.path.name), what, remedy))
-        return (*unknown, *self._notes.values(), *(not_used(package, self.path) for package in self._idle))
+        return (*unknown, *self._notes.values())
 
     @property
     def arguments(self) -> dict[str, str | None]:
@@ -186,9 +185,7 @@ class Expansion:
 
     def _find(self, package: str) -> str:
         """The text for the folder of a package."""
-        self._idle.pop(package, None)
-        known = self.packages.find(package) or self.packages.find_for_mesh_alone(package)
-        if known is None and package not in self._ignored:
+        if self.packages.find_for_mesh(package) is None and package not in self._ignored:
             self._unknown.add(package)
         return PACKAGE + package if is_package_name(package) else MISSING_PACKAGE + package
 
@@ -229,7 +226,7 @@ class Expansion:
             raise
         root = parse_xml(text, Reading(path, self.packages))
         self._documents.append(arguments_in(root))
-        return _document(text, root, path)
+        return _document(text, path)
 
     def _include_files(self, pattern: str, symbols: Any) -> Iterator[str]:
         """The file that an include names, or those that its wildcards match."""
@@ -271,10 +268,7 @@ class Expansion:
     def _is_ignored(self, name: str) -> bool:
         """Whether a file belongs to an ignored package, by `$(find …)` or by a folder of that name."""
         parts = Path(name.removeprefix(PACKAGE).replace("\\", "/")).parts
-        ignored = [package for package in self._ignored if package in parts]
-        for package in ignored:
-            self._idle.pop(package, None)
-        return bool(ignored)
+        return any(package in parts for package in self._ignored)
 
     def _leave_out(self, what: str) -> None:
         place = replace(self.place, file=os.path.basename(self.place.file))
@@ -298,28 +292,15 @@ class Expansion:
         return self._xacro.original["handle_macro_call"](node, macros, symbols)
 
 
-def not_used(package: str, file: Path) -> Finding:
-    """The finding for a package without which nothing is left out."""
-    what = f"nothing is left out without {package!r}: no file of it is opened"
-    remedy = Text("correct the name, or take it out of {without}", without=Argument("ignore_packages", None))
-    return finding("package-not-used", Place(file.name), what, remedy)
-
-
-def _document(text: str, root: ET.Element, path: Path) -> Any:
+def _document(text: str, path: Path) -> Any:
     """minidom's document without the file's encoding, and without comments, which slow xacro down."""
     options = xmlbuilder.Options()
     options.comments = False
     try:
         return expatbuilder.makeBuilder(options).parseString(re.sub(r"^\s*<\?xml[^>]*\?>", "", text))
     except expat.ExpatError as error:  # of namespaces: all else was well-formed before
-        what, remedy = "an attribute is given twice, by two prefixes of one namespace", "keep one of them"
-        if error.code == expat.errors.codes[expat.errors.XML_ERROR_UNBOUND_PREFIX]:
-            names = [name for element in root.iter() for name in (element.tag, *element.attrib)]
-            declared = {"xml", "xmlns", *(name[len("xmlns:") :] for name in names if name.startswith("xmlns:"))}
-            lost = next((name for name in names if ":" in name and name.partition(":")[0] not in declared), "…:")
-            prefix = lost.partition(":")[0]
-            what = f"the prefix of {lost!r} is not declared"
-            remedy = f'add xmlns:{prefix}="{XACRO if prefix == "xacro" else "…"}" to <robot>'
+        what = f"a prefix of a namespace cannot be read: {expat.ErrorString(error.code)}"
+        remedy = f'declare each prefix once, as xmlns:xacro="{XACRO}" in <robot>'
         raise refusal("xml-malformed", Place(str(path), error.lineno), what, remedy) from error
 
 

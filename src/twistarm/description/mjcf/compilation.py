@@ -23,7 +23,7 @@ from ...support.interrupts import ending_at_once
 from ...theory.rotations import from_quaternion_wxyz
 from ..document import MAX_NESTING, Reading, Refused, parse_xml, read_inside, real_inside
 from ..findings import refusal
-from ..mesh_paths import resolve_uri
+from ..packages import resolve_uri
 
 UNUSED = ("size", "statistic", "visual", "sensor", "custom", "extension", "texture", "hfield", "skin", "layer", "pair")
 """What kinematics, masses and shapes without pictures do not need. A `<size>` can ask for any amount of memory."""

@@ -25,8 +25,8 @@ from ...arm.arm import Arm
 from ...arm.loading.load import load_arm
 from ...support.errors import InputError, one_line
 from ...support.files import as_path, stamp, write_whole
-from ...viewer.files.screenshot import browser_at_work, printed
-from ...viewer.server.watching import loaded
+from ...viewer.screenshot import browser_at_work, printed
+from ...viewer.server.watching import load_with_files
 from ..course import ERRATA, lesson_file, lessons
 from ..teaching.reader import VARIABLE
 from .lesson import cells_of, title_of
@@ -85,7 +85,7 @@ def build(
         TwistarmError: The arm cannot be loaded.
     """
     wanted = lessons() if names is None else tuple(names)
-    the_arm, read = loaded(partial(load_arm, **arm))
+    the_arm, read = load_with_files(partial(load_arm, **arm))
     site = _made(as_path(folder).absolute())
     made_of = _stamps(arm, wanted, read)
     if all((site / f"{name}.html").is_file() for name in ("index", *wanted)) and _recorded(site) == made_of:

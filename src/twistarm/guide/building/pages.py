@@ -11,7 +11,7 @@ from typing import Any
 import twistarm
 
 from ...arm.arm import Arm
-from ...viewer.files.page_export import scoped
+from ...viewer.saved_page import scoped
 from ..course import LESSONS, PARTS, SECTIONS, lessons
 from ..exercises.files import HERE
 from ..teaching.html import table, text

@@ -237,7 +237,7 @@ def arm_points(arm: Arm, theta: ArrayLike) -> Array:
     A joint's point is the origin of its link. Without a description it is the point of the axis nearest to the one
     before.
     """
-    from ...viewer.scene.axes import anchors
+    from ...viewer.scene.arm_drawing import anchors
 
     x = np.asarray(theta, float)
     return np.array([np.zeros(3), *anchors(arm, x), arm.fk(x)[:3, 3]])

@@ -76,16 +76,15 @@ def scene(
 ) -> str:
     """An arm to look at from all sides: a saved page in a frame, a drawing for paper."""
     # The view takes a while to import, and only scenes need it.
-    from ...viewer.files.page_export import Inline, beside, stand_alone
-    from ...viewer.files.scene_snapshot import of_arm
-    from ...viewer.parts.findings import loaded
+    from ...viewer.parts.arm_data import loading_findings
+    from ...viewer.saved_page import Inline, beside, of_arm, stand_alone
 
     shown = of_arm(arm, trajectory, theta)
     if shown.playback is not None and trajectory is not None:
         # Nobody looks yet: the reader plays it, from its beginning.
         shown = replace(shown, playback=replace(shown.playback, running=False), theta=trajectory(0.0))
     # No doctor is going to look, so nothing is said of one; where loading noted nothing, the page shows no findings.
-    findings = {**loaded(arm), "note": ""}
+    findings = {**loading_findings(arm), "note": ""}
     shown = replace(shown, visible={**shown.visible, "screws": screws}, findings=findings)
     if folder is None:
         frame = Inline.page(stand_alone(shown), alt).html

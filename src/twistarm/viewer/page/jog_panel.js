@@ -1,7 +1,6 @@
-// The panel Jog: the switch that begins and ends a servo, the axes, the speed, the buttons and the gauges.
+// The panel Jog: the switch that begins and ends a servo, the axes, the speed and the buttons.
 
 import { $, $$ } from "./element.js";
-import { Gauge } from "./gauge.js";
 import { speedWords } from "./jog_line.js";
 import { JogPad } from "./jog_pad.js";
 import { tell } from "./words.js";
@@ -19,13 +18,11 @@ export class JogPanel {
     this.on_unreachable = "slide";
     this.free = false;
     this.pad = new JogPad(jog, $("jog-pad"), $("jog-joints"));
-    this.gauge = new Gauge($("gauges"));
     this.axes = $$('#jog-axes input[type="radio"]');
     this.choices = $$('#jog-unreachable input[type="radio"]');
     this.messages = {
       drive: (message) => this.showDrive(message),
       servo: ({ driven }) => this.showDrive({ driven }),
-      gauge: (message) => this.gauge.show(message),
     };
     $("drive").addEventListener("change", () => {
       ask({ type: "servo", on: $("drive").checked });
@@ -43,10 +40,7 @@ export class JogPanel {
     }
     $("slower").addEventListener("click", () => jog.pace(-1));
     $("faster").addEventListener("click", () => jog.pace(1));
-    $("radians").addEventListener("change", () => {
-      this.gauge.refresh();
-      this.show();
-    });
+    $("radians").addEventListener("change", () => this.show());
     jog.changed = () => this.show();
     this.show();
     this.showDrive({});
@@ -85,6 +79,5 @@ export class JogPanel {
 
   offline() {
     this.showDrive({ on: false, driven: false });
-    this.gauge.show({ sigma: null, joint: null });
   }
 }

@@ -15,9 +15,8 @@ from ...planning.trajectory import Trajectory
 from ...support.checks import Array, as_vector
 from ...support.errors import InputError
 from ...theory.rotations import from_xyzw
-from ..memo import Memo, same
-from ..protocol.jobs import Job, Progress
-from ..protocol.messages import Message, packed
+from ..jobs import Job, Memo, Progress, same
+from ..messages import Message, packed
 from ..scene.drawing import columns, link_path
 from .pose_list import RecordedPose
 from .show import Part, Route, Show
@@ -52,7 +51,7 @@ class Collisions(Part):
             "save_scene": Route(self._save),
         }
 
-    def follow(self, other: Collisions) -> None:
+    def take_over(self, other: Collisions) -> None:
         """Take over the obstacles of another arm."""
         self._before = other.scene or other._before
 

@@ -13,8 +13,8 @@ from ...limits.joint_limits import JointLimits, usual_range
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ...support.errors import InputError
-from ..memo import Memo
-from ..protocol.messages import Message
+from ..jobs import Memo
+from ..messages import Message
 from .arm_data import checked_theta
 from .show import Part, Playback, Route, Show
 

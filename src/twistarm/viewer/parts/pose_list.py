@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -44,13 +44,6 @@ class RecordedPose:
         return {"name": self.name, "theta": self.theta.tolist(), "by": self.by}
 
 
-class Step(NamedTuple):
-    """A change of the list: its name, and the poses as they are without it."""
-
-    words: str
-    poses: tuple[RecordedPose, ...]
-
-
 class PoseList:
     """Poses of one arm in order. A refused change leaves the list unchanged."""
 
@@ -58,7 +51,8 @@ class PoseList:
         self._arm = arm
         self._made = 0
         self.poses: tuple[RecordedPose, ...] = ()
-        self._steps: dict[str, list[Step]] = {"undo": [], "redo": []}
+        self._steps: dict[str, list[tuple[str, tuple[RecordedPose, ...]]]] = {"undo": [], "redo": []}
+        """The changes that can be undone or redone: the name of each, and the poses without it."""
 
     def record(self, name: str, theta: Array) -> None:
         """Add theta (n,) at the end. An empty name is made up, and one that is taken gets a number."""
@@ -98,23 +92,23 @@ class PoseList:
         if not self._steps[kind]:
             raise InputError(f"nothing to {kind} in the list of poses")
         words, poses = self._steps[kind].pop()
-        self._steps["redo" if kind == "undo" else "undo"].append(Step(words, self.poses))
+        self._steps["redo" if kind == "undo" else "undo"].append((words, self.poses))
         self.poses = poses
 
     def next_step(self, kind: str) -> str | None:
         """The name of the change that "undo" or "redo" concerns; None without one."""
-        return self._steps[kind][-1].words if self._steps[kind] else None
+        return self._steps[kind][-1][0] if self._steps[kind] else None
 
     def take_over(self, other: PoseList) -> list[str]:
         """Take over the poses of another arm with joints of the same names. Returns in words what is left out."""
-        reasons = [why for pose in other.poses if (why := self._why_not_added(other._arm.joint_names, pose))]
+        reasons = [why for pose in other.poses if (why := self._why_left_out(pose, other._arm.joint_names))]
         which = "a pose is" if len(reasons) == 1 else f"{len(reasons)} poses are"
         return [f"{which} left out: {reasons[0]}"] if reasons else []
 
-    def _why_not_added(self, joints: Sequence[str], pose: RecordedPose) -> str:
-        """Add a pose in the order of `joints`; "" or why that is impossible."""
+    def _why_left_out(self, pose: RecordedPose, joints: Sequence[str]) -> str:
+        """Why a pose in the order of `joints` is left out; "" where it is taken."""
         try:
-            self._keep([*self.poses, self._read(pose.entry(), self._order(joints), self.poses)])
+            self.poses += (self._read(pose.entry(), self._order(joints), self.poses),)
         except (InputError, LimitError) as error:
             return str(error)
         return ""
@@ -151,13 +145,11 @@ class PoseList:
 
     def _read(self, pose: Mapping[str, Any], order: Sequence[int], others: Sequence[RecordedPose]) -> RecordedPose:
         """A pose of a list with another joint order."""
-        values = np.array(pose["theta"], dtype=np.float64)
+        values, name = np.array(pose["theta"], dtype=np.float64), one_line(pose["name"], LONGEST_NAME)
         if values.shape != (len(order),):
-            name = one_line(pose["name"], LONGEST_NAME)
             raise InputError(f"the pose '{name}' has {len(values)} values, and the list moves {len(order)} joints")
         by = pose.get("by", MOVES[0])
         if by not in MOVES:
-            name = one_line(pose["name"], LONGEST_NAME)
             raise InputError(f"by of the pose '{name}' must be one of {', '.join(MOVES)}")
         return self._new(pose["name"], values[order], others, by)
 
@@ -169,14 +161,14 @@ class PoseList:
             raise InputError(f"the list moves {moved}; {self._arm.name} has {', '.join(names)}")
         return [list(joints).index(name) for name in names]
 
-    def _keep(self, poses: Sequence[RecordedPose], words: str = "") -> None:
-        """Take these poses as the list. `words` name the change; without them it cannot be undone."""
+    def _keep(self, poses: Sequence[RecordedPose], words: str) -> None:
+        """Take these poses as the list. `words` name the change that can be undone."""
         given = [pose.entry() for pose in poses]
         size = len(encode({"joints": self._arm.joint_names, "poses": given}))
         if size > LARGEST_LIST and len(poses) >= len(self.poses):
             raise InputError(f"a list has at most {LARGEST_LIST} bytes; {len(poses)} poses would have {size}")
-        if words and tuple(poses) != self.poses:
-            self._steps = {"undo": [*self._steps["undo"][1 - MAX_STEPS :], Step(words, self.poses)], "redo": []}
+        if tuple(poses) != self.poses:
+            self._steps = {"undo": [*self._steps["undo"][1 - MAX_STEPS :], (words, self.poses)], "redo": []}
         self.poses = tuple(poses)
 
 

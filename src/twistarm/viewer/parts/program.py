@@ -23,9 +23,8 @@ from ...planning.segments import ArcMove, FreeMove, JointMove, LineMove, ScrewMo
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ...support.errors import InputError
-from ..memo import Memo
-from ..protocol.jobs import Job, Progress
-from ..protocol.messages import Message
+from ..jobs import Job, Memo, Progress
+from ..messages import Message
 from ..scene.kinematics import Placement, link_matrices
 from .arm_data import drawn, tool_path
 from .pose_list import PoseList, RecordedPose
@@ -125,12 +124,6 @@ class Program(Part):
         """The list, its last changes, and whether the trajectory that is loaded is the one through it."""
         yield self._message(self.list.poses, None if show.playback is None else show.playback.trajectory)
         yield {"type": "history", **{kind: self.list.next_step(kind) for kind in ("undo", "redo")}}
-
-    def follow(self, other: Program) -> None:
-        """Take over the motion that `other` planned and its poses."""
-        self._motion = other._motion
-        if [pose.entry() for pose in self.list.poses] == [pose.entry() for pose in other.list.poses]:
-            self._through = _listed(self.list.poses) if other._through == _listed(other.list.poses) else ()
 
     def _described(self, listed: tuple[RecordedPose, ...], loaded: Trajectory | None) -> Message:
         ours = loaded is not None and loaded is self._motion

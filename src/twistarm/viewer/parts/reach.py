@@ -12,8 +12,8 @@ from ...arm.arm import Arm
 from ...support.checks import Array
 from ...sweeps import ReachMap, reach_map
 from ...sweeps.mapping import sphere
-from ..protocol.jobs import Job, Progress
-from ..protocol.messages import Message, packed
+from ..jobs import Job, Progress
+from ..messages import Message, packed
 from .show import Part, Show
 
 ACROSS = 12

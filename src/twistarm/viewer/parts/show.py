@@ -15,8 +15,8 @@ from ...control.servo.settings import SLIDE
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array, as_theta
 from ...support.errors import InputError
-from ..protocol.jobs import Job
-from ..protocol.messages import Message
+from ..jobs import Job
+from ..messages import Message
 from .arm_data import NO_PATH, checked_theta, extra_joints, rest
 from .pose_list import PoseList
 

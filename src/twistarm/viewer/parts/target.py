@@ -17,8 +17,8 @@ from ...support.checks import Array
 from ...support.directions import value_in_words
 from ...support.errors import InputError
 from ...theory import rotations
-from ..protocol.jobs import Job
-from ..protocol.messages import Message
+from ..jobs import Job
+from ..messages import Message
 from ..scene.kinematics import Placement, ghost, link_matrices
 from .show import Part, Route, Show
 

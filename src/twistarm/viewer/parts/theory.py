@@ -14,9 +14,9 @@ from ...support.directions import axis_in_words
 from ...theory import poe
 from ...theory.manipulability import Manipulability, scaled_jacobian
 from ...theory.screws import to_screw
-from ..memo import Memo
-from ..protocol.messages import Message
-from ..scene.axes import AXIS_HALF, PITCHLESS, anchors, arm_size
+from ..jobs import Memo
+from ..messages import Message
+from ..scene.arm_drawing import AXIS_HALF, PITCHLESS, anchors, arm_size
 from ..scene.drawing import screw_path
 from .show import Part, Show
 

@@ -1,18 +1,24 @@
-"""The drawing of an arm: parts without files first, then its meshes one by one."""
+"""The drawing of an arm: screws, rods and links without files first, then its meshes one by one."""
 
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import chain
 from typing import Any
 
+import numpy as np
+
 from ...arm.arm import Arm
+from ...limits.joint_limits import slides
+from ...support.checks import Array
+from ...support.files import stamp
+from ...theory import poe
+from ...theory.screws import to_screw
 from . import drawing
-from .axes import arm_size, draw_rods, draw_screws
-from .drawing import link_path
-from .links import Drawn, Source, count_meshes, draw_meshes, draw_plain, lost_meshes
+from .drawing import STICK, Colour, link_path, rod_path, screw_path
+from .links import Drawn, Read, count_meshes, draw_meshes, draw_plain, lost_meshes
 
 BESIDE = "/beside"
 """The node that carries all of a second arm."""
@@ -31,19 +37,17 @@ class Drawing:
     its origin to the joints that it carries. An arm without a description is drawn as rods between points of its axes.
     """
 
-    def __init__(
-        self, arm: Arm, exact: bool = False, known: Mapping[Source, Drawn] | None = None, beside: Arm | None = None
-    ) -> None:
-        """known: drawn meshes, which are not read again."""
+    def __init__(self, arm: Arm, exact: bool = False, read: Read | None = None, beside: Arm | None = None) -> None:
+        """read: meshes that are not read again."""
         drawing.require_meshcat()
-        self._known = dict(known or {})
         self.exact, self.simplified = exact, False
         self._description, self._size, self._beside = arm.description, arm_size(arm), beside
-        self.objects = [*draw_screws(arm), *_frames(self._size), *_plain(arm)]
+        frames = [*drawing.triad("/frames/space", 0.16 * self._size), *drawing.axes("/frames/tool", 0.11 * self._size)]
+        self.objects = [*draw_screws(arm), *frames, *_plain(arm)]
         self.links: dict[str, str] = {}
         self.notes: tuple[str, ...] = ()
         self.live: frozenset[bytes] = frozenset()
-        self._pieces: dict[str, Drawn] = {}  # by node
+        self._read = {} if read is None else read
         self._places: dict[str, range] = {}  # in `objects`, of each mesh drawn
         self._meshes: Iterator[Drawn]
         self._turn, self._lock = threading.Lock(), threading.Lock()
@@ -51,7 +55,7 @@ class Drawing:
             self.links = {name: link_path(name) for name in arm.description.links}
             self.notes = lost_meshes(arm.description)
         if beside is not None:
-            self._draw_live([drawing.below(BESIDE, each) for each in _plain(beside)])
+            self._draw_live([drawing.below(BESIDE, part) for part in _plain(beside)])
             self.notes += () if beside.description is None else lost_meshes(beside.description)
         self.plain = len(self.objects)
         self._begin()
@@ -60,15 +64,15 @@ class Drawing:
         self.left, self._meshes = 0, iter(())
         if self._description is not None:
             self.left = count_meshes(self._description)
-            self._meshes = draw_meshes(self._description, self._size, self.exact, self._known)
+            self._meshes = draw_meshes(self._description, self._size, self.exact, self._read)
         if self._beside is not None and (other := self._beside.description) is not None:
             self.left += count_meshes(other)
-            pieces = draw_meshes(other, arm_size(self._beside), self.exact, {})
+            pieces = draw_meshes(other, arm_size(self._beside), self.exact, self._read)
             self._meshes = chain(self._meshes, map(_below, pieces))
 
     def successor(self, arm: Arm) -> Drawing:
         """The drawing of another arm. Unchanged files are not read again."""
-        return Drawing(arm, self.exact, {piece.source: piece for piece in self._pieces.values() if piece.drawn})
+        return Drawing(arm, self.exact, {key: it for key, it in list(self._read.items()) if stamp(key[0]) == key[1]})
 
     def draw_again(self, exact: bool) -> None:
         """Draw the meshes again, with all triangles or simplified.
@@ -76,7 +80,8 @@ class Drawing:
         Returns at once and drops the results of pending reads.
         """
         with self._lock:
-            self.exact = exact
+            if exact != self.exact:
+                self.exact, self._read = exact, {}
             self._begin()
 
     def draw(self) -> bool:
@@ -115,7 +120,6 @@ class Drawing:
         self._places[piece.node] = range(len(self.objects), len(self.objects) + len(piece.objects))
         if piece.node.startswith(BESIDE):
             return self._draw_live(piece.objects)
-        self._pieces[piece.node] = piece
         self.objects += piece.objects
 
     def whole(self) -> Drawing:
@@ -136,15 +140,88 @@ class Drawing:
         }
 
 
-def _frames(size: float) -> list[bytes]:
-    return [*drawing.triad("/frames/space", 0.16 * size), *drawing.axes("/frames/tool", 0.11 * size)]
-
-
 def _plain(arm: Arm) -> list[bytes]:
     return draw_rods(arm) if arm.description is None else draw_plain(arm.description, arm_size(arm))
 
 
 def _below(piece: Drawn) -> Drawn:
     """A mesh of the second arm, below its node."""
-    drawn = tuple(drawing.below(BESIDE, each) for each in piece.objects)
+    drawn = tuple(drawing.below(BESIDE, part) for part in piece.objects)
     return replace(piece, node=BESIDE + piece.node, objects=drawn)
+
+
+# screws and rods, which need no description ------------------------------------------------------------
+
+KIND_COLOURS: dict[str, Colour] = {
+    "revolute": (0.85, 0.15, 0.58, 1.0),
+    "prismatic": (0.05, 0.60, 0.65, 1.0),
+    "helical": (0.78, 0.57, 0.06, 1.0),
+}
+"""Colours of screws: without pitch, of infinite pitch (a slide), any other. The page's legend repeats them."""
+
+AXIS_HALF = 0.18
+"""Half the arrow along an axis, in sizes of the arm."""
+
+PITCHLESS = 1e-9
+"""A pitch below this share of the arm's size counts as 0."""
+
+
+def arm_size(arm: Arm) -> float:
+    """A length [m] that scales axes and frames: the reach, or the tool's distance without turning joints."""
+    far = max(arm.reach, float(np.linalg.norm(arm.home[:3, 3])))
+    return far if far > 1e-6 else 1.0
+
+
+def anchors(arm: Arm, theta: Array | None = None) -> Array:
+    """A point (m, 3) on each moving joint's axis at theta (n,), 0 by default.
+
+    It is the origin of the joint's link. Without a description it is the point of the axis nearest to the last one.
+    """
+    x = np.zeros(arm.n) if theta is None else theta
+    if arm.description is not None:
+        poses = arm.poses(x)
+        return np.array([poses[arm.description.joints[name].child][:3, 3] for name in arm.moving_names])
+    points: list[Array] = []
+    last: Array = np.zeros(3)
+    for xi in poe.spatial_jacobian(arm.screws, arm.coupling.A @ x).T:
+        screw = to_screw(xi)
+        if np.isfinite(screw.pitch):
+            last = screw.point + screw.axis * (screw.axis @ (last - screw.point))
+        points.append(last)
+    return np.array(points)
+
+
+def screw_kinds(arm: Arm) -> list[str]:
+    """`revolute`, `prismatic` or `helical` for each moving joint, by the pitch of its screw."""
+    size = arm_size(arm)
+    pitches = [float(to_screw(xi).pitch) for xi in arm.screws.T]
+    return ["prismatic" if np.isinf(h) else "revolute" if abs(h) < PITCHLESS * size else "helical" for h in pitches]
+
+
+def draw_screws(arm: Arm) -> list[bytes]:
+    """An arrow along each axis at theta = 0. The joint's partial product carries it."""
+    drawn: list[bytes] = []
+    size = arm_size(arm)
+    for i, (xi, anchor, kind) in enumerate(zip(arm.screws.T, anchors(arm), screw_kinds(arm), strict=True)):
+        half = AXIS_HALF * size * to_screw(xi).axis
+        drawn += drawing.arrow(f"{screw_path(i)}/axis", anchor - half, anchor + half, 0.0055 * size, KIND_COLOURS[kind])
+    return drawn
+
+
+def draw_rods(arm: Arm) -> list[bytes]:
+    """Rods between axes at theta = 0, each in its joint's node, and a rail under each slide."""
+    size = arm_size(arm)
+    points = [np.zeros(3), *anchors(arm), arm.home[:3, 3]]
+    paths = ["/arm/rod:base", *(rod_path(i) for i in range(arm.screws.shape[1]))]
+    drawn: list[bytes] = []
+    for path, start, end in zip(paths, points[:-1], points[1:], strict=True):
+        drawn.append(drawing.sphere(f"{path}/origin", 0.02 * size, STICK, drawing.at(start)))
+        if np.linalg.norm(end - start) > 1e-3 * size:
+            drawn.append(drawing.rod(f"{path}/rod", start, end, 0.012 * size, STICK))
+    lower, upper = (np.clip(arm.coupling.A @ bound, -size, size) for bound in arm.sampling_bounds)
+    for i, kind in enumerate(screw_kinds(arm)):
+        if slides(kind):
+            axis = to_screw(arm.screws[:, i]).axis
+            ends = points[i + 1] + lower[i] * axis, points[i + 1] + upper[i] * axis
+            drawn.append(drawing.rod(f"{paths[i]}/rail", *ends, 0.006 * size, STICK))
+    return drawn

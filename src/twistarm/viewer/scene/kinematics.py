@@ -14,7 +14,7 @@ from ...ik import IKResult
 from ...support.checks import Array
 from ...theory.rotations import to_rpy
 from ...theory.screws import exp, transform_twist
-from ..memo import Memo
+from ..jobs import Memo
 from .drawing import link_path, rod_path, screw_path
 
 

@@ -32,15 +32,15 @@ THICK, STOUT = 0.025, 0.3
 """Radius of a replacing capsule: in sizes of the arm, and at most in lengths of the link's longest."""
 
 
-Source = tuple[object, ...]
-"""What determines a drawn mesh. Equal sources give equal messages."""
+Read = dict[tuple[Path, "tuple[int, ...] | None", float], "list[Part] | str"]
+"""The parts of a mesh, or why it cannot be read, by its file, the file's stamp and the most triangles."""
 
 
 @dataclass(frozen=True)
 class Drawn:
     """The result for the mesh at `node`: messages that draw it or its replacement, and a failure's reason.
 
-    `drawn`: it could be read. `exact`: it shows all triangles of the file. `source`: its origin.
+    `drawn`: it could be read. `exact`: it shows all triangles of the file.
     """
 
     node: str
@@ -48,7 +48,6 @@ class Drawn:
     note: str
     drawn: bool
     exact: bool
-    source: Source
 
 
 def draw_plain(description: Description, size: float) -> list[bytes]:
@@ -71,39 +70,29 @@ def lost_meshes(description: Description) -> tuple[str, ...]:
     return (f"drawn as simple shapes, the mesh was not found: {listed(dict.fromkeys(lost))}",) if lost else ()
 
 
-def draw_meshes(description: Description, size: float, exact: bool, known: Mapping[Source, Drawn]) -> Iterator[Drawn]:
+def draw_meshes(description: Description, size: float, exact: bool, read: Read) -> Iterator[Drawn]:
     """Draw each mesh in its link's node.
 
-    Each file is read once, and its fault reported once. Meshes in `known`, drawn from the same source, are not read.
+    A file is read unless it is in `read`, which keeps it. Its fault is reported once.
 
     Unless `exact`, an arm of more than TRIANGLES is simplified to about that many. Each file keeps its share by bytes.
     """
-    most = {} if exact else _shares(description)
-    read: dict[Path, list[Part] | str] = {}
+    shares = {} if exact else _shares(description)
     reported = {""}
     for link in description.links.values():
-        undrawn = _is_only_meshes(link)
-        found = _found(link)
+        found, replaced, any_drawn = _found(link), _is_only_meshes(link), False
         for k, (node, visual, path) in enumerate(found, 1):
-            source = _source(node, visual, path, most.get(path, inf), k == len(found))
-            if source in known:
-                undrawn = False
-                yield known[source]
-                continue
-            if path not in read:
-                read[path] = _parts_or_reason(path, most.get(path, inf))
-            parts = read[path]
-            objects, note = _mesh_or_reason(node, visual, path, parts)
+            most = shares.get(path, inf)
+            key = path, stamp(path), most
+            if key not in read:
+                read[key] = _parts_or_reason(path, most)
+            objects, note = _mesh_or_reason(node, visual, path, read[key])
             drawn = bool(objects)
-            undrawn = undrawn and not drawn
-            if k == len(found) and _is_only_meshes(link):
-                objects += lost_frame(link, size) if undrawn else [drawing.removed(stand_in_path(link))]
-            yield Drawn(node, tuple(objects), "" if note in reported else note, drawn, _all_exact(parts), source)
+            any_drawn = any_drawn or drawn
+            if replaced and k == len(found):
+                objects += [drawing.removed(stand_in_path(link))] if any_drawn else lost_frame(link, size)
+            yield Drawn(node, tuple(objects), "" if note in reported else note, drawn, _all_exact(read[key]))
             reported.add(note)
-
-
-def _source(node: str, visual: Geometry, path: Path, most: float, last: bool) -> Source:
-    return node, path, stamp(path), most, visual.origin.tobytes(), visual.size, visual.colour, last
 
 
 def _found(link: Link) -> list[tuple[str, Geometry, Path]]:

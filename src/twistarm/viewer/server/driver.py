@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from math import inf
 from typing import Any
@@ -13,13 +13,14 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line
-from ...control.servo import ServoSettings, ServoState
+from ...control.servo import PoseCommand, ServoOutput, ServoSettings, ServoState
 from ...control.servo.settings import ON_UNREACHABLE, SLIDE
 from ...control.stream import Cycle, Ending, Inbox, Reading, SimulatedJoints, command_of, run
+from ...support.checks import require
 from ...support.errors import InputError
+from ..messages import PageRequest
 from ..parts.arm_data import require_all_inside
-from ..parts.servo import servo_words
-from ..protocol.messages import PageRequest
+from ..parts.show import NO_REPORT
 from ..stage import Stage
 
 COMMANDS = ("jog", "jog_joints", "stop")
@@ -29,6 +30,27 @@ STOP_TIMEOUT = 3.0
 
 Post = Callable[[str, Callable[[Stage], None]], None]
 """Applies a change of the stage in the loop."""
+
+
+def servo_words(answer: Cycle | ServoOutput) -> dict[str, Any]:
+    """The answer of a servo or its loop in words.
+
+    {"status": status of a ServoOutput or null, "joint": name or null, "reason": text, "share": executed share of the
+    command from 0 to 1, or null}.
+    """
+    output, asked = answer, True
+    if not isinstance(output, ServoOutput):
+        cycle = require(answer, Cycle, "answer", "as stream.run hands to on_cycle, or a ServoOutput, or None")
+        if cycle.setpoint is None or not cycle.delivered:
+            return {**NO_REPORT, "reason": cycle.reason}
+        reading, output = cycle.reading, cycle.setpoint.output
+        if reading is not None and reading.idle and reading.reason == cycle.reason:
+            return NO_REPORT
+        command = None if reading is None else reading.command
+        # A stop is no share of anything.
+        asked = command is not None and (isinstance(command, PoseCommand) or bool(command.numbers.any()))
+    share = round(output.share, 2) if asked and output.status != "STALE" else None  # whole percents: pages get changes
+    return {"status": output.status, "joint": output.joint, "reason": output.explain(), "share": share}
 
 
 class PageCommands:
@@ -61,25 +83,21 @@ class PageCommands:
                 "no servo takes commands here: start one by `twistarm servo ARM`, by Viewer.commands, "
                 "or by the switch Drive in the Jog panel"
             )
-        stops = request.kind == "stop"
+        fields, names = request.fields, self.arm.joint_names
         try:
-            command = command_of(self.arm, self._message(request))
+            if request.kind == "jog_joints":
+                rates = fields["rates"]
+                if len(rates) != len(names):
+                    raise InputError(
+                        f"rates must be {len(names)} numbers, base to tip: {', '.join(names)}; got {len(rates)}"
+                    )
+                fields = {"jog": dict(zip(names, rates, strict=True))}
+            command = command_of(self.arm, {"stop": True} if request.kind == "stop" else fields)
         except InputError as error:
             self.refuse(sender, str(error))
             raise
         self.inbox.put(sender, command, time.monotonic())
-        (self._jogging.discard if stops else self._jogging.add)(sender)
-
-    def _message(self, request: PageRequest) -> Mapping[str, Any]:
-        """The command as `command_of` takes it."""
-        if request.kind == "stop":
-            return {"stop": True}
-        if request.kind == "jog":
-            return request.fields
-        rates, names = request.fields["rates"], self.arm.joint_names
-        if len(rates) != len(names):
-            raise InputError(f"rates must be {len(names)} numbers, base to tip: {', '.join(names)}; got {len(rates)}")
-        return {"jog": dict(zip(names, rates, strict=True))}
+        (self._jogging.discard if request.kind == "stop" else self._jogging.add)(sender)
 
     def refuse(self, sender: str, reason: str) -> None:
         """Handle an unusable message or the end of a page. If the page jogs, the arm comes to rest."""
@@ -98,7 +116,6 @@ class Driver:
     def __init__(self, stage: Stage, commands: PageCommands, post: Post) -> None:
         self._stage, self._commands, self._post = stage, commands, post
         self._drive: Drive | None = None
-        self._thread: threading.Thread | None = None
         self._closed = False
         self._beginning = threading.Lock()  # no drive begins while the driver is closed
 
@@ -125,8 +142,7 @@ class Driver:
 
     def stop(self) -> None:
         """Bring the arm to rest, then end the drive. Returns at once; any thread may call it."""
-        drive = self._drive
-        if drive is not None:
+        if (drive := self._drive) is not None:
             drive.end()
 
     def drop(self, reason: str = "") -> None:
@@ -134,18 +150,16 @@ class Driver:
 
         reason: the message for the pages; "" where a servo of the program takes over.
         """
-        drive = self._drive
-        if drive is not None:
+        if (drive := self._drive) is not None:
             drive.drop(reason)
 
     def close(self, timeout: float) -> None:
         """Bring the arm to rest and wait until the thread ends. No other drive begins after that."""
         with self._beginning:
-            self._closed = True
-            thread = self._thread
-        self.stop()
-        if thread is not None:
-            thread.join(timeout)
+            self._closed, drive = True, self._drive
+        if drive is not None:
+            drive.end()
+            drive.thread.join(timeout)
 
     def _begin(self) -> None:
         stage = self._stage
@@ -158,8 +172,7 @@ class Driver:
             stage.begin_drive(defaults_line(stage.arm))
             self._commands.drive = True
             self._drive = Drive(stage, self._commands, self._post, self._end)
-            self._thread = threading.Thread(target=self._drive.run, name="twistarm drive", daemon=True)
-            self._thread.start()
+            self._drive.thread.start()
 
     def _end(self, drive: Drive) -> None:
         """Clean up in the loop, after the thread's last message."""
@@ -171,15 +184,16 @@ class Driver:
 
 
 class Drive:
-    """One drive. At its end the loop calls `ended(drive)`."""
+    """One drive, which `thread` runs. At its end the loop calls `ended(drive)`."""
 
     def __init__(self, stage: Stage, commands: PageCommands, post: Post, ended: Callable[[Drive], None]) -> None:
-        self.arm = stage.arm
-        self.asked_at = inf
+        self.asked_at = inf  # when its end was asked for
         self.dropped = self.taken_over = False
         self.problem = ""
-        self._joints = SimulatedJoints(self.arm, np.clip(stage.theta, self.arm.limits.lower, self.arm.limits.upper))
-        self._commands, self._post, self._ended, self._scene = commands, post, ended, stage.scene
+        self.thread = threading.Thread(target=self._run, name="twistarm drive", daemon=True)
+        self._arm, self._scene, self._commands, self._post, self._ended = stage.arm, stage.scene, commands, post, ended
+        limits = stage.arm.limits
+        self._joints = SimulatedJoints(stage.arm, np.clip(stage.theta, limits.lower, limits.upper))
         self._showing = threading.Lock()
         self._shown: tuple[bytes, object] = (b"", None)
 
@@ -200,13 +214,11 @@ class Drive:
             return Reading(None, inf, "Drive was switched off", idle=True)
         return self._commands.inbox.read(now, state)
 
-    def run(self) -> None:
-        """Run the drive; the body of the thread."""
+    def _run(self) -> None:
         try:
-            settings = self._commands.servo_settings(ServoSettings())
             report = run(
-                self.arm, self, self._joints, self._joints,
-                settings=settings, scene=self._scene, until=self._done, on_cycle=self._show,
+                self._arm, self, self._joints, self._joints, scene=self._scene, until=self._done, on_cycle=self._show,
+                settings=self._commands.servo_settings(ServoSettings()),
             )  # fmt: skip
             if report.ending is not Ending.DONE:
                 self.problem = f"the drive has ended: {report.reason}"

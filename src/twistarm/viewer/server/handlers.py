@@ -1,17 +1,21 @@
-"""Handlers of the web server: the page's files, downloads, and a socket per page with a bounded outbox."""
+"""Handlers of the web server: who is admitted, the page's files, downloads, and a socket for each page."""
 
 from __future__ import annotations
 
 import asyncio
+import hmac
+import ipaddress
 import logging
 import re
-import threading
+import socket
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
-from dataclasses import dataclass
 from functools import partial
+from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from threading import Thread
+from typing import Any, NamedTuple
+from urllib.parse import urlsplit
 
 import tornado.web
 import tornado.websocket
@@ -20,12 +24,43 @@ from ...collision.scene_file import scene_text
 from ...planning.trajectory_files import Writing, written
 from ...support.errors import InputError, TwistarmError
 from ...support.strict_json import LARGEST_MESSAGE, encode
-from ..files.page_export import modules, stand_alone
-from ..files.scene_snapshot import on_show
-from ..page_files import page_files
+from ..saved_page import meshcat_bundle, modules, on_show, stand_alone
 from ..scene.arm_drawing import Drawing
 from ..stage import Stage
 from .server import Server
+
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
+EVERYWHERE = ("", "0.0.0.0", "::")
+
+WRONG_TOKEN = "wrong token: a view has a new address at each start; open the one that it printed last"
+
+
+def admits_host(listening: str, header: str) -> bool:
+    """Whether a Host header names this machine, where the server listens on the host `listening`.
+
+    Any port is right, because ports may be forwarded. A foreign page may let a name resolve to this machine (DNS
+    rebinding). Its Host header still carries that name.
+    """
+    try:
+        parts = urlsplit(f"//{header}")
+        _ = parts.port  # raises where it is no number
+    except ValueError:
+        return False
+    if parts.hostname is None or parts.netloc != header or "@" in header:
+        return False
+    name, own = parts.hostname, socket.gethostname().lower()
+    if name in (*LOOPBACK, listening.lower()):
+        return True
+    return listening in EVERYWHERE and (_is_address(name) or name in (own, f"{own.split('.')[0]}.local"))
+
+
+def _is_address(name: str) -> bool:
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True
+
 
 SAMPLE_TIME = 0.01
 """Time between two rows of an export [s]."""
@@ -34,8 +69,7 @@ MOST_SAMPLES = 20_000
 """Most rows of an exported motion: some megabytes for seven joints."""
 
 
-@dataclass(frozen=True)
-class Download:
+class Download(NamedTuple):
     """A file: its content type, and the ending of its name after the arm's name.
 
     The loop calls `prepare(stage, drawing)`, which copies what it needs from the stage. A thread calls the result,
@@ -45,10 +79,6 @@ class Download:
     content_type: str
     ending: str
     prepare: Callable[[Stage, Drawing], Callable[[], str | bytes]]
-
-    def file_name(self, arm: str) -> str:
-        """The file's name, in letters that every system and header takes."""
-        return re.sub(r"[^A-Za-z0-9._-]", "_", arm)[:100] + self.ending
 
 
 def _motion(kind: str, stage: Stage, drawing: Drawing) -> Callable[[], str | bytes]:
@@ -63,10 +93,9 @@ def _page(stage: Stage, drawing: Drawing) -> Callable[[], str]:
 
 
 def _scene(stage: Stage, drawing: Drawing) -> Callable[[], str]:
-    made = stage.collisions.scene
-    if made is None:
+    if stage.collisions.scene is None:
         raise InputError("there is no scene yet: switch the layer Collision on first")
-    return partial(scene_text, made.content(), Path.cwd())
+    return partial(scene_text, stage.collisions.scene.content(), Path.cwd())
 
 
 DOWNLOADS: Mapping[str, Download] = {
@@ -78,6 +107,12 @@ DOWNLOADS: Mapping[str, Download] = {
 }
 """Downloads by their name under the token."""
 
+TYPES = {
+    "html": "text/html; charset=utf-8",
+    "css": "text/css; charset=utf-8",
+    "js": "text/javascript; charset=utf-8",
+    "json": "application/json",
+}
 
 HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
 """Headers of every answer, refusals included."""
@@ -114,7 +149,7 @@ def application(server: Server) -> tornado.web.Application:
         ],
         default_handler_class=Guarded,
         default_handler_args=shared,
-        files=_files(),
+        files=_page_files(),
         log_function=lambda handler: None,
         websocket_max_message_size=LARGEST_MESSAGE,
         websocket_ping_interval=PING_TIME,
@@ -122,18 +157,26 @@ def application(server: Server) -> tornado.web.Application:
     )
 
 
-def _files() -> dict[str, tuple[str, bytes]]:
-    """The page's files. index.html requests all modules of main.js at once."""
-    files = page_files()
-    kind, page = files[""]
+def _page_files() -> dict[str, tuple[str, bytes]]:
+    """Each file by its name under the token: (content type, content). '' is the page.
+
+    index.html requests all modules of main.js at once.
+    """
+    folder = files("twistarm.viewer").joinpath("page")
+    named = {item.name: item.name.rpartition(".")[2] for item in folder.iterdir()}
+    served = {
+        name: (TYPES[ending], folder.joinpath(name).read_bytes()) for name, ending in named.items() if ending in TYPES
+    }
+    served["meshcat.js"] = (TYPES["js"], meshcat_bundle().encode())
     links = [f'<link rel="modulepreload" href="{name}">' for name in modules("main.js")]
     links.append('<link rel="preload" href="schema.json" as="fetch" crossorigin>')
-    files[""] = kind, page.replace(b"</head>", "\n".join([*links, "</head>"]).encode(), 1)
-    return files
+    kind, page = served["index.html"]
+    served[""] = kind, page.replace(b"</head>", "\n".join([*links, "</head>"]).encode(), 1)
+    return served
 
 
 class Guarded(tornado.web.RequestHandler):
-    """A GET with our token, Host and Origin. Other requests are refused in one line."""
+    """A GET with our token and a Host and Origin of ours. Other requests are refused in one line."""
 
     SUPPORTED_METHODS = ("GET",)
 
@@ -149,9 +192,14 @@ class Guarded(tornado.web.RequestHandler):
 
     def prepare(self) -> None:
         """Called by tornado before the method."""
-        reason = self.server.authentication.refusal(self.request.path, self.request.headers)
-        if reason:
-            raise tornado.web.HTTPError(403, reason=reason)
+        if not admits_host(self.server.host, self.request.headers.get("Host") or self.server.host):
+            raise tornado.web.HTTPError(403, reason="foreign Host")
+        origin = self.request.headers.get("Origin")  # programs send none
+        if origin is not None and urlsplit(origin).netloc != self.request.headers.get("Host"):
+            raise tornado.web.HTTPError(403, reason="foreign Origin")
+        token = self.request.path.partition("/")[2].partition("/")[0]
+        if not hmac.compare_digest(token.encode(), self.server.token.encode()):
+            raise tornado.web.HTTPError(403, reason=WRONG_TOKEN)
 
     def write_error(self, status_code: int, **kwargs: Any) -> None:
         """One line of text instead of tornado's page."""
@@ -171,10 +219,10 @@ class PageHandler(Guarded):
         """Send the file. /TOKEN redirects to /TOKEN/, the base of the page's relative addresses."""
         if not name and not self.request.path.endswith("/"):
             return self.redirect(f"/{token}/")
-        files: Mapping[str, tuple[str, bytes]] = self.settings["files"]
-        if name not in files:
+        served: Mapping[str, tuple[str, bytes]] = self.settings["files"]
+        if name not in served:
             raise tornado.web.HTTPError(404)
-        kind, content = files[name]
+        kind, content = served[name]
         self.set_header("Content-Type", kind)
         self.set_header("Content-Security-Policy", POLICY.format(host=self.request.host))
         self.write(content)
@@ -192,9 +240,9 @@ class DownloadHandler(Guarded):
             self.set_status(404)
             self.set_header("Content-Type", "text/plain; charset=utf-8")
             return await self.finish(f"{error}\n")
+        arm = re.sub(r"[^A-Za-z0-9._-]", "_", self.server.stage.arm.name)[:100]  # what every system and header takes
         self.set_header("Content-Type", download.content_type)
-        file_name = download.file_name(self.server.stage.arm.name)
-        self.set_header("Content-Disposition", f'attachment; filename="{file_name}"')
+        self.set_header("Content-Disposition", f'attachment; filename="{arm}{download.ending}"')
         await self.finish(text)
 
 
@@ -209,7 +257,7 @@ async def _in_daemon_thread(call: Callable[[], str | bytes]) -> str | bytes:
         except Exception as error:
             done.set_exception(error)
 
-    threading.Thread(target=run, name="twistarm file", daemon=True).start()
+    Thread(target=run, name="twistarm file", daemon=True).start()
     return await asyncio.wrap_future(done)
 
 
@@ -225,10 +273,6 @@ class SocketHandler(Guarded, tornado.websocket.WebSocketHandler):
         self._sender: asyncio.Task[None] | None = None
         self._sent = 0
         self.name = next(server.names)
-
-    def check_origin(self, origin: str) -> bool:
-        """Ask `authentication`, which knows forwarded ports."""
-        return self.server.authentication.admits_origin(origin)
 
     def open(self, *path: str, **arguments: str) -> None:
         """Greet the page, then keep it up to date."""

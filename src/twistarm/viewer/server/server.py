@@ -8,22 +8,25 @@ import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future, wait
 from contextlib import suppress
+from errno import EACCES, EADDRINUSE
 from functools import partial
 from itertools import count
+from secrets import token_urlsafe
+from socket import socket
 from typing import Any, Protocol, TypeVar
 
 from tornado.httpserver import HTTPServer
+from tornado.netutil import bind_sockets
 from tornado.web import Application
 
 from ...arm.arm import Arm
-from ...support.errors import InputError, TwistarmError
+from ...support.errors import InputError, TwistarmError, shown
 from ...support.strict_json import encode
-from ..parts.findings import examined
-from ..protocol.jobs import Job, Progress, Workers
-from ..protocol.messages import ChangePublisher, Message, PageRequest, Source, failure, number_of, parse
+from ..jobs import Job, Progress, Workers
+from ..messages import ChangePublisher, Message, PageRequest, Source, failure, number_of, parse
+from ..parts.arm_data import doctor_findings
 from ..scene.arm_drawing import Drawing
 from ..stage import Stage
-from .access import Authentication, bind
 from .driver import COMMANDS, Driver, PageCommands
 
 FRAME_TIME = 1.0 / 60.0
@@ -58,11 +61,11 @@ class Server:
     ) -> None:
         """application: makes the handlers of the requests to a server."""
         self._application = application
+        self.host, self.token = host, token_urlsafe(16)
         self.commands = PageCommands(stage.arm)
         self.clients: dict[Client, None] = {}
         self._sockets = bind(host, port)
         self.port = int(self._sockets[0].getsockname()[1])
-        self.authentication = Authentication(host)
         self.notice: Message = {"type": "notice", "words": "", "wrong": False}
         self._lock = threading.Lock()
         self._changes: dict[str, Change] = {}
@@ -144,12 +147,6 @@ class Server:
         if meshes:
             self._workers.submit(Job("scene", "reading the meshes", draw, lambda result: None))
 
-    def examine(self) -> None:
-        """Have the doctor examine the arm in a thread."""
-        stage = self.stage
-        show = partial(setattr, stage, "findings")
-        self._workers.submit(Job("doctor", "examining the arm", lambda progress: examined(stage.arm), show))
-
     def _deliver(self, action: Callable[[], None]) -> None:
         """Finish a job: run `action` in the loop at once, then update the pages."""
         with suppress(RuntimeError):  # the loop may have been closed meanwhile
@@ -181,7 +178,7 @@ class Server:
             self._application(self), idle_connection_timeout=IDLE_TIME, max_header_size=LARGEST_HEAD, max_body_size=0
         )
         listener.add_sockets(self._sockets)
-        self._start_examination()
+        self._consultation = self._loop.create_task(self._examine_in_calm())
         self._started.set()
         await self._stop.wait()
         listener.stop()
@@ -191,9 +188,6 @@ class Server:
             client.close(1001, "the viewer was closed")
         await listener.close_all_connections()
 
-    def _start_examination(self) -> None:
-        self._consultation = self._loop.create_task(self._examine_in_calm())
-
     def _exchange(self, stage: Stage, drawing: Drawing) -> list[str]:
         old = self.stage
         if old.driven:
@@ -202,7 +196,7 @@ class Server:
         self._consultation.cancel()
         drawing.draw_again(self.drawing.exact)
         self._adopt(stage, drawing)
-        self._start_examination()
+        self._consultation = self._loop.create_task(self._examine_in_calm())
         self._draw_meshes()
         self._submit(stage.reach.due(stage))
         texts = self.state()
@@ -212,15 +206,13 @@ class Server:
         return words
 
     async def _examine_in_calm(self) -> None:
-        """Examine the arm after CALM_TIME [s] of calm, so as not to delay page loads and servos."""
-        before = False
-        while not (before and self._is_calm()):
-            before = self._is_calm()
-            await asyncio.sleep(CALM_TIME)
-        self.examine()
-
-    def _is_calm(self) -> bool:
-        return bool(self.clients) and not self.stage.driven and not self.drawing.left
+        """Have the doctor examine the arm after CALM_TIME [s] of calm, so as not to delay page loads and servos."""
+        stage, calm = self.stage, 0
+        while calm < 2:
+            calm = calm + 1 if self.clients and not stage.driven and not self.drawing.left else 0
+            await asyncio.sleep(CALM_TIME if calm < 2 else 0.0)
+        show = partial(setattr, stage, "findings")
+        self._workers.submit(Job("doctor", "examining the arm", lambda progress: doctor_findings(stage.arm), show))
 
     def state(self) -> dict[str, str]:
         """The messages of the whole view, by type. Other pages get the recent changes too."""
@@ -348,3 +340,19 @@ class Server:
     def _tell(self, kind: str, text: str) -> None:
         for client in self.clients:
             client.put(kind, text)
+
+
+def bind(host: str, port: int) -> list[socket]:
+    """Sockets that listen on `host` and `port` (0: a free one). InputError where that is impossible."""
+    if not isinstance(port, int) or isinstance(port, bool) or not 0 <= port <= 65535:
+        raise InputError(f"port must be 0 (a free one) … 65535; got {shown(port)}")
+    try:
+        return bind_sockets(port, host or None)
+    except (OSError, UnicodeError) as error:
+        free, remedy = "--port 0 (port=0) for a free one", "use 127.0.0.1, or an address of this machine"
+        why = {
+            EADDRINUSE: f"port {port} is in use on {host}; take another, or {free}",
+            EACCES: f"port {port} needs more rights than this user has; take one above 1023, or {free}",
+        }
+        other = f"cannot listen on host {host!r}: {error}; {remedy}"
+        raise InputError(why.get(getattr(error, "errno", 0), other)) from error

@@ -14,7 +14,7 @@ from ...support.errors import one_line, without_places
 from ...support.files import as_paths, stamp
 from ...support.interrupts import Closeable
 
-if TYPE_CHECKING:  # without the extra `view` there is no tornado, and `loaded` needs none
+if TYPE_CHECKING:  # without the extra `view` there is no tornado, and `load_with_files` needs none
     from .server import Server
 
 PERIOD = 0.25
@@ -27,7 +27,7 @@ CHANGES_TIMEOUT = 2.0
 Stamps = dict[Path, tuple[int, ...] | None]
 
 
-def loaded(load: Callable[[], Arm]) -> tuple[Arm, set[Path]]:
+def load_with_files(load: Callable[[], Arm]) -> tuple[Arm, set[Path]]:
     """The arm that `load` returns, and all files read or looked for, meshes included."""
     with noted_files() as files:
         arm = load()
@@ -52,7 +52,6 @@ class Watch(Closeable):
     ) -> None:
         self._server, self._load, self._say = server, load, say
         self._stamps = stamps(files)
-        self._waiting = False
         self._closed = threading.Event()
         self._thread = threading.Thread(target=self._run, name="twistarm watch", daemon=True)
         self._thread.start()
@@ -63,9 +62,16 @@ class Watch(Closeable):
         self._thread.join(1.0)
 
     def _run(self) -> None:
+        waiting = False
         while not self._closed.wait(PERIOD):
-            if stamps(self._stamps) != self._stamps:
-                self._take(self._stable_stamps())
+            if stamps(self._stamps) == self._stamps:
+                continue
+            if not self._server.stage.driven:
+                waiting = False
+                self._load_again(self._stable_stamps())
+            elif not waiting:
+                waiting = True
+                self._tell("the files have changed, and will be loaded once no servo drives", wrong=False)
 
     def _stable_stamps(self) -> Stamps:
         """The stamps once they no longer change: an editor may still be writing."""
@@ -75,10 +81,7 @@ class Watch(Closeable):
             before, now = now, stamps(self._stamps)
         return now
 
-    def _take(self, now: Stamps) -> None:
-        if self._server.stage.driven:
-            self._wait()
-            return
+    def _load_again(self, now: Stamps) -> None:
         files: set[Path] = set()
         try:
             with noted_files() as files:
@@ -87,21 +90,13 @@ class Watch(Closeable):
             if not self._closed.is_set():
                 self._tell("; ".join(["loaded again", *self._server.exchange(arm)]), wrong=False)
         except Exception as error:
-            if self._server.stage.driven:  # since a moment ago
-                self._wait()
+            if self._server.stage.driven:  # a servo has begun meanwhile: the next look comes in a moment
                 return
             self._tell(f"not loaded again: {one_line(str(error) or type(error).__name__)}", wrong=True)
             files |= set(self._stamps)  # what the arm on show is made of may be what has to be mended
         self._stamps = {path: now[path] if path in now else stamp(path) for path in files}
 
-    def _wait(self) -> None:
-        """Report once that the loading waits; the next look comes in a moment."""
-        if not self._waiting:
-            self._tell("the files have changed, and will be loaded once no servo drives", wrong=False)
-            self._waiting = True
-
     def _tell(self, words: str, wrong: bool) -> None:
-        self._waiting = False
         if not self._closed.is_set():
             text = without_places(words, *self._stamps)
             self._server.notify(f"{time.strftime('%H:%M:%S')} {text}", wrong)

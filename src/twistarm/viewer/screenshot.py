@@ -16,26 +16,21 @@ from pathlib import Path
 
 from numpy.typing import ArrayLike
 
-from ...arm.arm import Arm
-from ...planning.trajectory import Trajectory
-from ...support.errors import InputError, TwistarmError, one_line, shown
-from ...support.files import writable, write_whole
-from ..parts.findings import loaded
-from .page_export import stand_alone
-from .scene_snapshot import SceneSnapshot, of_arm
+from ..arm.arm import Arm
+from ..planning.trajectory import Trajectory
+from ..support.errors import InputError, TwistarmError, shown
+from ..support.files import writable, write_whole
+from .parts.arm_data import loading_findings
+from .saved_page import SceneSnapshot, of_arm, stand_alone
 
-NAMES = (
-    "chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "microsoft-edge", "microsoft-edge-stable"
-)  # fmt: skip
-"""Browsers on PATH, in the order in which they are tried."""
-
-PLACES = (
+BROWSERS = (
+    "chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "microsoft-edge", "microsoft-edge-stable",
     "/snap/bin/chromium",
     "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
     "/Applications/Chromium.app/Contents/MacOS/Chromium",
     "/Applications/Microsoft Edge.app/Contents/MacOS/Microsoft Edge",
-)
-"""Where they are installed without being on PATH."""
+)  # fmt: skip
+"""Browsers on PATH, and where they are installed without being on it, in the order in which they are tried."""
 
 FLAGS = (
     "--headless",
@@ -65,25 +60,14 @@ TIMEOUT = 60.0
 
 
 def find_browser() -> str:
-    """Find the first browser of `NAMES` on PATH, then of `PLACES`. Raises TwistarmError without one."""
-    found = next(filter(None, map(shutil.which, (*NAMES, *PLACES))), None)
+    """Find the first of `BROWSERS`. Raises TwistarmError without one."""
+    found = next(filter(None, map(shutil.which, BROWSERS)), None)
     if found is None:
         raise TwistarmError(
-            f"a picture or print needs a browser, and there is none of {', '.join(NAMES)} on PATH, nor Chrome, "
-            "Chromium or Edge in /Applications; install one (on Debian: apt install chromium), or open the page "
-            "yourself (view -o FILE.html, guide -o DIR)"
+            "a picture or print needs Chromium, Chrome or Edge, and none of them is on PATH or in /Applications; "
+            "install one (on Debian: apt install chromium), or open the page yourself (view -o FILE.html, guide -o DIR)"
         )
     return found
-
-
-def is_snap(browser: str) -> bool:
-    """Whether this is a snap: a link to `snap`, or Ubuntu's wrapper script."""
-    real = Path(browser).resolve()
-    if real.name == "snap" or real.is_relative_to("/snap"):
-        return True
-    with suppress(OSError), real.open("rb") as file:
-        return b"/snap/bin/" in file.read(4096)
-    return False
 
 
 @contextmanager
@@ -93,9 +77,13 @@ def browser_at_work(doing: str) -> Iterator[tuple[str, Path]]:
     Raises TwistarmError without a browser, or where the folder cannot be used.
     """
     browser = find_browser()
-    # A snap sees neither /tmp nor hidden folders, but what is below the home folder.
-    home = Path.home() if is_snap(browser) else None
     try:
+        # A snap sees neither /tmp nor hidden folders, but what is below the home folder. It is a link to `snap`, or
+        # Ubuntu's wrapper script.
+        real = Path(browser).resolve()
+        with real.open("rb") as program:
+            snap = real.name == "snap" or real.is_relative_to("/snap") or b"/snap/bin/" in program.read(4096)
+        home = Path.home() if snap else None
         with tempfile.TemporaryDirectory(prefix="twistarm-", dir=home, ignore_cleanup_errors=True) as folder:
             yield browser, Path(folder)
     except OSError as error:
@@ -106,43 +94,35 @@ def draw(browser: str, page: Path, size: tuple[int, int]) -> bytes:
     """The PNG that `browser` makes of `page`. The file counts, not how the browser ends: some linger after writing."""
     picture = page.with_name("arm.png")
     window = "--window-size={},{}".format(*size)
-    end = _run(browser, page, (BUDGET, window, f"--screenshot={picture}"), "#pane")
-    data = picture.read_bytes() if picture.is_file() else b""
-    wrong = fault(data, size) if data else f"{end} and wrote no picture"
+    end = _run(browser, page, (window, f"--screenshot={picture}"), "#pane")
+    wrong = fault(picture.read_bytes(), size) if picture.is_file() else f"{end} and wrote no picture"
     if wrong:
         raise TwistarmError(f"{browser} {wrong}")
-    return data
+    return picture.read_bytes()
 
 
 def printed(browser: str, page: Path) -> bytes:
     """The PDF that `browser` prints of `page`, without its own head and foot."""
     paper = page.with_name("page.pdf")
-    end = _run(browser, page, (BUDGET, "--no-pdf-header-footer", f"--print-to-pdf={paper}"))
+    end = _run(browser, page, ("--no-pdf-header-footer", f"--print-to-pdf={paper}"))
     data = paper.read_bytes() if paper.is_file() else b""
     if not (data.startswith(b"%PDF-") and data.rstrip().endswith(b"%%EOF")):
         raise TwistarmError(f"{browser} {end} and printed no whole PDF")
     return data
 
 
-def _run(browser: str, page: Path, wishes: tuple[str, ...], place: str = "") -> str:
+def _run(browser: str, page: Path, options: tuple[str, ...], place: str = "") -> str:
     """Have `browser` open `page` for at most `TIMEOUT`; how it ended. None of its processes lives on."""
-    folder = page.parent
     profile = f"--user-data-dir={page.with_name('profile')}"
-    command = (browser, *FLAGS, profile, *wishes, f"{page.as_uri()}{place}")
     # Debian's launcher makes a folder in the configuration, whatever profile it is given.
-    own = {"XDG_CONFIG_HOME": str(folder), "XDG_CACHE_HOME": str(folder)}
-    log = folder / "log"
-    with log.open("wb") as output:
-        process = subprocess.Popen(
-            command,
-            stdin=subprocess.DEVNULL,
-            stdout=output,
-            stderr=output,
-            env={**os.environ, **own},
-            start_new_session=True,
-        )
+    own = {"XDG_CONFIG_HOME": str(page.parent), "XDG_CACHE_HOME": str(page.parent)}
+    process = subprocess.Popen(
+        (browser, *FLAGS, BUDGET, profile, *options, f"{page.as_uri()}{place}"),
+        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        env={**os.environ, **own}, start_new_session=True,
+    )  # fmt: skip
     try:
-        code = process.wait(TIMEOUT)
+        return f"ended with code {process.wait(TIMEOUT)}"
     except subprocess.TimeoutExpired:
         return f"was ended after {TIMEOUT:g} s"
     finally:
@@ -150,8 +130,6 @@ def _run(browser: str, page: Path, wishes: tuple[str, ...], place: str = "") -> 
         with suppress(ProcessLookupError, PermissionError):
             os.killpg(process.pid, signal.SIGKILL)
         process.wait()
-    said = log.read_text("utf-8", errors="replace").strip().rpartition("\n")[2]
-    return f"ended with code {code}" + (f" ({one_line(said, 200)})" if said else "")
 
 
 def fault(data: bytes, size: tuple[int, int]) -> str | None:
@@ -187,20 +165,15 @@ def save_png(
     Chromium, Chrome or Edge must be installed. It draws the 3D view of the `save_html` page without a GPU, with a
     temporary profile. The file is written whole or not at all.
 
+    Returns the path. Raises InputError for a size, theta or path that cannot be used, MissingExtraError without
+    Meshcat, TwistarmError without a browser or if it does not draw.
+
     Args:
         arm: The arm.
         path: The file to write, which ends in .png.
         theta: The configuration to show (n,) [rad, m]. By default the trajectory's start, else the ready pose.
         size: (width, height) [pixels].
         trajectory: A motion whose tool path is drawn, or None.
-
-    Returns:
-        The path written.
-
-    Raises:
-        InputError: The size, theta or the path cannot be used.
-        MissingExtraError: Meshcat is not installed.
-        TwistarmError: There is no browser, or it does not draw.
     """
     start = trajectory(0.0) if trajectory is not None and theta is None else theta
     return write_picture(path, size, lambda: of_arm(arm, trajectory, start))
@@ -225,7 +198,7 @@ def png_of(size: tuple[int, int], show: Callable[[], SceneSnapshot]) -> bytes:
         raise InputError(f"size must be {wanted}; got {shown(size)}")
     with browser_at_work("draw") as (browser, folder):
         snapshot = replace(show(), playback=None)
-        page = stand_alone(replace(snapshot, findings=loaded(snapshot.arm)))
+        page = stand_alone(replace(snapshot, findings=loading_findings(snapshot.arm)))
         # Windows have a minimal width and frames: the page itself has this size.
         style = f"<style>body {{ width: {width}px; height: {height}px; }}</style>\n</head>"
         return draw(browser, write_whole(folder / "arm.html", page.replace("</head>", style, 1)), (width, height))

@@ -7,15 +7,15 @@ import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
 
-from ...support.checks import as_flag, as_number, as_whole
-from ...support.errors import InputError, shown, without_places
-from ...support.fields import Check, fields, list_of, numbers, one_of
-from ...support.strict_json import decoded, encode
-from ..page_files import page_text
+from ..support.checks import as_flag, as_number, as_whole
+from ..support.errors import InputError, shown, without_places
+from ..support.fields import Check, fields, list_of, numbers, one_of
+from ..support.strict_json import decoded, encode
 
 Message = dict[str, Any]
 """A message to the pages: its `type`, and the fields of that type in the schema."""
@@ -102,7 +102,9 @@ def _check(word: str) -> Check:
     return one_of(word.split("|")) if "|" in word else CHECKS[word]
 
 
-SCHEMA: Mapping[str, Mapping[str, Mapping[str, str]]] = json.loads(page_text("schema.json"))
+SCHEMA: Mapping[str, Mapping[str, Mapping[str, str]]] = json.loads(
+    files(__package__).joinpath("page").joinpath("schema.json").read_text("utf-8")
+)
 
 REQUESTS = {kind: {name: _check(word) for name, word in fields.items()} for kind, fields in SCHEMA["requests"].items()}
 
@@ -129,8 +131,8 @@ class ChangePublisher:
     def everything(self) -> dict[str, str]:
         """The texts for a new page, by type."""
         texts = dict(self._texts)
-        for error in self._failing.values():
-            texts["error"] = error
+        if self._failing:
+            *_, texts["error"] = self._failing.values()
         return texts
 
     def _ask(self, place: int, source: Source, changed: dict[str, str]) -> None:
@@ -140,8 +142,7 @@ class ChangePublisher:
                 if self._shown.get(kind) != message:
                     self._texts[kind] = changed[kind] = encode(message)
                     self._shown[kind] = message
+            self._failing.pop(place, None)
         except Exception as error:
             if place not in self._failing:
                 self._failing[place] = changed["error"] = encode(failure(error))
-        else:
-            self._failing.pop(place, None)

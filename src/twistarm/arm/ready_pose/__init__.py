@@ -1,1 +1,0 @@
-"""A computed configuration to start from, in round numbers."""

@@ -1,1 +1,0 @@
-"""Files of the view: stand-alone pages, pictures, and the view inside a notebook."""

@@ -1,1 +1,0 @@
-"""The protocol between page and process: messages, changes, and work in threads."""
