@@ -151,7 +151,7 @@ class Viewer(Closeable):
         check_trajectory(arm, trajectory)
         times, again = as_positive(speed, "speed"), as_flag(loop, "loop")
         self._server.driver.drop(MOVED)
-        self._post("play", arm, lambda stage: stage.load(trajectory, times, again, time.monotonic()))
+        self._post("play", arm, lambda stage: stage.load(trajectory, times, again).play(time.monotonic()))
 
     def _post(self, key: str, arm: Arm, change: Callable[[Stage], None]) -> None:
         """Change what is on show, unless another arm has replaced `arm`."""
@@ -161,9 +161,7 @@ class Viewer(Closeable):
         """Show `arm` in place of the present one on all open pages, then return.
 
         Joints keep their values by name. Layers, camera, poses and the motion stay if they fit. Returns the changes and
-        omissions in words. Omitted poses return with an arm that allows them.
-
-        Raises InputError while a servo drives the arm, or if the view is closed.
+        omissions in words. Raises InputError while a servo drives the arm, or if the view is closed.
         """
         return tuple(self._server.exchange(arm))
 

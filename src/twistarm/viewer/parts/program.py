@@ -28,7 +28,7 @@ from ..messages import Message
 from ..scene.kinematics import Placement, link_matrices
 from .arm_data import drawn, tool_path
 from .pose_list import PoseList, RecordedPose
-from .show import Part, Route, Show
+from .show import Part, Playback, Route, Show
 
 POINTS = 60
 """Points of the ideal path from a pose to the next."""
@@ -133,7 +133,7 @@ class Program(Part):
         through_joints = asked.through_joints(listed)
         straight = STRAIGHT if through_joints and asked.stop else ""
         said = self._motion.notes if current and self._motion else ()
-        words = [straight, *(_of_poses(each, listed) for each in said), self._usual]
+        words = [straight, *(_of_poses(note, listed) for note in said), self._usual]
         note = ("; ".join(filter(None, words)) if current else STALE) if ours else ""
         settings = {**asked._asdict(), "kind": asked.kind or None}
         return {"type": "program", "poses": poses, "planned": current, **settings, "note": note}
@@ -167,7 +167,8 @@ class Program(Part):
             raise InputError("the motion was planned and not loaded: a servo drives the arm meanwhile")
         self._motion = planned
         self._through, self._asked = _listed(poses), asked
-        show.stand_by(self._motion)
+        before = show.playback or Playback(planned)
+        show.load(planned, before.speed, before.loop)
         show.draw_path(path)
 
 

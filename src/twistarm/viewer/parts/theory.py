@@ -70,7 +70,9 @@ def axes(arm: Arm) -> dict[str, Any]:
     size = arm_size(arm)
     screws = [to_screw(xi) for xi in arm.screws.T]
     tips = [anchor + AXIS_HALF * size * screw.axis for anchor, screw in zip(anchors(arm), screws, strict=True)]
-    pitches = [_plain_pitch(float(screw.pitch), size) for screw in screws]
+    # Rounding leaves a turning joint a pitch that is not quite 0.
+    plain = [0.0 if abs(screw.pitch) < PITCHLESS * size else float(screw.pitch) for screw in screws]
+    pitches = [None if np.isinf(pitch) else pitch for pitch in plain]
     joints = zip(arm.moving_names, tips, pitches, strict=True)
     return {
         "joints": [
@@ -90,12 +92,6 @@ def _rates(show: Show) -> Array | None:
     if playback is None or not (playback.running or np.array_equal(playback.theta(), show.theta)):
         return None
     return playback.trajectory(playback.time, 1)
-
-
-def _plain_pitch(pitch: float, size: float) -> float | None:
-    if np.isinf(pitch):
-        return None
-    return 0.0 if abs(pitch) < PITCHLESS * size else pitch
 
 
 def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any]:

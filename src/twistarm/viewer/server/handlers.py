@@ -10,6 +10,7 @@ import re
 import socket
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
+from contextlib import suppress
 from functools import partial
 from importlib.resources import files
 from pathlib import Path
@@ -49,17 +50,11 @@ def admits_host(listening: str, header: str) -> bool:
     if parts.hostname is None or parts.netloc != header or "@" in header:
         return False
     name, own = parts.hostname, socket.gethostname().lower()
-    if name in (*LOOPBACK, listening.lower()):
-        return True
-    return listening in EVERYWHERE and (_is_address(name) or name in (own, f"{own.split('.')[0]}.local"))
-
-
-def _is_address(name: str) -> bool:
-    try:
-        ipaddress.ip_address(name)
-    except ValueError:
-        return False
-    return True
+    if listening not in EVERYWHERE:
+        return name in (*LOOPBACK, listening.lower())
+    with suppress(ValueError):
+        return bool(ipaddress.ip_address(name))
+    return name in (*LOOPBACK, own, f"{own.split('.')[0]}.local")
 
 
 SAMPLE_TIME = 0.01
