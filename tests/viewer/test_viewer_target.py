@@ -49,7 +49,7 @@ def aim(stage: Stage, kind: str, position: Any, quaternion: Any) -> dict[str, An
 @pytest.fixture
 def in_the_thread(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every target is a job, as on an arm that the core cannot hold."""
-    monkeypatch.setattr("twistarm.viewer.parts.target.solved_at_once", lambda *asked: None)
+    monkeypatch.setattr("twistarm.viewer.parts.target.AT_ONCE", 1e-9)
 
 
 def told(stage: Stage) -> dict[str, Any]:

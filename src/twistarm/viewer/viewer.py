@@ -9,6 +9,7 @@ import time
 import webbrowser
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 from numpy.typing import ArrayLike
@@ -263,10 +264,7 @@ class Viewer(Closeable):
         """
         self._require_open()
         arm = self.arm
-        if (
-            solutions is not None
-            and require(solutions, AllSolutions, "solutions", "as solve_ik_all returns").arm is not arm
-        ):
+        if solutions is not None and require(solutions, AllSolutions, "solutions", "of solve_ik_all").arm is not arm:
             raise InputError("these are configurations of another arm: solve_ik_all(viewer.arm, …) gives this one's")
         others = self._server.ask(lambda stage: dict(stage.others))
         choices = None if solutions is None else choices_of(solutions, others)
@@ -300,13 +298,8 @@ class Viewer(Closeable):
                 f"lo must be below hi, each at most {LARGEST_VALUE:g} in size; got {lower:g} and {upper:g}"
             )
 
-        def inside(given: float) -> float:
-            number = as_number(given, "value")
-            if not lower <= number <= upper:
-                raise InputError(f"value of {shown(name)} must be in {lower:g} … {upper:g}; got {number:g}")
-            return number
-
         call = require_callback(on_change, "on_change", "the value")
+        inside = partial(as_number, name="value", least=lower, most=upper)
         return self._control(name, lower if value is None else value, inside, call, (lower, upper))
 
     def button(self, name: str, on_click: Callable[[], object]) -> Control[None]:

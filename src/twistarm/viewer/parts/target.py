@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -62,13 +62,15 @@ class TargetPart(Part):
         self._wanted = True
         finish = partial(self._finish, show, show.theta, self._number)
         search = partial(solve_ik, show.arm, target, show.theta, posture="theta0", **show.tolerances)
-        others = show.others
-        if (solution := solved_at_once(show.arm, search)) is not None:
-            finish(_answer(given, solution, others))
-            return None
-        return Job(
-            "target", "solving for the target", lambda _: _answer(given, search(max_time=MAX_TIME), others), finish
-        )
+        if show.arm.compiled is not None:
+            begin = time.perf_counter()
+            solution = search(restarts=1, max_time=AT_ONCE)
+            # A full search gives the same bits: the first converged search wins, and none was cut short.
+            if solution.converged and time.perf_counter() - begin < AT_ONCE:
+                finish(_answer(given, solution, show.others))
+                return None
+        answer = partial(_answer, given, others=show.others)
+        return Job("target", "solving for the target", lambda _: answer(search(max_time=MAX_TIME)), finish)
 
     def messages(self, show: Show) -> Iterator[Message]:
         """The target given, whether it is met, and the words of its solution."""
@@ -113,19 +115,6 @@ def _set_tolerances(show: Show, now: float, **fields: float) -> None:
         for word, unit in TOLERANCES.items()
         if fields[word] != 0.0
     }
-
-
-def solved_at_once(arm: Arm, search: Callable[..., IKResult]) -> IKResult | None:
-    """The solution of the first `search`, if it succeeds within AT_ONCE, else None.
-
-    A full search gives the same bits: the first converged search wins, and none was cut short.
-    """
-    if arm.compiled is None:
-        return None
-    begin = time.perf_counter()
-    solution = search(restarts=1, max_time=AT_ONCE)
-    in_time = time.perf_counter() - begin < AT_ONCE
-    return solution if solution.converged and in_time else None
 
 
 def _answer(given: dict[str, Any], solution: IKResult, others: Mapping[str, float]) -> tuple[Array, Message]:

@@ -105,6 +105,10 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
     g, J_b = arm.fk_and_body_jacobian(theta)
     J_s = arm.spatial_jacobian(theta)
     hybrid = (g[:3, :3] @ J_b.reshape(2, 3, -1)).reshape(6, -1)
+    motion = None
+    if rates is not None and np.any(rates):
+        twist, velocity = J_s @ rates, hybrid[:3] @ rates
+        motion = {"twist": twist.tolist(), "screw": _screws(twist[:, None]), "velocity": velocity.tolist()}
     return {
         "g": g.tolist(),
         "spatial": J_s.tolist(),
@@ -114,14 +118,10 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
         if np.array_equal(arm.coupling.A, np.eye(arm.n))
         else _screws(poe.spatial_jacobian(arm.screws, arm.coupling.A @ theta)),
         "columns": _screws(J_s),
-        "motion": None if rates is None or not np.any(rates) else _moving(J_s @ rates, hybrid[:3] @ rates),
+        "motion": motion,
         **_singularity(arm, theta),
         **_ellipsoids(hybrid, arm.prismatic, arm.reach),
     }
-
-
-def _moving(twist: Array, velocity: Array) -> dict[str, Any]:
-    return {"twist": twist.tolist(), "screw": _screws(twist[:, None]), "velocity": velocity.tolist()}
 
 
 def _singularity(arm: Arm, theta: Array) -> dict[str, Any]:

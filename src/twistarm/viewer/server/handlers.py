@@ -135,15 +135,14 @@ logging.getLogger("tornado").addHandler(logging.NullHandler())
 
 def application(server: Server) -> tornado.web.Application:
     """Everything stands under the token."""
-    shared = {"server": server}
     return tornado.web.Application(
         [
-            (r"/([^/]*)/socket", SocketHandler, shared),
-            (rf"/([^/]*)/({'|'.join(map(re.escape, DOWNLOADS))})", DownloadHandler, shared),
-            (r"/([^/]*)/?(.*)", PageHandler, shared),
+            (r"/([^/]*)/socket", SocketHandler),
+            (rf"/([^/]*)/({'|'.join(map(re.escape, DOWNLOADS))})", DownloadHandler),
+            (r"/([^/]*)/?(.*)", PageHandler),
         ],
         default_handler_class=Guarded,
-        default_handler_args=shared,
+        server=server,
         files=_page_files(),
         log_function=lambda handler: None,
         websocket_max_message_size=LARGEST_MESSAGE,
@@ -175,9 +174,9 @@ class Guarded(tornado.web.RequestHandler):
 
     SUPPORTED_METHODS = ("GET",)
 
-    def initialize(self, server: Server) -> None:
-        """Called by tornado with the arguments of the route."""
-        self.server = server
+    def initialize(self) -> None:
+        """Called by tornado first."""
+        self.server: Server = self.settings["server"]
 
     def set_default_headers(self) -> None:
         """On every answer, errors included."""
@@ -259,15 +258,15 @@ async def _in_daemon_thread(call: Callable[[], str | bytes]) -> str | bytes:
 class SocketHandler(Guarded, tornado.websocket.WebSocketHandler):
     """One page. Its outbox keeps the latest message of each type, so a slow page costs nothing."""
 
-    def initialize(self, server: Server) -> None:
-        """Called by tornado with the arguments of the route."""
-        super().initialize(server)
+    def initialize(self) -> None:
+        """Called by tornado first."""
+        super().initialize()
         self._outbox: dict[str, str] = {}
         self._drawing: Drawing | None = None  # of which the page has been sent the first objects
         self._waiting = asyncio.Event()
         self._sender: asyncio.Task[None] | None = None
         self._sent = 0
-        self.name = next(server.names)
+        self.name = next(self.server.names)
 
     def open(self, *path: str, **arguments: str) -> None:
         """Greet the page, then keep it up to date."""
