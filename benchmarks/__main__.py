@@ -7,19 +7,16 @@ import json
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
 from rich.console import Console
 
-from .environments import DEFAULT_FOLDER, NotInstalled, python_of
-from .machine import machine
+from .conductor import DEFAULT_FOLDER, NotInstalled, python_of
 from .measure import Plan, Results, measure
 from .peers import PEERS
-from .problems import SEED
-from .report import report
-from .robots import ARMS
+from .problems import ARMS, SEED
+from .report import machine, report
 
 HERE = ("twistarm", "pinocchio")
 """The solvers that need no environment of their own: those of a quick run."""
@@ -30,8 +27,9 @@ PIPED_WIDTH = 120
 
 def main(arguments: list[str] | None = None) -> None:
     asked = _parser().parse_args(arguments)
-    plan = _plan(asked)
-    peers = asked.peers or (HERE if asked.quick else PEERS)
+    targets = asked.targets or (10 if asked.quick else 1000)
+    batch, calls = (200, 200) if asked.quick else (10_000, 2000)
+    plan = Plan(targets, unreachable=max(targets // 10, 3), batch=batch, calls=calls, seed=asked.seed)
     console = Console() if sys.stdout.isatty() else Console(width=PIPED_WIDTH)
     begin = time.perf_counter()
 
@@ -39,28 +37,22 @@ def main(arguments: list[str] | None = None) -> None:
         console.print(f"[{time.perf_counter() - begin:6.1f} s] {text}", highlight=False, markup=False)
 
     say(f"fresh problems from --seed {plan.seed}")
-    pythons, absent = installed(peers, asked.environments, say)
-    results, about = Results(absent=absent), machine()
+    results, about, pythons = Results(), machine(), dict[str, Path]()
+    for peer in asked.peers or (HERE if asked.quick else PEERS):
+        try:
+            pythons[peer] = python_of(peer, asked.environments, say)
+        except NotInstalled as reason:  # noqa: PERF203
+            results.absent[peer] = str(reason)
+            say(f"{peer} cannot be installed: {reason}")
     with tempfile.TemporaryDirectory() as folder:
         for arm in asked.arms:
             measure(arm, pythons, plan, Path(folder), results, say)
     report(console, results, plan, about)
     if asked.json:
-        _write(asked.json, results, plan, about)
+        everything = json.dumps({"machine": about, "seed": SEED, "plan": asdict(plan), **asdict(results)})
+        without_nan = json.loads(everything, parse_constant=lambda _: None)
+        asked.json.write_text(json.dumps(without_nan, indent=1, allow_nan=False) + "\n")
         say(f"{asked.json} written")
-
-
-def installed(peers: Sequence[str], folder: Path, say: Callable[[str], None]) -> tuple[dict[str, Path], dict[str, str]]:
-    """The interpreters of the peers, and why the others have none."""
-    pythons: dict[str, Path] = {}
-    absent: dict[str, str] = {}
-    for peer in peers:
-        try:
-            pythons[peer] = python_of(peer, folder, say)
-        except NotInstalled as reason:  # noqa: PERF203
-            absent[peer] = str(reason)
-            say(f"{peer} cannot be installed: {reason}")
-    return pythons, absent
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -82,18 +74,6 @@ def _count(text: str) -> int:
     if number < 1:
         raise argparse.ArgumentTypeError(f"must be at least 1; got {text}")
     return number
-
-
-def _plan(asked: argparse.Namespace) -> Plan:
-    targets = asked.targets or (10 if asked.quick else 1000)
-    batch, calls = (200, 200) if asked.quick else (10_000, 2000)
-    return Plan(targets, unreachable=max(targets // 10, 3), batch=batch, calls=calls, seed=asked.seed)
-
-
-def _write(path: Path, results: Results, plan: Plan, about: dict[str, str]) -> None:
-    everything = json.dumps({"machine": about, "seed": SEED, "plan": asdict(plan), **asdict(results)})
-    without_nan = json.loads(everything, parse_constant=lambda _: None)
-    path.write_text(json.dumps(without_nan, indent=1, allow_nan=False) + "\n")
 
 
 if __name__ == "__main__":

@@ -8,15 +8,14 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .conductor import Worker, WorkerError
-from .environments import DEFAULT_FOLDER, NotInstalled, python_of
-from .judge import Judge
-from .robots import Robot, make_robot
+from .conductor import DEFAULT_FOLDER, NotInstalled, Worker, WorkerError, python_of
+from .problems import Judge, Robot, make_robot
 
 PEERS = ("twistarm", "eaik", "ik_geo", "ssik")
 HOLDING = {"panda": 6}
@@ -47,7 +46,7 @@ def told(robot: Robot, judge: Judge, workers: dict[str, Worker], random: np.rand
     made: dict[str, list[tuple[float, int, float]]] = {name: [] for name in workers}
     failed: dict[str, str] = {}
     held = HOLDING.get(robot.name)
-    ask: dict[str, Any] = {"robot": robot.as_message(), "held": held}
+    ask: dict[str, Any] = {"robot": asdict(robot), "held": held}
     order = list(workers)
     for _ in range(count):
         theta = random.uniform(robot.lower, robot.upper)

@@ -11,16 +11,15 @@ kinematics. `ns` is the least of several calls.
 
 from __future__ import annotations
 
-import json
-import os
 import sys
 from collections.abc import Callable
-from time import perf_counter_ns
 from typing import Any
 
 import numpy as np
 
-CALLS, TURN, EXACT = 5, 2.0 * np.pi, 1e-9
+from .peers import Unfit, serve, timed
+
+TURN, EXACT = 2.0 * np.pi, 1e-9
 
 Solve = Callable[[np.ndarray, np.ndarray, float | None], np.ndarray]
 
@@ -61,7 +60,7 @@ def eaik(robot: dict[str, Any], held: int | None) -> Solve:
             fixed = [] if held is None else [(held, value)]
             made[value] = HomogeneousRobot(frames, fixed_axes=fixed)
             if not made[value].hasKnownDecomposition():
-                raise RuntimeError(f"no decomposition: {made[value].getKinematicFamily()}")
+                raise Unfit(f"no decomposition: {made[value].getKinematicFamily()}")
         return made[value]
 
     def solve(g: np.ndarray, start: np.ndarray, value: float | None) -> np.ndarray:
@@ -80,7 +79,7 @@ def ssik(robot: dict[str, Any], held: int | None) -> Solve:
     lower, upper = np.array(robot["lower"]), np.array(robot["upper"])
 
     if held is not None:
-        raise RuntimeError("it samples the joint that the arm has too many, and is given no value for it")
+        raise Unfit("it samples the joint that the arm has too many, and is given no value for it")
 
     def solve(g: np.ndarray, start: np.ndarray, value: float | None) -> np.ndarray:
         found = np.array([each.q for each in artifact.solve(g, q_seed=start)]).reshape(-1, len(start))
@@ -98,7 +97,7 @@ def ik_geo(robot: dict[str, Any], held: int | None) -> Solve:
     from ik_geo import Robot
 
     if robot["name"] not in IK_GEO:
-        raise RuntimeError("no constructor: six joints of a family that has to be named")
+        raise Unfit("no constructor: six joints of a family that has to be named")
     family, first = IK_GEO[robot["name"]]
     frames = np.array(robot["axis_frames"])
     w, points, home = frames[:6, :3, 2], np.array(frames[:, :3, 3]), frames[6]
@@ -126,31 +125,17 @@ MADE: dict[str, Callable[[dict[str, Any], int | None], Solve]] = {
 }
 
 
-def answer_to(asked: dict[str, Any], solvers: dict[str, Any]) -> dict[str, Any]:
+SOLVERS: dict[str, Solve] = {}
+
+
+def answer(asked: dict[str, Any]) -> dict[str, Any]:
     name = asked["robot"]["name"]
-    if name not in solvers:
-        solvers[name] = MADE[sys.argv[1]](asked["robot"], asked["held"])
+    if name not in SOLVERS:
+        SOLVERS[name] = MADE[sys.argv[1]](asked["robot"], asked["held"])
     g, start = np.array(asked["g"]), np.array(asked["start"])
-    took = []
-    for _ in range(CALLS):
-        begin = perf_counter_ns()
-        theta = solvers[name](g, start, asked["value"])
-        took.append(perf_counter_ns() - begin)
-    return {"theta": theta.tolist(), "ns": min(took)}
-
-
-def main() -> None:
-    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)
-    solvers: dict[str, Any] = {}
-    for line in sys.stdin:
-        try:
-            answer = answer_to(json.loads(line), solvers)
-        except Exception as error:
-            answer = {"error": f"{type(error).__name__}: {error}"}
-        answers.write(json.dumps(answer) + "\n")
-        answers.flush()
+    theta, ns = timed(lambda: SOLVERS[name](g, start, asked["value"]))
+    return {"theta": theta.tolist(), "ns": ns}
 
 
 if __name__ == "__main__":
-    main()
+    serve(answer)

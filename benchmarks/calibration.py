@@ -26,8 +26,7 @@ from twistarm.calibration import Measurements, calibrate
 from twistarm.theory.rotations import exp as turn
 from twistarm.theory.rotations import from_rpy, to_rpy
 
-from .conductor import Worker, WorkerError
-from .environments import DEFAULT_FOLDER, NotInstalled, python_of
+from .conductor import DEFAULT_FOLDER, NotInstalled, Worker, WorkerError, python_of
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 Placements = dict[str, list[Array]]

@@ -11,14 +11,14 @@ time.
 
 from __future__ import annotations
 
-import json
-import os
 import sys
 from collections.abc import Callable
 from time import process_time_ns
 from typing import Any
 
 import numpy as np
+
+from .peers import serve
 
 Asked = dict[str, Any]
 
@@ -63,21 +63,12 @@ def robotkinecal(asked: Asked) -> Callable[[np.ndarray], np.ndarray]:
 FITS = {"twistarm": twistarm, "robotkinecal": robotkinecal}
 
 
-def main() -> None:
-    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)
-    for line in sys.stdin:
-        try:
-            asked = json.loads(line)
-            begin = process_time_ns()
-            predict = FITS[sys.argv[1]](asked)
-            took = process_time_ns() - begin
-            answer = {"predicted": np.asarray(predict(np.array(asked["asked"]))).tolist(), "ns": took}
-        except Exception as error:
-            answer = {"error": f"{type(error).__name__}: {error}"}
-        answers.write(json.dumps(answer) + "\n")
-        answers.flush()
+def answer(asked: Asked) -> dict[str, Any]:
+    begin = process_time_ns()
+    predict = FITS[sys.argv[1]](asked)
+    took = process_time_ns() - begin
+    return {"predicted": np.asarray(predict(np.array(asked["asked"]))).tolist(), "ns": took}
 
 
 if __name__ == "__main__":
-    main()
+    serve(answer)

@@ -1,7 +1,8 @@
 """Worker processes that solve the same problems in one run, a few targets each in turn.
 
 So the noise of the machine affects all alike. The usual numeric libraries get one thread per worker. A worker that
-dies, stays silent for too long or answers nonsense is reported with the reason; the others go on.
+dies, stays silent for too long or answers nonsense is reported with the reason; the others go on. A peer with a
+requirements-<peer>.txt has an environment of its own; the others run in this one.
 """
 
 from __future__ import annotations
@@ -10,7 +11,8 @@ import json
 import os
 import select
 import subprocess
-from collections.abc import Mapping
+import sys
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +21,11 @@ from typing import Any
 
 import numpy as np
 
-from .problems import Problems, chunks
+from .problems import Problems
+
+HERE = Path(__file__).parent
+DEFAULT_FOLDER = HERE / ".environments"
+
 
 CHUNK = 25
 """Targets that a worker gets at a time."""
@@ -36,13 +42,40 @@ class WorkerError(Exception):
     """Why a worker gave no answer, in one line."""
 
 
+class NotInstalled(Exception):  # noqa: N818
+    """Why a peer cannot be installed here, in one line."""
+
+
+def python_of(peer: str, folder: Path, say: Callable[[str], None], requirements: Path = HERE) -> Path:
+    """The interpreter that runs a peer. Makes its environment in `folder` if it is missing or out of date."""
+    file = requirements / f"requirements-{peer}.txt"
+    if not file.exists():
+        return Path(sys.executable)
+    place = folder.absolute() / peer
+    python = place / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+    stamp, wanted = place / "installed.txt", f"Python {sys.version}\n{file.read_text()}"
+    if not stamp.exists() or stamp.read_text() != wanted:
+        say(f"installing {', '.join(file.read_text().split())} into {place} ...")
+        pip = [sys.executable, "-m", "pip", "--python", str(python), "--disable-pip-version-check"]
+        for command in (
+            [sys.executable, "-m", "venv", "--clear", "--without-pip", str(place)],
+            [*pip, "install", "--quiet", "--requirement", str(file)],
+        ):
+            process = subprocess.run(command, capture_output=True, text=True, errors="replace")
+            if process.returncode:
+                lines = (process.stderr or process.stdout).strip().splitlines() or [f"{command[0]} failed"]
+                raise NotInstalled(next((line for line in lines if line.startswith("ERROR")), lines[-1]))
+        stamp.write_text(wanted)
+    return python
+
+
 @dataclass(frozen=True)
 class Answers:
     """One solver's answers to N targets: theta (N, n) with NaN rows for none, its claims, its reasons, ns per call."""
 
     theta: np.ndarray
     converged: np.ndarray
-    reasons: list[str]
+    reasons: np.ndarray
     ns: np.ndarray
 
 
@@ -56,7 +89,7 @@ class Worker:
         with log.open("w") as stderr:
             self._process = subprocess.Popen(
                 command,
-                cwd=Path(__file__).parents[1],
+                cwd=HERE.parent,
                 env=environment | ONE_THREAD,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
@@ -112,33 +145,22 @@ class Worker:
 
 def interleave(workers: Mapping[str, Worker], problems: Problems, n: int) -> dict[str, Answers | str]:
     """What each worker answers to all problems, or why it does not."""
-    parts: dict[str, list[Answers]] = {name: [] for name in workers}
+    parts: dict[str, list[tuple[Any, ...]]] = {name: [] for name in workers}
     failures: dict[str, str] = {}
     order = list(workers)
-    for part in chunks(problems, CHUNK):
+    for part in problems.chunks(CHUNK):
         order = order[1:] + order[:1]
         for name in order:
             if name in failures:
                 continue
             try:
-                parts[name].append(solved(workers[name], part, n))
+                targets, starts = part.targets.tolist(), part.starts.tolist()
+                answer = workers[name].ask("solve", targets=targets, starts=starts)
+                theta = [[np.nan] * n if row is None else row for row in answer["theta"]]
+                parts[name].append((theta, answer["converged"], answer["reasons"], answer["ns"]))
             except WorkerError as error:
-                done = sum(len(answers.ns) for answers in parts[name])
+                done = sum(len(ns) for *_, ns in parts[name])
                 failures[name] = f"{error} (after {done} of {len(problems)} targets)"
-    return {name: failures.get(name) or joined(parts[name]) for name in workers}
-
-
-def solved(worker: Worker, problems: Problems, n: int) -> Answers:
-    """What one worker answers."""
-    answer = worker.ask("solve", targets=problems.targets.tolist(), starts=problems.starts.tolist())
-    theta = [[np.nan] * n if row is None else row for row in answer["theta"]]
-    return Answers(np.array(theta), np.array(answer["converged"]), answer["reasons"], np.array(answer["ns"]))
-
-
-def joined(parts: list[Answers]) -> Answers:
-    return Answers(
-        np.concatenate([part.theta for part in parts]),
-        np.concatenate([part.converged for part in parts]),
-        [reason for part in parts for reason in part.reasons],
-        np.concatenate([part.ns for part in parts]),
-    )
+    return {
+        name: failures.get(name) or Answers(*map(np.concatenate, zip(*parts[name], strict=True))) for name in workers
+    }

@@ -1,19 +1,24 @@
-"""The measurements on one arm: single calls of every kind, batches, forward kinematics and Jacobians."""
+"""The measurements on one arm: single calls of every kind, batches, forward kinematics and Jacobians.
+
+Figures are rows, dictionaries of names and values: times in µs, `strict` the share of targets that Pinocchio confirms,
+`wrong` the answers that a solver called converged and Pinocchio does not confirm, `remark` why there are no figures.
+"""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from . import problems as make
-from .conductor import Worker, WorkerError, interleave
-from .figures import Batch, Kinematics, SingleCalls, compare, single_calls
-from .judge import Judge
-from .robots import Robot, make_robot
+from .conductor import Answers, Worker, WorkerError, interleave
+from .problems import Judge, Robot, make_robot
+
+Row = dict[str, Any]
 
 ROUNDS = 5
 """Of batches and kinematics, in turn; their median is reported."""
@@ -37,9 +42,9 @@ class Plan:
 class Results:
     """Everything that was found."""
 
-    single: list[SingleCalls] = field(default_factory=list)
-    batch: list[Batch] = field(default_factory=list)
-    kinematics: list[Kinematics] = field(default_factory=list)
+    single: list[Row] = field(default_factory=list)
+    batch: list[Row] = field(default_factory=list)
+    kinematics: list[Row] = field(default_factory=list)
     settings: dict[str, str] = field(default_factory=dict)
     versions: dict[str, str] = field(default_factory=dict)
     absent: dict[str, str] = field(default_factory=dict)
@@ -56,11 +61,19 @@ def measure(
     workers, unfit, abilities = opened(robot, pythons, folder, results)
     try:
         rows = []
-        for problems in kinds(robot, judge, plan):
+        for problems in (
+            make.cold(robot, judge, plan.targets),
+            make.cold(robot, judge, plan.targets, plan.seed),
+            make.warm(robot, judge, plan.targets),
+            make.unreachable(robot, judge, plan.unreachable),
+        ):
             say(f"{arm}: {len(problems)} {problems.kind} targets for each of {len(workers)} solvers")
             answers = unfit | interleave(workers, problems, len(robot.joints))
             rows += [single_calls(arm, peer, problems, answers[peer], judge) for peer in pythons]
-        compare(rows)
+        medians = {(row["peer"], row["kind"]): row["median"] for row in rows}
+        for row in rows:
+            row["ratio"] = row["median"] / medians.get(("twistarm", row["kind"]), np.nan)
+            row["to_cold"] = row["median"] / medians.get((row["peer"], "cold"), np.nan)
         results.single += rows
         say(f"{arm}: batches of {plan.batch} targets")
         able = {peer: worker for peer, worker in workers.items() if "batch" in abilities[peer]}
@@ -81,9 +94,9 @@ def opened(
     unfit: dict[str, str] = {}
     abilities: dict[str, list[str]] = {}
     for peer, python in pythons.items():
-        worker = Worker([str(python), "-m", f"{__package__}.worker", peer], folder / f"{robot.name}-{peer}.log")
+        worker = Worker([str(python), "-m", "benchmarks.worker", peer], folder / f"{robot.name}-{peer}.log")
         try:
-            answer = worker.ask("open", robot=robot.as_message())
+            answer = worker.ask("open", robot=asdict(robot))
         except WorkerError as reason:
             worker.close()
             unfit[peer] = str(reason)
@@ -95,58 +108,73 @@ def opened(
     return workers, unfit, abilities
 
 
-def kinds(robot: Robot, judge: Judge, plan: Plan) -> list[make.Problems]:
-    return [
-        make.cold(robot, judge, plan.targets),
-        make.cold(robot, judge, plan.targets, plan.seed),
-        make.warm(robot, judge, plan.targets),
-        make.unreachable(robot, judge, plan.unreachable),
-    ]
+def single_calls(arm: str, peer: str, problems: make.Problems, answers: Answers | str, judge: Judge) -> Row:
+    """One solver, one arm, one kind of problem. `motion` is the largest change of a joint where the target is met."""
+    row: Row = {"arm": arm, "peer": peer, "kind": problems.kind, "targets": len(problems), "wrong": 0, "reasons": {}}
+    row |= dict.fromkeys(("strict", "median", "p99", "mean", "motion"), np.nan) | {"remark": ""}
+    if isinstance(answers, str):
+        return row | {"remark": answers}
+    strict, us = judge.errors(answers.theta, problems.targets).strict, answers.ns / 1e3
+    moved = np.abs(answers.theta - problems.starts)[strict]
+    return row | {
+        "strict": float(strict.mean()),
+        "wrong": int((answers.converged & ~strict).sum()),
+        "median": float(np.median(us)),
+        "p99": float(np.percentile(us, 99)),
+        "mean": float(us.mean()),
+        "motion": float(moved.max()) if strict.any() else np.nan,
+        "reasons": dict(Counter(str(reason) for reason in answers.reasons if reason).most_common()),
+    }
 
 
-def batches(arm: str, workers: dict[str, Worker], problems: make.Problems, judge: Judge) -> list[Batch]:
-    """Each worker with one thread and with two, in turn."""
-    rows = {(peer, threads): Batch(arm, peer, threads, len(problems)) for peer in workers for threads in (1, 2)}
-    times: dict[tuple[str, int], list[float]] = {key: [] for key in rows}
+def batches(arm: str, workers: dict[str, Worker], problems: make.Problems, judge: Judge) -> list[Row]:
+    """Each worker with one thread and with two, in turn; `each` is the time of a target."""
     message: dict[str, Any] = {"targets": problems.targets.tolist(), "starts": problems.starts.tolist()}
-    for round_ in range(ROUNDS):
-        for (peer, threads), row in rows.items():
-            if row.remark:
+    rows = [
+        {"arm": arm, "peer": peer, "threads": threads, "strict": np.nan, "each": np.nan, "wrong": 0, "remark": ""}
+        for peer in workers
+        for threads in (1, 2)
+    ]
+    times: list[list[float]] = [[] for _ in rows]
+    for _ in range(ROUNDS):
+        for row, took in zip(rows, times, strict=True):
+            if row["remark"]:
                 continue
             try:
-                answer = workers[peer].ask("batch", threads=threads, **message)
+                answer = workers[row["peer"]].ask("batch", threads=row["threads"], **message)
             except WorkerError as reason:
-                row.remark = str(reason)
+                row["remark"] = str(reason)
                 continue
-            times[peer, threads].append(answer["ns"] / 1e3 / len(problems))
-            row.each = float(np.median(times[peer, threads]))
-            if round_ == 0:
-                strict = judge.errors(np.array(answer["theta"]), problems.targets).strict
-                row.strict = float(strict.mean())
-                row.wrong = int((np.array(answer["converged"]) & ~strict).sum())
-    return list(rows.values())
+            took.append(answer["ns"] / 1e3 / len(problems))
+            strict = judge.errors(np.array(answer["theta"]), problems.targets).strict
+            wrong = int((np.array(answer["converged"]) & ~strict).sum())
+            row |= {"each": float(np.median(took)), "strict": float(strict.mean()), "wrong": wrong}
+    return rows
 
 
-def kinematics(arm: str, workers: dict[str, Worker], robot: Robot, plan: Plan, judge: Judge) -> list[Kinematics]:
-    """Forward kinematics, alone and with the body Jacobian, for one configuration and for a batch, in turn."""
+def kinematics(arm: str, workers: dict[str, Worker], robot: Robot, plan: Plan, judge: Judge) -> list[Row]:
+    """Forward kinematics, alone and with the body Jacobian, for one configuration and for a batch, in turn.
+
+    `times` are those of a configuration, and `difference` is the largest from Pinocchio's numbers.
+    """
     theta = make.configurations(robot, plan.seed, plan.batch)[:, 0]
     check = np.linspace(0, len(theta) - 1, min(CHECKED, len(theta))).astype(int)
     expected = judge.fk(theta[check]), judge.jacobian(theta[check])
-    rows = {peer: Kinematics(arm, peer) for peer in workers}
-    times: dict[str, dict[str, list[float]]] = {peer: {} for peer in workers}
-    for round_ in range(ROUNDS):
-        for peer, row in rows.items():
+    rows = [{"arm": arm, "peer": peer, "times": {}, "difference": np.nan, "remark": ""} for peer in workers]
+    times: list[dict[str, list[float]]] = [{} for _ in rows]
+    for _ in range(ROUNDS):
+        for row, took in zip(rows, times, strict=True):
+            message = {"theta": theta.tolist(), "calls": plan.calls, "check": check.tolist()}
             try:
-                answer = workers[peer].ask("kinematics", theta=theta.tolist(), calls=plan.calls, check=check.tolist())
+                answer = workers[row["peer"]].ask("kinematics", **message)
             except WorkerError as reason:
-                row.remark = str(reason)
+                row["remark"] = str(reason)
                 continue
             for name, part in answer.items():
-                times[peer].setdefault(name, []).append(part["ns"] / 1e3)
-            row.times = {name: float(np.median(each)) for name, each in times[peer].items()}
-            if round_ == 0:
-                row.difference = max(_difference(part["result"], expected) for part in answer.values())
-    return list(rows.values())
+                took.setdefault(name, []).append(part["ns"] / 1e3)
+            row["times"] = {name: float(np.median(each)) for name, each in took.items()}
+            row["difference"] = max(_difference(part["result"], expected) for part in answer.values())
+    return rows
 
 
 def _difference(result: list[list[Any]], expected: tuple[np.ndarray, np.ndarray]) -> float:

@@ -1,17 +1,20 @@
-"""The tables on the terminal."""
+"""The machine, and the tables on the terminal."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+import platform
+from collections.abc import Callable
+from importlib.metadata import version
 from itertools import groupby
 from math import isfinite
+from pathlib import Path
 
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from .figures import Batch, Kinematics, SingleCalls
-from .measure import Plan, Results
+from .measure import Plan, Results, Row
 from .problems import FARTHEST, SEED, WARM_DISTANCE
 
 KINDS = {
@@ -33,79 +36,81 @@ FOOTNOTES = (
 )
 
 
+def machine() -> dict[str, str]:
+    """What the figures were measured on."""
+    cpuinfo = Path("/proc/cpuinfo")
+    lines = cpuinfo.read_text().splitlines() if cpuinfo.exists() else []
+    models = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return {
+        "processor": models[0] if models else platform.processor() or platform.machine(),
+        "cores": str(os.cpu_count()),
+        "system": platform.platform(),
+        "python": platform.python_version(),
+        "numpy": version("numpy"),
+        "pinocchio (the judge)": version("pin"),
+        "load": " ".join(f"{load:.2f}" for load in os.getloadavg()) if hasattr(os, "getloadavg") else "unknown",
+    }
+
+
 def report(console: Console, results: Results, plan: Plan, about: dict[str, str]) -> None:
     console.print()
     for name, value in about.items():
         console.print(f"{name}: {value}", highlight=False)
     for kind, title in KINDS.items():
-        rows = [row for row in results.single if row.kind == kind]
+        rows = [row for row in results.single if row["kind"] == kind]
         if rows:
-            console.print(_single(rows, title.format(seed=plan.seed)))
-    console.print(_batch(results.batch, results.single, plan))
+            console.print(_single(kind, rows, title.format(seed=plan.seed)))
+    console.print(_batch(results, plan))
     console.print(_kinematics(results.kinematics, plan))
     for line in (*FOOTNOTES, *_about_peers(results)):
         console.print(f"  {line}", highlight=False, markup=False)
 
 
-def _single(rows: list[SingleCalls], title: str) -> Table:
-    kind = rows[0].kind
+def _single(kind: str, rows: list[Row], title: str) -> Table:
     last = {"warm": ["largest motion"], "unreachable": ["× own cold", "reasons"]}.get(kind, ["mean µs"])
-    table = _table(title, "arm", "solver", "strict %", "median µs", "p99 µs", "×", "wrong", *last)
-    for arm, group in groupby(rows, key=lambda row: row.arm):
-        for row in group:
-            cells = {
-                "mean µs": _number(row.mean),
-                "largest motion": _number(row.motion, "{:.3f}"),
-                "× own cold": _number(row.to_cold),
-                "reasons": ", ".join(f"{name} {count}" for name, count in row.reasons.items()),
-            }
-            strict = _number(100 * row.strict, "{:.1f}")
-            times = _number(row.median), _number(row.p99), _number(row.ratio)
-            wrong = "–" if row.remark else str(row.wrong)
-            table.add_row(arm, row.peer, strict, *times, wrong, *(cells[name] for name in last))
-        table.add_section()
-    table.caption = _remarks(rows)
-    return table
+
+    def cells(row: Row) -> list[str]:
+        named = {
+            "mean µs": _number(row["mean"]),
+            "largest motion": _number(row["motion"], "{:.3f}"),
+            "× own cold": _number(row["to_cold"]),
+            "reasons": ", ".join(f"{name} {count}" for name, count in row["reasons"].items()),
+        }
+        times = (_number(row[name]) for name in ("median", "p99", "ratio"))
+        wrong = "–" if row["remark"] else str(row["wrong"])
+        return [_number(100 * row["strict"], "{:.1f}"), *times, wrong, *(named[name] for name in last)]
+
+    return _table(title, ["strict %", "median µs", "p99 µs", "×", "wrong", *last], rows, cells)
 
 
-def _batch(rows: list[Batch], single: list[SingleCalls], plan: Plan) -> Table:
+def _batch(results: Results, plan: Plan) -> Table:
     title = f"Batch of {plan.batch} cold targets, µs per target (one by one: the mean of single calls)"
-    table = _table(title, "arm", "solver", "1 thread", "2 threads", "one by one", "strict %", "wrong")
-    batches = {(row.arm, row.peer, row.threads): row for row in rows}
-    for arm, group in groupby((row for row in single if row.kind == "cold"), key=lambda row: row.arm):
-        for row in group:
-            each = [batches[arm, row.peer, threads] for threads in (1, 2) if (arm, row.peer, threads) in batches]
-            times = [_number(batch.each) for batch in each] or ["–", "–"]
-            strict = _number(100 * min((batch.strict for batch in each), default=row.strict), "{:.2f}")
-            failed = any(measured.remark for measured in each or [row])
-            wrong = "–" if failed else str(max((batch.wrong for batch in each), default=row.wrong))
-            table.add_row(arm, row.peer, *times, _number(row.mean), strict, wrong)
-        table.add_section()
-    table.caption = _remarks(rows)
-    return table
+
+    def cells(row: Row) -> list[str]:
+        of_row = [each for each in results.batch if (each["arm"], each["peer"]) == (row["arm"], row["peer"])]
+        times = [_number(each["each"]) for each in of_row] or ["–", "–"]
+        found = of_row or [row]
+        strict = _number(100 * min(each["strict"] for each in found), "{:.2f}")
+        wrong = "–" if any(each["remark"] for each in found) else str(max(each["wrong"] for each in found))
+        return [*times, _number(row["mean"]), strict, wrong]
+
+    cold = [row for row in results.single if row["kind"] == "cold"]
+    return _table(title, ["1 thread", "2 threads", "one by one", "strict %", "wrong"], cold, cells, results.batch)
 
 
-def _kinematics(rows: list[Kinematics], plan: Plan) -> Table:
+def _kinematics(rows: list[Row], plan: Plan) -> Table:
     title = f"Forward kinematics (FK) and body Jacobian (J), µs per configuration; batches of {plan.batch}"
     names = {
         "one fk": "FK\none call", "one fk_jacobian": "FK + J\none call",
         "unchecked fk": "FK\nunchecked", "unchecked fk_jacobian": "FK + J\nunchecked",
         "batch fk": "FK\nbatch", "batch fk_jacobian": "FK + J\nbatch",
     }  # fmt: skip
-    table = _table(title, "arm", "solver", *names.values(), "off by")
-    for arm, group in groupby(rows, key=lambda row: row.arm):
-        for row in group:
-            times = (_number(row.times.get(name, float("nan")), "{:.3g}") for name in names)
-            table.add_row(arm, row.peer, *times, _number(row.difference, "{:.0e}"))
-        table.add_section()
-    table.caption = _remarks(rows)
-    return table
 
+    def cells(row: Row) -> list[str]:
+        times = [_number(row["times"].get(name, float("nan")), "{:.3g}") for name in names]
+        return [*times, _number(row["difference"], "{:.0e}")]
 
-def _remarks(rows: Sequence[SingleCalls | Batch | Kinematics]) -> str | None:
-    """Why there are no figures in a row."""
-    lines = [f"{row.arm}, {row.peer}: {row.remark}" for row in rows if row.remark]
-    return escape("\n".join(dict.fromkeys(lines))) or None
+    return _table(title, [*names.values(), "off by"], rows, cells)
 
 
 def _about_peers(results: Results) -> list[str]:
@@ -115,11 +120,20 @@ def _about_peers(results: Results) -> list[str]:
     return [*settings, f"Versions: {versions}", *absent]
 
 
-def _table(title: str, *columns: str) -> Table:
+def _table(
+    title: str, columns: list[str], rows: list[Row], cells: Callable[[Row], list[str]], noted: list[Row] | None = None
+) -> Table:
+    """A row for each arm and solver. Below it stands why there are no figures in a row."""
     table = Table(title=title, title_justify="left", title_style="bold", caption_justify="left")
-    for column in columns:
+    for column in ("arm", "solver", *columns):
         words = column in ("arm", "solver", "reasons")
         table.add_column(column, justify="left" if words else "right", no_wrap=column == "solver")
+    for arm, group in groupby(rows, key=lambda row: row["arm"]):
+        for row in group:
+            table.add_row(arm, row["peer"], *cells(row))
+        table.add_section()
+    why = [f"{row['arm']}, {row['peer']}: {row['remark']}" for row in noted or rows if row["remark"]]
+    table.caption = escape("\n".join(dict.fromkeys(why))) or None
     return table
 
 

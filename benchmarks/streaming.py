@@ -31,7 +31,7 @@ from twistarm.control.stream import (
     run,
 )
 
-from .machine import machine
+from .report import machine
 
 TWIST_EVERY, STATE_EVERY = 0.02, 0.005
 

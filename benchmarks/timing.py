@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from .conductor import Worker, WorkerError
-from .environments import DEFAULT_FOLDER, NotInstalled, python_of
+from .conductor import DEFAULT_FOLDER, NotInstalled, Worker, WorkerError, python_of
 
 JOINTS, WAYPOINTS = 7, 10
 VELOCITY, ACCELERATION, JERK = 2.0, 5.0, 50.0
@@ -31,7 +30,6 @@ ALONG: tuple[Row, ...] = (
     ("toppra, automatic grid", "toppra", {"grid": None}),
 )
 TO: tuple[Row, ...] = (("twistarm", "twistarm", {}), ("ruckig", "ruckig", {}))
-THROUGH: tuple[Row, ...] = (("twistarm", "twistarm", {}),)
 LINE: tuple[Row, ...] = (("twistarm", "twistarm", {}),)
 
 RISE = 0.1
@@ -61,11 +59,6 @@ def unequal(random: np.random.Generator) -> dict[str, Any]:
     velocity, acceleration, jerk = factors * np.array([[VELOCITY], [ACCELERATION], [JERK]])
     jerk = np.where(random.random(JOINTS) < 0.3, acceleration / RISE, jerk)
     return way(random) | {"velocity": velocity.tolist(), "acceleration": acceleration.tolist(), "jerk": jerk.tolist()}
-
-
-def waypoints(random: np.random.Generator) -> dict[str, Any]:
-    """Random waypoints without limits of position."""
-    return {"waypoints": random.uniform(-2.0, 2.0, (WAYPOINTS, JOINTS)).tolist(), **limits()}
 
 
 def line(random: np.random.Generator) -> dict[str, Any]:
@@ -132,7 +125,6 @@ def main() -> None:
         table(
             "from rest to rest, limits of their own for each joint, some of no jerk", "to", TO, cases(unequal), worker
         )
-        table(f"through {WAYPOINTS} waypoints, {title}", "through", THROUGH, cases(waypoints), worker)
         table("a straight line of 0.5 m of a UR5", "line", LINE, cases(line), worker)
         for each in workers.values():
             each.close()

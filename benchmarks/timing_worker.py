@@ -4,7 +4,6 @@ It reads one JSON object per line and answers with one line each, as `worker.py`
 
   {"do": "along", "breakpoints", "coefficients", "velocity", "acceleration", "grid"}   {"duration", "excess", "ns"}
   {"do": "to", "way", "velocity", "acceleration", "jerk"}                             {"duration", "ns"}
-  {"do": "through", "waypoints", "velocity", "acceleration"}                          {"duration", "excess", "ns"}
   {"do": "line", "seed", "arm", "length"}                                             {"duration", "ns"}
 
 `grid` is the number of intervals, or null for an automatic grid. `excess` is the largest excess over a limit, as a part
@@ -14,30 +13,16 @@ several calls.
 
 from __future__ import annotations
 
-import json
-import os
 import sys
 from collections.abc import Callable
-from time import perf_counter_ns
 from typing import Any
 
 import numpy as np
 
-CALLS = 5
-"""Repetitions. The fastest counts, because noise of the machine only adds time."""
+from .peers import serve, timed
 
 Answer = dict[str, Any]
 Asked = dict[str, Any]
-
-
-def timed(call: Callable[[], Any], calls: int = CALLS) -> tuple[Any, int]:
-    """What the call returns, and the ns of the fastest."""
-    took = []
-    for _ in range(calls):
-        start = perf_counter_ns()
-        result = call()
-        took.append(perf_counter_ns() - start)
-    return result, min(took)
 
 
 def excess(rates: tuple[np.ndarray, np.ndarray], asked: Asked) -> float:
@@ -75,18 +60,6 @@ def twistarm_to(asked: Asked) -> Answer:
     bounds = PathBounds(JointLimits(**{**vars(JointLimits.unbounded(len(way))), **given}))
     (breakpoints, _), ns = timed(lambda: double_s(np.zeros_like(way), way, bounds))
     return {"duration": float(breakpoints[-1]), "ns": ns}
-
-
-def twistarm_through(asked: Asked) -> Answer:
-    from twistarm import arm_from_screws, plan_joint
-
-    n = len(asked["velocity"])
-    names = [f"joint{i + 1}" for i in range(n)]
-    given = {rate: dict(zip(names, asked[rate], strict=True)) for rate in ("velocity", "acceleration")}
-    arm = arm_from_screws(np.eye(6)[:, [5] * n], np.eye(4), joints=names, limits=given)
-    motion, ns = timed(lambda: plan_joint(arm, asked["waypoints"], kind="time_optimal"))
-    t = np.linspace(0.0, motion.duration, 20 * len(motion.breakpoints))
-    return {"duration": motion.duration, "ns": ns, "excess": excess((motion(t, 1), motion(t, 2)), asked)}
 
 
 def twistarm_line(asked: Asked) -> Answer:
@@ -141,25 +114,11 @@ def ruckig_to(asked: Asked) -> Answer:
 ANSWERS: dict[tuple[str, str], Callable[[Asked], Answer]] = {
     ("twistarm", "along"): twistarm_along,
     ("twistarm", "to"): twistarm_to,
-    ("twistarm", "through"): twistarm_through,
     ("twistarm", "line"): twistarm_line,
     ("toppra", "along"): toppra_along,
     ("ruckig", "to"): ruckig_to,
 }
 
 
-def main() -> None:
-    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)
-    for line in sys.stdin:
-        asked = json.loads(line)
-        try:
-            answer = ANSWERS[sys.argv[1], asked["do"]](asked)
-        except Exception as error:
-            answer = {"error": f"{type(error).__name__}: {error}"}
-        answers.write(json.dumps(answer) + "\n")
-        answers.flush()
-
-
 if __name__ == "__main__":
-    main()
+    serve(lambda asked: ANSWERS[sys.argv[1], asked["do"]](asked))

@@ -8,8 +8,7 @@ It reads one JSON object per line from its standard input and answers with one l
   {"do": "kinematics", "theta", "calls", "check"}   {"one fk": {"ns", "result"}, …}: ns for each configuration,
                                               and the poses, or poses and Jacobians, of the rows to check
 
-What a solver raises is the answer {"error": text}. Numbers pass JSON unchanged to the last bit. What libraries print
-goes to standard error. Nothing but the standard library and NumPy is imported here: the environment is the peer's.
+Nothing but the standard library and NumPy is imported here: the environment is the peer's.
 """
 
 from __future__ import annotations
@@ -17,8 +16,6 @@ from __future__ import annotations
 import gc
 import importlib
 import importlib.metadata
-import json
-import os
 import sys
 from collections.abc import Callable
 from time import perf_counter_ns
@@ -26,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from .peers import Unfit
+from .peers import serve
 
 Function = Callable[[np.ndarray], Any]
 
@@ -35,15 +32,6 @@ WARM_UP = 1_000_000
 
 REPEATS = 5
 """Of what takes too little time to be measured once."""
-
-
-def main() -> None:
-    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)
-    peer = Worker(sys.argv[1])
-    for line in sys.stdin:
-        answers.write(json.dumps(peer.answer(json.loads(line))) + "\n")
-        answers.flush()
 
 
 class Worker:
@@ -55,12 +43,7 @@ class Worker:
 
     def answer(self, message: dict[str, Any]) -> dict[str, Any]:
         asked: Callable[..., dict[str, Any]] = getattr(self, f"_{message.pop('do')}")
-        try:
-            return asked(**message)
-        except Unfit as reason:
-            return {"unfit": str(reason)}
-        except Exception as error:  # the conductor reports it; the worker stays
-            return {"error": f"{type(error).__name__}: {error}"}
+        return asked(**message)
 
     def _open(self, robot: dict[str, Any]) -> dict[str, Any]:
         solver = importlib.import_module(f".peers.{self.name}", __package__).Solver
@@ -144,4 +127,4 @@ def _plain(result: Any) -> Any:
 
 
 if __name__ == "__main__":
-    main()
+    serve(Worker(sys.argv[1]).answer)

@@ -10,7 +10,7 @@ from numpy.testing import assert_array_equal
 
 from stream_stand_ins import FakeClock, Says
 from twistarm import Arm, ArmBuilder, DescriptionError, load_arm
-from twistarm.arm.usual_limits import DEFAULTS, defaults_line, usually_limited, with_defaults
+from twistarm.arm.usual_limits import DEFAULTS, defaults_line, with_defaults
 from twistarm.control.servo import JogCommand
 from twistarm.control.stream import Setpoint, SimulatedJoints, run
 from urdf_text import joint, robot, two_joints, write
@@ -199,16 +199,6 @@ def test_what_is_given_stays_and_what_is_not_is_usual(arm: Arm) -> None:
     assert limits.acceleration.tolist() == [3.0, 1.0]
     for name in ("lower", "upper", "jerk", "effort"):
         assert_array_equal(getattr(limits, name), getattr(arm.limits, name))
-
-
-def test_what_stands_in_is_said(arm: Arm) -> None:
-    assert defaults_line(arm) == (
-        "no limits given, used instead: velocity 0.25 m/s for reach; "
-        "acceleration 3 rad/s² for turn; acceleration 1 m/s² for reach"
-    )
-    assert defaults_line(arm, with_defaults(arm)) == ""
-    assert usually_limited(usually_limited(arm)) is not arm
-    assert usually_limited(limited := usually_limited(arm)) is limited
 
 
 BARE = """<robot name="bare"><link name="a"/><link name="b"/><link name="c"/><link name="d"/>

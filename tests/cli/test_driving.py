@@ -158,7 +158,7 @@ def test_what_cannot_be_is_refused_before_anything_is_opened(typed: list[str], m
 
     monkeypatch.setattr("twistarm.cli.commands.viewing.Viewer", opened)
     for name in ("UdpSink", "UdpFeedback", "SimulatedJoints"):
-        monkeypatch.setattr(f"twistarm.cli.robot.{name}", opened)
+        monkeypatch.setattr(f"twistarm.cli.commands.driving.{name}", opened)
     assert run(["servo", "scara", "--no-browser", *typed]) == 2
 
 

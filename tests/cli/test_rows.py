@@ -23,7 +23,6 @@ ROTATION = Rotation.from_euler("xyz", [170, 5, 40], degrees=True)
 QX, QY, QZ, QW = ROTATION.as_quat()
 
 AS_WRITTEN = {
-    "no header": f"0.4,0.1,0.3,{QX},{QY},{QZ},{QW}\n",
     "header, commas, quaternions": f"x,y,z,qx,qy,qz,qw\n0.4,0.1,0.3,{QX},{QY},{QZ},{QW}\n",
     "scalar first, in another order": f"qw,qx,qy,qz,z,y,x\n{QW},{QX},{QY},{QZ},0.3,0.1,0.4\n",
     "names of ROS, semicolons, a byte-order mark": "\ufeffposition.x;position.y;position.z;orientation.x;orientation.y;"
@@ -38,8 +37,7 @@ AS_WRITTEN = {
 def test_a_strangers_targets_are_read(case: str, tmp_path: Path, capsys: Capture) -> None:
     arm, file = load("ur5"), tmp_path / "targets.csv"
     file.write_text(AS_WRITTEN[case], "utf-8")
-    columns = ["--columns", "x,y,z,qx,qy,qz,qw"] if case == "no header" else []
-    (found,) = answer(capsys, "ik", "ur5", "--targets", str(file), *columns)["answers"]
+    (found,) = answer(capsys, "ik", "ur5", "--targets", str(file))["answers"]
     g = pinocchio_fk(arm, np.array(found["theta"]))
     assert np.allclose(g[:3, 3], [0.4, 0.1, 0.3], atol=2e-6)
     assert np.linalg.norm(pin.log3(g[:3, :3] @ ROTATION.as_matrix().T)) < 3e-6
@@ -110,7 +108,7 @@ BAD = {
     "two orientations": ("x,y,z,dx,dy,dz,roll,pitch,yaw\n1,1,1,0,0,1,0,0,0\n", "t.csv"),
     "an unknown unit": ("x [ft],y,z\n1,1,1\n", "column x"),
     "a column twice": ("x,y,z,X\n1,1,1,1\n", "hold x"),
-    "no names for so many": ("1,1,1,1\n", "--columns"),
+    "no names for so many": ("1,1,1,1\n", "x, y, z"),
     "nothing": ("", "t.csv"),
     "half a header": ("x,y,3\n1,1,1\n", "line 1"),
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import os
+import re
 import shutil
 import subprocess
 from dataclasses import replace
@@ -15,7 +16,7 @@ from numpy.testing import assert_allclose
 
 from catalogue import load
 from test_trajectory import motion, standstill
-from twistarm import Actuators, load_trajectory, plan_joint, save_trajectory
+from twistarm import Actuators, LineMove, ScrewMove, load_trajectory, plan, plan_joint, save_trajectory
 from twistarm.cli.application import run
 from twistarm.planning import Trajectory
 from twistarm.support.errors import InputError
@@ -54,16 +55,6 @@ def test_json_is_a_joint_trajectory(tmp_path):
         assert np.array_equal([p[key] for p in message["points"]], expected)
     assert message["points"][-1]["velocities"] == [0.0, 0.0]
     assert stamps[-1] == 5 * 10**9
-
-
-def test_a_failure_leaves_what_was_there(tmp_path, monkeypatch):
-    path = tmp_path / "a.csv"
-    path.write_text("old")
-    monkeypatch.setattr(os, "replace", lambda *_: (_ for _ in ()).throw(OSError(5, "Input/output error")))
-    with pytest.raises(InputError, match=r"cannot write .*: Input/output error"):
-        save_trajectory(motion(), path)
-    assert path.read_text() == "old"
-    assert os.listdir(tmp_path) == ["a.csv"]
 
 
 def test_json_refuses_steps_below_a_nanosecond(tmp_path):
@@ -262,11 +253,24 @@ def test_in_single_precision_and_in_what_drives_count(tmp_path):
 
 
 @pytest.mark.usefixtures("compilers")
-def test_nan_is_the_start_and_a_motion_of_one_piece_compiles(tmp_path):
-    save_trajectory(motion(), tmp_path / "motion.h")
-    values, _ = compiled(tmp_path, C99)(np.array([np.nan, 1.0]), 2)
-    assert values[:, 0].tolist() == [[0.0, 0.0]] * 3
-    assert_allclose(values[0, 1], motion()(1.0), atol=1e-12)
+def test_a_motion_of_many_pieces_is_refitted_within_what_the_header_says(tmp_path):
+    """And what is no number is the start."""
+    arm = load("rover_arm_6dof")
+    lift, turn = LineMove.by([0, 0, 0.08], blend=0.01), ScrewMove.about([0, 0, 1], arm.fk(arm.ready)[:3, 3], 0.3)
+    planned = plan(arm, [lift, turn], limits={"acceleration": 3.0, "jerk": 30.0})
+    assert planned.coefficients.size > 20_000
+    text = save_trajectory(planned, tmp_path / "motion.h").read_text()
+    off, velocity, acceleration, jerk = map(
+        float, re.search(r"at most ([\de.-]+) rad.*?most (\S+), (\S+) and (\S+) of", text, re.DOTALL).groups()
+    )
+    t = instants(planned)
+    values, _ = compiled(tmp_path, C99)(np.append(t, np.nan), arm.n)
+    assert np.abs(values[0, :-1] - planned(t)).max() <= off * 1.01 <= 1.01e-6
+    assert (values[0, -1] == arm.ready).all()
+    assert max(velocity, acceleration, jerk) <= 1.002
+    for order, most in ((1, velocity), (2, acceleration)):
+        assert (np.abs(values[order]).max(axis=0) <= most * planned.peak(order) * (1 + 1e-4)).all()
+    assert len(text) < 60_000
 
 
 def test_what_cannot_be_a_header(tmp_path):

@@ -188,14 +188,6 @@ LIMITS = {"lower": -3.0, "upper": 3.0, "velocity": 2.0, "acceleration": 5.0}
 POINTS = np.random.default_rng(4).uniform(-1.0, 1.0, (8, ARM.n))
 
 
-def test_repeated_waypoints_take_no_time() -> None:
-    for kind in LAWS:
-        motion = plan_joint(ARM, np.concatenate([POINTS[:1], POINTS, POINTS[-1:] + 1e-9]), kind=kind, limits=LIMITS)
-        assert (motion.times[:2] == 0).all()
-        assert motion.times[-2] == motion.times[-1]
-        assert plan_joint(ARM, [POINTS[0]] * 3, kind=kind, limits=LIMITS).duration == 0
-
-
 def test_stopping_everywhere_takes_the_time_of_the_single_ways() -> None:
     ways = np.abs(np.diff(POINTS, axis=0)).max(axis=1)
     alone = np.where(ways > 2.0**2 / 5.0, ways / 2.0 + 2.0 / 5.0, 2.0 * np.sqrt(ways / 5.0))  # Lynch & Park §9.2.2.2

@@ -95,7 +95,7 @@ def test_a_line_that_ends_beyond_the_reach_is_followed_within_a_wider_tolerance(
     assert 0.9 < refused.value.share < 1.0
     motion = plan(arm, LineMove(Position(goal)), start=[0.3, 0.8], limits=RATES, position_tol=3e-3)
     end = pinocchio_fk(arm, motion(motion.duration))[:3, 3]
-    assert 2e-3 <= np.linalg.norm(end - goal) <= 3e-3
+    assert 2e-3 * (1 - 1e-9) <= np.linalg.norm(end - goal) <= 3e-3
 
 
 def test_tolerances_stand_in_a_motion_file_and_on_the_command_line(

@@ -23,7 +23,6 @@ from .commands import (
     designing,
     driving,
     guide,
-    init,
     inverse,
     kinematics,
     motion,
@@ -38,7 +37,7 @@ BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
 """Exit codes: a bad answer, unusable input, a fault of twistarm, Ctrl-C."""
 
 COMMANDS: dict[str, tuple[Callable[..., Any], ...]] = {
-    "An arm": (viewing.demo, arms.arms, arms.info, init.init, checking.doctor, checking.check, checking.freeze,
+    "An arm": (viewing.demo, arms.arms, arms.info, arms.init, checking.doctor, checking.check, checking.freeze,
                checking.collisions, baking.bake, baking.dh),
     "Kinematics": (kinematics.fk, kinematics.jacobian, inverse.ik, designing.reach),
     "Motion": (motion.plan, viewing.view, driving.servo, driving.follow),

@@ -15,11 +15,16 @@ from .numbers import NUMBERS, Typed, is_part
 
 
 class Shared(OptionInfo):
-    """Options that commands share, in the annotation of one argument: `made` makes it of what was typed."""
+    """Options that commands share, in the annotation of one argument: `made` makes it of what was typed.
 
-    def __init__(self, made: Callable[..., Any], params: Sequence[Any] | None = None) -> None:
+    They stand in a section `panel` of the help, if it is named.
+    """
+
+    def __init__(self, made: Callable[..., Any], params: Sequence[Any] | None = None, panel: str = "") -> None:
         super().__init__(default=..., parser=str, hidden=True)
         self.made, self.params = made, list(params_of(made) if params is None else params)
+        for param in self.params if panel else ():
+            param.rich_help_panel = panel
 
 
 def params_of(function: Callable[..., Any]) -> list[Any]:
@@ -44,7 +49,9 @@ class _Options:
             if isinstance(of, Shared)
         }
         own = [param for param in self.params if param.name not in self.shared]
-        self.params = [*own, *(param for of in self.shared.values() for param in of.params)]
+        every = [*own, *(param for of in self.shared.values() for param in of.params)]
+        # Sections of the help have the order of their first members: arguments, named panels, then the rest.
+        self.params = sorted(every, key=lambda param: (param.param_type_name != "argument", not param.rich_help_panel))
 
     def invoke(self, ctx: Any) -> Any:
         """Read the typed numbers, and make the arguments that options share."""

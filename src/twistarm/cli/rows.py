@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,14 +16,19 @@ from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows, is_number, kno
 from ..support.errors import InputError, listed, shown
 from ..support.fields import inside
 from ..support.units import angle_hint
-from .numbers import AXIS, RPY, WXYZ, XYZ, XYZW, numbers, option, parse_numbers, quantity, typed_option
+from .command import Shared
+from .numbers import AXIS, RPY, WXYZ, XYZ, XYZW, numbers, parse_numbers, quantity, typed_option
 from .output import note, warn
 
 Target = Pose | Approach | Position
 
-TURNS = "turns about the base's x, y and z axes, in this order [°, or rad with --rad]"
-POINTS = "where the tool points, in base axes; turning about that is free"
-EACH = "one for all positions, or repeated for each"
+TURNS = ("rpy", "quaternion", "quaternion_xyzw", "direction")
+"""What turns the tool: one of them at most."""
+
+Typed = list[Any] | None
+
+ROWS_SHOWN = 20
+"""The most rows of answers and line numbers to show."""
 
 
 def _axis(text: str, option: str, radians: bool) -> Array:
@@ -38,25 +42,6 @@ def _axis(text: str, option: str, radians: bool) -> Array:
         raise InputError(f"{option} takes x, y, z, -x, -y, -z or three numbers; got {text!r}") from error
 
 
-Xyz = Annotated[Any, numbers("m m m", XYZ, "Position of the tool in the base frame, in metres.")]
-Rpy = Annotated[Any, numbers("rad rad rad", RPY, f"Orientation: {TURNS}.")]
-Quaternion = Annotated[Any, numbers("1 1 1 1", WXYZ, "Orientation, scalar first.", "--quaternion", "--quaternion-wxyz")]
-QuaternionXyzw = Annotated[Any, numbers("1 1 1 1", XYZW, "Orientation, scalar last, as in ROS and SciPy.")]
-Direction = Annotated[Any, numbers("1 1 1", XYZ, f"Only {POINTS}.")]
-Positions = Annotated[
-    list[Any] | None, numbers("m m m", XYZ, "Instead of --to: where the tool is to be, in metres; repeat it.", "--xyz")
-]
-Rpys = Annotated[list[Any] | None, numbers("rad rad rad", RPY, f"Orientation at --xyz: {TURNS}; {EACH}.", "--rpy")]
-Directions = Annotated[list[Any] | None, numbers("1 1 1", XYZ, f"Only {POINTS}, at --xyz; {EACH}.", "--direction")]
-Axis = Annotated[
-    Any,
-    typed_option(
-        _axis,
-        AXIS,
-        "The tool's axis that --direction points: x, -y, … or three numbers; unless given, the one about which the "
-        "last joint rolls the tool.",
-    ),
-]
 PositionTol = Annotated[float | None, quantity("m", "How far off a position is still met; 1e-5 m by default.")]
 OrientationTol = Annotated[
     float | None, quantity("rad", "How far the tool may be turned off [°, or rad with --rad]; 5e-5 rad by default.")
@@ -64,64 +49,68 @@ OrientationTol = Annotated[
 
 
 @dataclass(frozen=True)
-class Orientation:
-    """The typed orientation of the tool: roll, pitch, yaw [rad], a quaternion, a direction for an axis, or nothing."""
+class TypedTargets:
+    """The typed positions of the tool, and its orientation there: one for all of them, or one for each.
 
-    rpy: Array | None = None
-    wxyz: Array | None = None
-    xyzw: Array | None = None
-    direction: Array | None = None
-    axis: Array | None = None
+    `ik` takes one position, `plan` and `designs` take several.
+    """
+
+    xyz: Annotated[Typed, numbers("m m m", XYZ, "Where the tool is to be, in the base frame [m].")] = None
+    rpy: Annotated[
+        Typed, numbers("rad rad rad", RPY, "Turns about the base's x, y and z axes, in this order [°, rad with --rad].")
+    ] = None
+    quaternion: Annotated[Typed, numbers("1 1 1 1", WXYZ, "Orientation, scalar first.")] = None
+    quaternion_xyzw: Annotated[Typed, numbers("1 1 1 1", XYZW, "Orientation, scalar last, as in ROS and SciPy.")] = None
+    direction: Annotated[
+        Typed, numbers("1 1 1", XYZ, "Only where the tool points, in base axes; turning about that is free.")
+    ] = None
+    axis: Annotated[
+        Any, typed_option(_axis, AXIS, "The tool's axis that --direction points: x, -y, … or three numbers; unless "
+                          "given, the one about which the last joint rolls the tool."),
+    ] = None  # fmt: skip
 
     def __post_init__(self) -> None:
-        options = {"--rpy": self.rpy, "--quaternion": self.wxyz, "--quaternion-xyzw": self.xyzw}
-        given = [option for option, each in (options | {"--direction": self.direction}).items() if each is not None]
+        given = [f"--{name.replace('_', '-')}" for name in TURNS if getattr(self, name)]
         if len(given) > 1:
             raise InputError(f"give {' or '.join(given)}, not both: a whole orientation, or only where the tool points")
+        if self.axis is not None and not self.direction:
+            raise InputError("--axis says which axis of the tool --direction points: give a direction too")
+        count = len(self.xyz or ())
+        turned = max(len(getattr(self, name) or ()) for name in TURNS)
+        if turned > 1 and turned != count:
+            raise InputError(f"give one {given[0]} for all positions, or one for each: {turned} go with {count} --xyz")
 
     @property
-    def is_given(self) -> bool:
+    def turned(self) -> bool:
         """Whether an orientation is wanted."""
-        return any(each is not None for each in (self.rpy, self.wxyz, self.xyzw, self.direction))
+        return any(getattr(self, name) for name in TURNS)
 
-    def at(self, p: Array) -> Target:
-        """The target with the tool's origin at p (3,) [m]."""
-        if self.direction is not None:
-            return Approach(p, self.direction, self.axis)
-        if self.axis is not None:
-            raise InputError("--axis says which axis of the tool --direction points: give a direction too")
-        if self.rpy is not None:
-            return Pose.from_rpy(p, self.rpy)
-        if self.wxyz is not None or self.xyzw is not None:
-            return Pose.from_quaternion(p, wxyz=self.wxyz, xyzw=self.xyzw)
+    def at(self, p: Array, k: int = 0) -> Target:
+        """The target with the tool's origin at p (3,) [m], turned as the k-th."""
+        rpy, wxyz, xyzw, direction = (
+            each[k % len(each)] if each else None for each in (getattr(self, name) for name in TURNS)
+        )
+        if direction is not None:
+            return Approach(p, direction, self.axis)
+        if rpy is not None:
+            return Pose.from_rpy(p, rpy)
+        if wxyz is not None or xyzw is not None:
+            return Pose.from_quaternion(p, wxyz=wxyz, xyzw=xyzw)
         return Position(p)
 
-
-def typed_targets(
-    xyz: Sequence[Array], rpy: Sequence[Array], direction: Sequence[Array], axis: Array | None = None
-) -> list[Target]:
-    """The targets at positions, with one orientation for all or one for each."""
-    if (rpy or direction or axis is not None) and not xyz:
-        raise InputError("--rpy, --direction and --axis turn the tool at the positions of --xyz: give --xyz too")
-    if rpy and direction:
-        raise InputError("give --rpy or --direction, not both: a whole orientation, or only where the tool points")
-    option, turned = ("rpy", rpy) if rpy else ("direction", direction)
-    if turned and len(turned) not in (1, len(xyz)):
-        count = f"{len(turned)} go with {len(xyz)} --xyz"
-        raise InputError(f"give one --{option} for all positions, or one for each: {count}")
-    every = [{option: turned[k % len(turned)]} if turned else {} for k in range(len(xyz))]
-    return [Orientation(**each, axis=axis).at(p) for each, p in zip(every, xyz, strict=True)]
+    def all(self) -> list[Target]:
+        """The targets at the typed positions."""
+        if self.turned and not self.xyz:
+            raise InputError("an orientation turns the tool at the positions of --xyz: give --xyz too")
+        return [self.at(p, k) for k, p in enumerate(self.xyz or ())]
 
 
-Columns = Annotated[str | None, option("A,B,…", "Names of the CSV's columns, where its header has none or others.")]
+TargetOptions = Annotated[TypedTargets, Shared(TypedTargets, panel="The target")]
 
 BOUNDS = Bounds(bytes=15_000_000, lines=100_000)
 """A row of seven numbers with all their digits has 140 bytes."""
 
 STDIN = "-"
-
-ROWS_SHOWN = 20
-"""The most rows of answers and line numbers to show."""
 
 POSITION, ANGLES = ("x", "y", "z"), ("roll", "pitch", "yaw")
 DIRECTION, QUATERNION = ("dx", "dy", "dz"), ("qx", "qy", "qz", "qw")
@@ -185,11 +174,11 @@ class Sheet:
         return InputError(f"{self.file}: {what}; its header has {listed(self.header)}")
 
 
-def read_sheet(path: str, names: str | None, usual: Sequence[str]) -> Sheet:
-    """The sheet in a file, or on standard input for -. `names` [a,b,c] replace its header.
+def read_sheet(path: str, usual: Sequence[str]) -> Sheet:
+    """The sheet in a file, or on standard input for -.
 
-    Lines with # are comments. The first other line is the header where it holds no numbers. Without a header and names
-    the columns are the `usual` ones.
+    Lines with # are comments. The first other line is the header where it holds no numbers. Without a header the
+    columns are the `usual` ones.
     """
     file = "standard input" if path == STDIN else path
     if path == STDIN and sys.stdin is None:
@@ -202,22 +191,17 @@ def read_sheet(path: str, names: str | None, usual: Sequence[str]) -> Sheet:
     header = tuple(usual) if all(numeric) else tuple(cell.strip() for cell in rows.pop(0).cells)
     if not rows:
         raise InputError(f"{file} holds no rows of numbers")
-    width = len(rows[0].cells)
-    if names is not None:
-        header = tuple(name.strip() for name in re.split(r"[,;]", names))
-        if len(header) != width:
-            raise InputError(f"--columns names {len(header)} columns; {file} has {width}")
-    elif all(numeric) and len(usual) != width:
-        raise InputError(f"{file} has {width} columns without names, not {', '.join(usual)}: name them by --columns")
+    if all(numeric) and len(usual) != len(rows[0].cells):
+        raise InputError(f"{file} has {len(rows[0].cells)} columns without names, not {', '.join(usual)}: add a header")
     return Sheet(file, header, tuple(rows))
 
 
-def configurations_in(arm: Arm, path: str, names: str | None) -> tuple[list[int], Array]:
+def configurations_in(arm: Arm, path: str) -> tuple[list[int], Array]:
     """Lines and theta (N, n) of a CSV's rows [rad, m]: a column per joint, by names or base to tip.
 
     Joints without a column take their value in ready, with a note.
     """
-    sheet = read_sheet(path, names, arm.joint_names)
+    sheet = read_sheet(path, arm.joint_names)
     known = {written: name for name in arm.joint_names for written in (name, f"{name}.position")}
     columns = sheet.columns(known, dict(zip(arm.joint_names, arm.units, strict=True)))
     if not columns:
@@ -233,9 +217,9 @@ def configurations_in(arm: Arm, path: str, names: str | None) -> tuple[list[int]
     return sheet.lines, theta
 
 
-def targets_in(path: str, names: str | None, orientation: Orientation) -> tuple[list[int], list[Target]]:
+def targets_in(path: str, typed: TypedTargets) -> tuple[list[int], list[Target]]:
     """Lines and targets of a CSV's rows: positions, with the header's or the options' orientation."""
-    sheet = read_sheet(path, names, POSITION)
+    sheet = read_sheet(path, POSITION)
     if TWO_MEANINGS & {cell.casefold() for cell in sheet.header}:
         raise InputError(f"{sheet.file}: rx, ry, rz mean two things: name them roll, pitch, yaw, or write quaternions")
     columns = sheet.columns(TARGET_NAMES, UNITS)
@@ -243,7 +227,7 @@ def targets_in(path: str, names: str | None, orientation: Orientation) -> tuple[
     kind = kinds[0] if kinds else ()
     if missing := [name for name in (*POSITION, *kind) if name not in columns]:
         raise sheet.lacks(f"no column {', '.join(missing)}; targets have {TARGET_COLUMNS}")
-    if len(kinds) > 1 or (kinds and orientation.is_given):
+    if len(kinds) > 1 or (kinds and typed.turned):
         raise InputError(f"{sheet.file}: its columns and the options turn the tool in more than one way; keep one")
     targets: list[Target] = []
     for line, values in zip(sheet.lines, np.stack([columns[name] for name in (*POSITION, *kind)], axis=1), strict=True):
@@ -256,6 +240,5 @@ def targets_in(path: str, names: str | None, orientation: Orientation) -> tuple[
             elif kind == QUATERNION:
                 targets.append(Pose.from_quaternion(p, xyzw=turned))
             else:
-                towards = Orientation(direction=turned, axis=orientation.axis) if kind else orientation
-                targets.append(towards.at(p))
+                targets.append(Approach(p, turned, typed.axis) if kind else typed.at(p))
     return sheet.lines, targets

@@ -67,9 +67,9 @@ def solve_near(
 ) -> Solutions:
     """Solve for configurations near `near` (k, n) at poses `ideal` (k, 4, 4).
 
-    They meet targets exactly where possible, so that a spline through them is smooth. With wide tolerances, the nearest
-    configuration within them comes first. A search within tolerances comes last. `closed_form` replaces the search for
-    exact configurations where it applies.
+    They meet targets exactly where possible, so that a spline through them is smooth. A search within tolerances comes
+    last. Unless the curve is to be met exactly, the nearest configuration within tolerances comes first. `closed_form`
+    replaces the search for exact configurations where it applies.
     """
 
     def without_leap(ideal: Array, near: Array) -> Solutions:
@@ -85,7 +85,7 @@ def solve_near(
         return found.theta, found.converged
 
     theta, converged = near.copy(), np.zeros(len(near), dtype=bool)
-    for solve in (*([without_leap] if moving.leeway else []), exactly, search):
+    for solve in (exactly, search) if moving.exactly else (without_leap, exactly, search):
         left = np.flatnonzero(~converged)
         found, good = solve(ideal[left], near[left])
         theta[left[good]], converged[left[good]] = found[good], True
@@ -169,23 +169,18 @@ def errors_and_rows(like: AnyTarget, ideal: Array, g: Array, J_b: Array) -> tupl
     return e, J
 
 
-def are_wide(tolerances: Tolerances) -> bool:
-    """Whether the tolerances are wider than usual. A motion then uses them from the first, to bend less."""
-    return tolerances.position > USUAL.position or tolerances.orientation > USUAL.orientation
-
-
 def branches(arm: Arm, target: AnyTarget, near: Array, tolerances: Tolerances = USUAL) -> Array:
     """Return configurations (b, n) that meet the target, b ≥ 0, nearest to `near` (n,) first.
 
     The closed form of the arm's family gives them, with random values for free joints. Without a closed form, or for a
     continuous family, searches from random starts find them. Of close answers the nearest stays. Joints with room for
-    whole turns give all their windings. Tolerances are used if wide, or if no configuration meets the target exactly.
+    whole turns give all their windings. Tolerances are used if no configuration meets the target exactly.
     """
     starts = np.vstack([near, arm.random_theta(SEED, MANY)])
     met, all_found = _by_closed_form(arm, target, starts)
     if not all_found:
         met = np.vstack([_nearest(arm, target, near), met, _by_searches(arm, target, starts, ALL_BUT_EXACT)])
-    if not len(met) or are_wide(tolerances):
+    if not len(met):
         met = np.vstack([met, _by_searches(arm, target, starts, tolerances)])
     met = joint_ranges(arm).wrapped(met, near)
     return _in_order(_windings(arm, _distinct(_in_order(met, near))), near)

@@ -95,14 +95,13 @@ def _slerp(g0: Array, R1: Array) -> Array:
 class MovingTarget:
     """A `curve` that the tool follows in the components that the target `like` constrains.
 
-    `tolerances` are the distances at which the tool still meets it. With `leeway` they are used from the first.
-    Otherwise configurations are sought exactly first.
+    `tolerances` are the distances at which the tool still meets it. `exactly`: configurations are sought exactly first.
     """
 
     curve: Curve
     like: AnyTarget
     tolerances: Tolerances = USUAL
-    leeway: Tolerances | None = None
+    exactly: bool = True
 
     def at(self, s: float) -> AnyTarget:
         """The target at s."""

@@ -49,7 +49,7 @@ FEWEST_CHECKS, CHECKS, MOST_CHECKS = 4, 16, 40_000
 """Intervals of check points in each piece of a path, and the most on a whole path of many pieces."""
 
 SHARE = 0.95
-"""A path that uses less than this share of a wide tolerance is sampled more densely and keeps its targets."""
+"""A path within tolerances is only sampled more densely where it uses less than this share of them."""
 
 MOST_SAMPLES = 4096
 
@@ -213,7 +213,9 @@ def follow(arm: Arm, samples: Sequence[Node]) -> JointPath | Blocked:
             break
         between = 0.5 * (s[:-1] + s[1:])[off]
         found = path(between)
-        good = _uses_tolerance_well(arm, moving, between, found) & ~outside[off]
+        position, angle = moving.errors(between, arm.fk(found))
+        good = (position <= SHARE * moving.tolerances.position) & (angle <= SHARE * moving.tolerances.orientation)
+        good &= ~outside[off] & (not moving.exactly)
         found[~good], good[~good] = solve_near(arm, moving, moving.curve(between[~good]), found[~good])
         if not good.all():
             return _blocked(samples[0], s, theta, float(between[int(np.argmin(good))]), leap=False)
@@ -221,14 +223,6 @@ def follow(arm: Arm, samples: Sequence[Node]) -> JointPath | Blocked:
         order = np.argsort(s, kind="stable")
         s, theta = s[order], theta[order]
     return _blocked(samples[0], s, theta, float(s[int(np.argmax(off)) + 1]), leap=True)
-
-
-def _uses_tolerance_well(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Flags:
-    """Tell which configurations (k, n) at s (k,) are well within wide tolerances."""
-    if moving.leeway is None:
-        return np.zeros(len(s), dtype=bool)
-    position, angle = moving.errors(s, arm.fk(theta))
-    return (position <= SHARE * moving.tolerances.position) & (angle <= SHARE * moving.tolerances.orientation)
 
 
 def _blocked(root: Node, s: Array, theta: Array, ahead: float, *, leap: bool) -> Blocked:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from collections.abc import Callable
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -53,74 +53,63 @@ def free_path(scene: Scene, start: Array, goal: Array, limits: JointLimits, max_
         return np.array([start, goal])
     ends = time.monotonic() + max_time
     near = min(scene.distance(start).metres, scene.distance(goal).metres) - scene.largest_margin
-    search = _Search(scene, start, goal, limits, min(CLEARANCE, 0.5 * max(near, 0.0)), seed)
+    lower, upper = np.minimum(start, goal) - UNLIMITED, np.maximum(start, goal) + UNLIMITED
+    lower = np.where(np.isfinite(limits.lower), limits.lower, lower)
+    upper = np.where(np.isfinite(limits.upper), limits.upper, upper)
+    is_free = scene.checks(min(CLEARANCE, 0.5 * max(near, 0.0)))
     for step in STEPS:
-        path = search.path(step, ends)
+        path = _searched(is_free, start, goal, lower, upper, step, ends - time.monotonic(), seed)
         if path is None:
             break
         if all(scene.is_free(one, other) for one, other in pairwise(path)):
             return path
-    raise PathError(
-        Text(
-            "no way round was found in {time:g} s; give another goal, or a longer {max_time}",
-            time=max_time,
-            max_time=Argument("max_time"),
-        )
-    )
+    what = "no way round was found in {time:g} s; give another goal, or a longer {max_time}"
+    raise PathError(Text(what, time=max_time, max_time=Argument("max_time")))
 
 
-class _Search:
-    """One problem of OMPL."""
+def _searched(
+    is_free: Callable[[Array], bool],
+    start: Array, goal: Array, lower: Array, upper: Array,
+    step: float, seconds: float, seed: int,
+) -> Array | None:  # fmt: skip
+    """Return a shortened path (k, n) with free states every `step` [rad, m]; None after so many seconds."""
+    base, geometric = _import_ompl(seed)
+    space, bounds = base.RealVectorStateSpace(len(start)), base.RealVectorBounds(len(start))
+    for i, (least, most) in enumerate(zip(lower.tolist(), upper.tolist(), strict=True)):
+        bounds.setLow(i, least)
+        bounds.setHigh(i, most)
+    space.setBounds(bounds)
 
-    def __init__(
-        self, scene: Scene, start: Array, goal: Array, limits: JointLimits, clearance: float, seed: int
-    ) -> None:
-        self._ompl = _import_ompl(seed)
-        self._n, self._start, self._goal = len(start), start, goal
-        lower, upper = np.minimum(start, goal) - UNLIMITED, np.maximum(start, goal) + UNLIMITED
-        self._lower = np.where(np.isfinite(limits.lower), limits.lower, lower)
-        self._upper = np.where(np.isfinite(limits.upper), limits.upper, upper)
-        self._free = scene.checks(clearance)
+    def numbers(state: Any) -> Array:
+        return np.array([state[i] for i in range(len(start))])
 
-    def path(self, step: float, ends: float) -> Array | None:
-        """A shortened path (k, n) with free states every `step` [rad, m]; None after the time limit."""
-        base, geometric = self._ompl
-        space, bounds = base.RealVectorStateSpace(self._n), base.RealVectorBounds(self._n)
-        for i in range(self._n):
-            bounds.setLow(i, float(self._lower[i]))
-            bounds.setHigh(i, float(self._upper[i]))
-        space.setBounds(bounds)
-        setup = geometric.SimpleSetup(space)
-        setup.setStateValidityChecker(lambda state: self._free(self._numbers(state)))
-        setup.getSpaceInformation().setStateValidityCheckingResolution(step / float(space.getMaximumExtent()))
-        planner = geometric.RRTConnect(setup.getSpaceInformation())
-        planner.setRange(REACH)
-        setup.setPlanner(planner)
-        setup.setStartAndGoalStates(self._state(space, self._start), self._state(space, self._goal))
-        began = time.monotonic()
-        if ends <= began:
-            return None
-        setup.solve(ends - began)
-        if not setup.haveExactSolutionPath():
-            return None
-        found = setup.getSolutionPath()
-        simplifier = geometric.PathSimplifier(setup.getSpaceInformation())
-        simplifier.ropeShortcutPath(found)
-        simplifier.reduceVertices(found)
-        simplifier.partialShortcutPath(found, SHORTCUTS, SHORTCUTS)
-        simplifier.reduceVertices(found)
-        path = np.array([self._numbers(found.getState(k)) for k in range(found.getStateCount())])
-        path[0], path[-1] = self._start, self._goal
-        return path
-
-    def _numbers(self, state: Any) -> Array:
-        return np.array([state[i] for i in range(self._n)])
-
-    def _state(self, space: Any, theta: Array) -> Any:
+    def state_at(theta: Array) -> Any:
         state = space.allocState()
-        for i in range(self._n):
-            state[i] = float(theta[i])
+        for i, value in enumerate(theta.tolist()):
+            state[i] = value
         return state
+
+    setup = geometric.SimpleSetup(space)
+    setup.setStateValidityChecker(lambda state: is_free(numbers(state)))
+    setup.getSpaceInformation().setStateValidityCheckingResolution(step / float(space.getMaximumExtent()))
+    planner = geometric.RRTConnect(setup.getSpaceInformation())
+    planner.setRange(REACH)
+    setup.setPlanner(planner)
+    setup.setStartAndGoalStates(state_at(start), state_at(goal))
+    if seconds <= 0.0:
+        return None
+    setup.solve(seconds)
+    if not setup.haveExactSolutionPath():
+        return None
+    found = setup.getSolutionPath()
+    simplifier = geometric.PathSimplifier(setup.getSpaceInformation())
+    simplifier.ropeShortcutPath(found)
+    simplifier.reduceVertices(found)
+    simplifier.partialShortcutPath(found, SHORTCUTS, SHORTCUTS)
+    simplifier.reduceVertices(found)
+    path = np.array([numbers(found.getState(k)) for k in range(found.getStateCount())])
+    path[0], path[-1] = start, goal
+    return path
 
 
 def _import_ompl(seed: int) -> tuple[Any, Any]:
@@ -139,8 +128,7 @@ def _import_ompl(seed: int) -> tuple[Any, Any]:
 _SEEDED: list[int] = []
 
 
-@dataclass(frozen=True, eq=False)
-class Hit:
+class Hit(NamedTuple):
     """A collision of a motion: on the way to waypoint `leg` + 1, at `theta` (n,), in words."""
 
     leg: int

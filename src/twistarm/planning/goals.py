@@ -18,7 +18,6 @@ from ..support.checks import Array
 from ..support.errors import InputError, NotConvergedError, UnknownNameError
 from ..support.messages import joined
 from ..theory import rotations, screws
-from .configurations import are_wide
 from .curves import Curve, MovingTarget, arc, line, screw
 from .segments import CONSTRAINED, ArcMove, Constrained, JointMove, LineMove, ScrewMove
 from .waypoints import as_tolerances
@@ -33,7 +32,7 @@ class Goals:
     """The ends of an arm's moves. `where` names a segment in errors.
 
     With `unwrap`, joints go to configurations by the shorter way, by whole turns. `exactly`: curves are met exactly
-    where they can be, unless the tolerances are wide.
+    where they can be, otherwise within the tolerances from the first.
     """
 
     arm: Arm
@@ -68,16 +67,16 @@ class Goals:
     def moving(self, move: Curved, start: Array, where: str) -> list[MovingTarget]:
         """Return what to follow from start (n,), best first; nothing if the move ends there."""
         g0, met = self.arm.fk(start), self.tolerances(move)
-        leeway = None if self.exactly and not are_wide(met) else met
         if move.to is None:
-            found = [MovingTarget(_free_curve(move, g0), like, met, leeway) for like in self._likes(move.constrain, g0)]
+            likes, curve = self._likes(move.constrain, g0), _free_curve(move, g0)
         else:
             likes, g1 = self._goal_pose(move, g0, start, where)
             try:
-                found = [MovingTarget(_curve_to(move, g0, g1), like, met, leeway) for like in likes]
+                curve = _curve_to(move, g0, g1)
             except InputError as error:
                 raise InputError(joined(": ", [where, error.message])) from error
-        return [each for each in found if not each.is_still]
+        found = [MovingTarget(curve, like, met, self.exactly) for like in likes]
+        return [moving for moving in found if not moving.is_still]
 
     def _goal_pose(self, move: Curved, g0: Array, start: Array, where: str) -> tuple[list[AnyTarget], Array]:
         """Return the goal's target, and an end pose with the least turn of its free parts."""
@@ -95,9 +94,11 @@ class Goals:
 
     def _likes(self, constrain: Constrained | None, g: Array) -> list[AnyTarget]:
         """Return what to follow of a pose. By default arms of fewer than six joints follow as much as they can."""
-        if constrain is not None:
-            return [_like(self.arm, constrain, g)]
-        return [_like(self.arm, each, g) for each in (CONSTRAINED if self.arm.n < 6 else CONSTRAINED[:1])]
+        p, axis = g[:3, 3], self.arm.tool_axis
+        likes: list[AnyTarget] = [Pose(g), Approach(p, g[:3, :3] @ axis, axis), Position(p)]
+        if constrain is None:
+            return likes if self.arm.n < 6 else likes[:1]
+        return [likes[CONSTRAINED.index(constrain)]]
 
 
 def _free_curve(move: Curved, g0: Array) -> Curve:
@@ -117,14 +118,6 @@ def _curve_to(move: Curved, g0: Array, g1: Array) -> Curve:
     if isinstance(move, ScrewMove):
         return screw(g0, screws.log(g1 @ screws.inverse(g0)))
     return arc(g0, np.asarray(move.via), g1)
-
-
-def _like(arm: Arm, constrain: Constrained, g: Array) -> AnyTarget:
-    if constrain == "pose":
-        return Pose(g)
-    if constrain == "approach":
-        return Approach(g[:3, 3], g[:3, :3] @ arm.tool_axis, arm.tool_axis)
-    return Position(g[:3, 3])
 
 
 def _with_position(g: Array, p: Any) -> Array:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -42,14 +42,14 @@ FITS = {
 }
 """The spline of each kind: through the waypoints, or resting at each."""
 
-Motion = tuple[Array, Array, Array]
-"""Times of the waypoints (k,), breakpoints (p + 1,) and coefficients (degree + 1, p, n)."""
-
 FEW_WAYPOINTS = 30
 """With at most so many waypoints the centripetal spline is a candidate. It is slow on many uneven ones."""
 
 WORTH_A_LAW = 1.05
 """A path that takes longer than the fastest by this factor without jerk limits gets no s-curve."""
+
+MANY_WAYPOINTS = 300
+"""Through more waypoints only the path of the highest degree gets an s-curve: its law is the shortest, or nearly."""
 
 FIRST_PART = 0.8
 """Share of the work when the motion without stops is there."""
@@ -61,6 +61,19 @@ SHORT = 0.4
 """A leg is short if it takes less than this share of the time of either leg beside it."""
 
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
+
+
+class Motion(NamedTuple):
+    """When each of k parts ends (k,) [s], breakpoints (p + 1,) from 0 on and coefficients (degree + 1, p, n)."""
+
+    ends: Array
+    breakpoints: Array
+    coefficients: Array
+
+    @property
+    def duration(self) -> float:
+        """Length in time [s]."""
+        return float(self.breakpoints[-1])
 
 
 def plan_joint(
@@ -150,14 +163,19 @@ def plan_joint(
     if smooth is not None:
         points = smoothed(points, as_positive(smooth, "smooth"), bounds)
     inside = PathBounds(bounds, arm.actuators)
+    breakpoints, coefficients = np.zeros(2), points[None]
     if times is None:
         knots, owner, merged = distinct(points)
         said += merged
-        timed = _timed_by_law(knots, chosen, stop_at_waypoints, inside, progress)
-        timed = timed[0][owner], *timed[1:]
-    else:
-        timed = _at_times(points, chosen, stop_at_waypoints, as_times(times, len(points)), inside)
-    motion = Trajectory(arm.joint_names, arm.units, points, *timed, arm.actuators, notes=(*notes, *said), limits=bounds)
+        timed = shortest_motion(knots, chosen, inside, stop=stop_at_waypoints, progress=progress)
+        ends, breakpoints, coefficients = np.append(0.0, timed.ends)[owner], timed.breakpoints, timed.coefficients
+    elif len(ends := as_times(times, len(points))) > 1:
+        fit = FITS[chosen, stop_at_waypoints](points, ends)
+        breakpoints, coefficients = spline.pulled_in(fit, ends, points, bounds)
+    notes = (*notes, *said)
+    motion = Trajectory(
+        arm.joint_names, arm.units, points, ends, breakpoints, coefficients, arm.actuators, notes=notes, limits=bounds
+    )
     if times is not None:
         require_rates(motion, bounds)
         if arm.actuators is not None:
@@ -178,18 +196,6 @@ def _as_kind(kind: str | None, times: ArrayLike | None) -> str:
         laws, splines = (" or ".join(map(repr, kinds)) for kinds in (LAWS, SPLINES))
         raise InputError(f"kind is {laws} without times, {splines} at given times; got {kind!r}")
     return fitting[0] if kind is None else require_choice(kind, fitting, "kind")
-
-
-def _timed_by_law(knots: Array, kind: str, stop: bool, bounds: PathBounds, progress: Progress | None) -> Motion:
-    if len(knots) == 1:
-        return np.zeros(1), np.zeros(2), knots[None]
-    return shortest_motion(knots, kind, bounds, stop=stop, progress=progress)
-
-
-def _at_times(points: Array, kind: str, stop: bool, times: Array, bounds: PathBounds) -> Motion:
-    if len(points) == 1:
-        return times, np.zeros(2), points[None]
-    return times, *spline.pulled_in(FITS[kind, stop](points, times), times, points, bounds.limits)
 
 
 def as_limits(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> JointLimits:
@@ -215,11 +221,13 @@ def completed(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> tuple
 def shortest_motion(
     points: Array, law: str, bounds: PathBounds, *, stop: bool = False, progress: Progress | None = None
 ) -> Motion:
-    """Return the shortest motion found through distinct waypoints (k, n), k ≥ 2, from rest to rest.
+    """Return the shortest motion found through distinct waypoints (k, n), from rest to rest, with k − 1 parts.
 
     It stops at every waypoint if `stop`, and goes straight then. Otherwise it stops only where that is sooner done.
     Between stops it follows the spline whose law is the shortest.
     """
+    if len(points) == 1:
+        return Motion(np.zeros(0), np.zeros(2), points[None])
     ways = np.diff(points, axis=0)
     alone = (double_s_durations if law == "s_curve" else line_durations)(ways, bounds)
     require_span(float(alone.sum()))
@@ -229,32 +237,31 @@ def shortest_motion(
     def timed(i: int, j: int) -> Motion:
         return straight(points[i : j + 1], bounds) if j == i + 1 else _along_spline(points[i : j + 1], law, bounds)
 
-    stops = tuple(range(1, len(alone)))
-    if not stop and len(alone) > 1:
-        ends = timed(0, len(alone))[0][1:]
-        if progress is not None:
-            progress(FIRST_PART)
-        stops = best_stops(lambda i, j: float(alone[i] if j == i + 1 else timed(i, j)[0][-1]), alone, ends)
-    return _joined([timed(i, j) for i, j in pairwise([0, *stops, len(alone)])])
+    if not stop and progress is not None:
+        timed(0, len(alone))
+        progress(FIRST_PART)
+    stops = range(1, len(alone)) if stop else best_stops(timed, alone)
+    return joined([timed(i, j) for i, j in pairwise([0, *stops, len(alone)])])
 
 
-def best_stops(duration: Callable[[int, int], float], alone: Array, ends: Array) -> tuple[int, ...]:
+def best_stops(timed: Callable[[int, int], Motion], alone: Array) -> tuple[int, ...]:
     """Return after which of m legs to stop: none, all, or a few that save time.
 
     A stop may save time where both legs beside it take longer on the way than from rest to rest, and at both ends of a
     short leg. Such stops that do not help are left out one by one.
 
     Args:
-        duration: The time [s] of legs i … j − 1 from rest to rest, without a stop between them.
+        timed: The motion along legs i … j − 1 from rest to rest, without a stop between them.
         alone: The time of each leg from rest to rest (m,) [s].
-        ends: When the motion without stops ends each leg (m,) [s].
     """
     count = len(alone)
+    if count == 1:
+        return ()
 
     def whole(stops: Iterable[int]) -> float:
-        return sum(duration(i, j) for i, j in pairwise([0, *stops, count]))
+        return sum(alone[i] if j == i + 1 else timed(i, j).duration for i, j in pairwise([0, *stops, count]))
 
-    passed = np.append(0.0, ends)
+    passed = np.append(0.0, timed(0, count).ends)
     slow = np.flatnonzero(passed[2:] - passed[:-2] > alone[1:] + alone[:-1]) + 1
     short = np.flatnonzero(alone[1:-1] < SHORT * np.minimum(alone[:-2], alone[2:])) + 1
     few = [tuple(stops.tolist()) for stops in (slow, np.union1d(short, short + 1)) if len(stops) <= MOST_STOPS]
@@ -265,15 +272,26 @@ def best_stops(duration: Callable[[int, int], float], alone: Array, ends: Array)
     return best
 
 
+def joined(motions: Sequence[Motion]) -> Motion:
+    """One motion after the other. One of no length adds no piece."""
+    starts = np.cumsum([0.0, *(motion.duration for motion in motions)])
+    ends = np.concatenate([start + motion.ends for start, motion in zip(starts, motions, strict=False)])
+    moving = [(start, motion) for start, motion in zip(starts, motions, strict=False) if motion.duration]
+    if not moving:
+        return Motion(ends, *motions[0][1:])
+    breakpoints = np.concatenate([[0.0], *(start + motion.breakpoints[1:] for start, motion in moving)])
+    return Motion(ends, breakpoints, side_by_side([motion.coefficients for _, motion in moving]))
+
+
 def _double_s(ends: Array, bounds: PathBounds) -> Motion:
     breakpoints, coefficients = double_s(ends[0], ends[1], bounds)
-    return breakpoints[[0, -1]], breakpoints, coefficients
+    return Motion(breakpoints[-1:], breakpoints, coefficients)
 
 
 def _along_line(ends: Array, bounds: PathBounds) -> Motion:
     line = JointPath.straight(ends[0], ends[1])
     breakpoints, coefficients = time_optimal(line, bounds).along(line)
-    return breakpoints[[0, -1]], breakpoints, coefficients
+    return Motion(breakpoints[-1:], breakpoints, coefficients)
 
 
 def _along_spline(points: Array, law: str, bounds: PathBounds) -> Motion:
@@ -283,10 +301,12 @@ def _along_spline(points: Array, law: str, bounds: PathBounds) -> Motion:
     if law == "s_curve":
         most = WORTH_A_LAW * min(each.duration for each in laws)
         paths = [path for path, each in zip(paths, laws, strict=True) if each.duration <= most]
+        if len(points) > MANY_WAYPOINTS:
+            paths = [max(paths, key=lambda candidate: len(candidate[0].coefficients))]
         laws = [s_curve(path, bounds) for path, _ in paths]
     best = min(range(len(laws)), key=lambda i: laws[i].duration)
     path, places = paths[best]
-    return laws[best].passes(places), *laws[best].along(path)
+    return Motion(laws[best].passes(places)[1:], *laws[best].along(path))
 
 
 def spline_paths(points: Array, bounds: PathBounds) -> list[tuple[JointPath, Array]]:
@@ -320,12 +340,3 @@ def _length(way: Array, bounds: PathBounds) -> Array:
 
 def _summed(steps: Array) -> Array:
     return np.concatenate([[0.0], np.cumsum(steps)])
-
-
-def _joined(motions: list[Motion]) -> Motion:
-    starts = np.concatenate([[0.0], np.cumsum([times[-1] for times, _, _ in motions])])
-    times, breakpoints = (
-        np.concatenate([[0.0], *(start + motion[i][1:] for start, motion in zip(starts, motions, strict=False))])
-        for i in (0, 1)
-    )
-    return times, breakpoints, side_by_side([coefficients for _, _, coefficients in motions])

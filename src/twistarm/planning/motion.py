@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
@@ -17,8 +17,8 @@ from ..support.checks import Array, Row, as_flag, as_positive, require_callback,
 from ..support.errors import InputError, NotConvergedError
 from ..support.messages import Argument, Text
 from .goals import Goals
-from .joint_space import best_stops, completed
-from .piecewise import JointPath, side_by_side
+from .joint_space import Motion, best_stops, completed, joined
+from .piecewise import JointPath
 from .refusal import PathError
 from .route import PathPart, Router
 from .s_curve import double_s, s_curve
@@ -110,13 +110,11 @@ def plan(
         raise InputError(f"start must be one configuration ({arm.n},); got {origin.shape}")
     require_waypoints(origin[None], bounds, arm.joint_names, arm.units, "start")
     around, free_path = _obstacles(arm, moves, origin, bounds, scene, as_positive(max_time, "max_time"))
-
-    def report(done: int) -> None:
-        if progress is not None:
-            progress(0.9 * done / len(moves))
-
+    tell = progress or (lambda _: None)
     goals = Goals(ranged, bounds, as_flag(unwrap, "unwrap"))
-    parts, said = _route(Router(ranged, moves, goals, report, around, free_path), origin)
+    parts, said = _route(
+        Router(ranged, moves, goals, lambda done: tell(0.9 * done / len(moves)), around, free_path), origin
+    )
     motion = _in_time(ranged, origin, parts, bounds, kind, (*notes, *said))
     if around is not None:
         sharp = [part if part.last else replace(part, blend=0.0) for part in parts]
@@ -124,8 +122,7 @@ def plan(
         motion = _free(around, motion, again, moves)
         if scene is not None and around is not scene and (contacts := scene.contacts(motion.waypoints[-1])):
             raise PathError(f"the motion ends in collision, as it began: {contacts[0]}", reason="collision")
-    if progress is not None:
-        progress(1.0)
+    tell(1.0)
     return motion
 
 
@@ -174,84 +171,55 @@ def _free(around: Scene, motion: Trajectory, sharp: Callable[[], Trajectory], mo
     return motion
 
 
-@dataclass(frozen=True, eq=False)
-class Timed:
-    """Parts of a path in time, from stop to stop: breakpoints (m + 1,) [s], coefficients, each part's end [s]."""
-
-    parts: list[PathPart]
-    breakpoints: Array
-    coefficients: Array
-    ends: Array
-
-    @property
-    def duration(self) -> float:
-        """Length in time [s]."""
-        return float(self.breakpoints[-1])
-
-
 def _in_time(
     arm: Arm, origin: Array, parts: list[PathPart], limits: JointLimits, kind: str, notes: tuple[str, ...]
 ) -> Trajectory:
     """Return the motion along the parts, from stop to stop as fast as the limits allow."""
-    timed = [stretch for run in runs(arm, parts, limits) for stretch in _fastest(arm, *run, limits, kind)]
-    starts = np.cumsum([0.0, *(stretch.duration for stretch in timed)])
-    ends = np.concatenate([start + stretch.ends for start, stretch in zip(starts, timed, strict=False)])
-    moving = [stretch for stretch in timed if stretch.duration]
-    steps = np.concatenate([np.diff(stretch.breakpoints) for stretch in moving] or [np.zeros(1)])
-    breakpoints = np.concatenate([[0.0], np.cumsum(steps)])
+    motions, stopped = list[Motion](), list[PathPart]()
+    for run, corners in runs(arm, parts, limits):
+        timed = cache(partial(_timed, arm, run, corners, limits, kind))
+        stops = best_stops(timed, np.array([timed(i, i + 1).duration for i in range(len(run))]))
+        stretches = list(pairwise([0, *stops, len(run)]))
+        motions += [timed(i, j) for i, j in stretches]
+        stopped += [run[j - 1] for _, j in stretches]
+    ends, breakpoints, coefficients = joined(motions)
     whole = [k for k, part in enumerate(parts) if part.last]
-    times = np.minimum(np.append(0.0, ends[whole]), breakpoints[-1])
+    times = np.append(0.0, ends[whole])
     # A dwell's label is due when it begins, the label of a move when it ends.
     due = [(times[i - isinstance(parts[k].segment, Dwell)], parts[k].segment.label) for i, k in enumerate(whole, 1)]
     labels = tuple((float(time), label) for time, label in due if label)
     waypoints = np.array([origin, *(parts[k].end for k in whole)])
-    pieces = side_by_side([stretch.coefficients for stretch in moving] or [origin[None, None]])
-    notes = (*notes, *_stops_noted(timed))
+    notes = (*notes, *_stops_noted(parts, stopped))
     motion = Trajectory(
-        arm.joint_names, arm.units, waypoints, times, breakpoints, pieces, arm.actuators, labels, notes, limits
+        arm.joint_names, arm.units, waypoints, times, breakpoints, coefficients, arm.actuators, labels, notes, limits
     )
     rounded = np.array([False, *(parts[k].blend > 0.0 for k in whole)])
     return replace(motion, waypoints=np.where(rounded[:, None], motion(times), motion.waypoints))
 
 
-def _fastest(arm: Arm, run: list[PathPart], corners: list[Corner], limits: JointLimits, kind: str) -> list[Timed]:
-    """Return the parts of a run in time. Corners are rounded unless stopping there is sooner done."""
-
-    @cache
-    def timed(i: int, j: int) -> Timed:
-        return _timed(arm, run[i:j], corners[i : j - 1], limits, kind)
-
-    stops: tuple[int, ...] = ()
-    if len(run) > 1:
-        alone = np.array([timed(i, i + 1).duration for i in range(len(run))])
-        stops = best_stops(lambda i, j: timed(i, j).duration, alone, timed(0, len(run)).ends)
-    return [timed(i, j) for i, j in pairwise([0, *stops, len(run)])]
-
-
-def _timed(arm: Arm, parts: list[PathPart], corners: list[Corner], limits: JointLimits, kind: str) -> Timed:
-    """Return the parts in time, all corners between them rounded."""
-    segment, theta = parts[0].segment, parts[0].end
-    if parts[0].path is None:
+def _timed(
+    arm: Arm, run: list[PathPart], corners: list[Corner], limits: JointLimits, kind: str, i: int, j: int
+) -> Motion:
+    """Return the motion along the parts i … j − 1 of a run, all corners between them rounded."""
+    segment, theta = run[i].segment, run[i].end
+    if run[i].path is None:
         stay = segment.seconds if isinstance(segment, Dwell) else 0.0
-        return Timed(parts, np.array([0.0, stay]), theta[None, None], np.array([stay]))
-    path, ends, ceiling = path_along(arm, parts, corners, limits)
+        return Motion(np.array([stay]), np.array([0.0, stay]), theta[None, None])
+    path, ends, ceiling = path_along(arm, run[i:j], corners[i : j - 1], limits)
     bounds = PathBounds(limits, arm.actuators, ceiling)
     # A double-S for each joint would leave the straight line along which the free move was proven.
     straight = isinstance(segment, FreeMove)
     if kind == "s_curve" and ceiling is None and not straight and path.coefficients.shape[:2] == (2, 1):
         breakpoints, coefficients = double_s(path.start, path.end, bounds)
-        return Timed(parts, breakpoints, coefficients, breakpoints[-1:])
+        return Motion(breakpoints[-1:], breakpoints, coefficients)
     law = LAWS[kind](path, bounds)
-    return Timed(parts, *law.along(path), law.passes(ends))
+    return Motion(law.passes(ends), *law.along(path))
 
 
-def _stops_noted(timed: list[Timed]) -> list[str]:
+def _stops_noted(parts: list[PathPart], stopped: list[PathPart]) -> list[str]:
     """Return a note on the corners that were to be rounded and at which the arm stops."""
-    asked = [
-        part for part, following in pairwise(part for stretch in timed for part in stretch.parts)
-        if part.last and part.path and following.path and part.blend
-    ]  # fmt: skip
-    stops = [part for stretch in timed for part in asked if part is stretch.parts[-1]]
-    every = len(stops) == len(asked) > 1
+    corners = [part for part, following in pairwise(parts) if part.last and part.path and following.path and part.blend]
+    stops = [part for part in corners if part in stopped]
+    every = len(stops) == len(corners) > 1
     where = "every corner" if every else ", ".join(place(part.index, part.segment) for part in stops)
     return [f"stops at {where}: no rounding there is faster"] if stops else []

@@ -24,8 +24,8 @@ from ..theory.rotations import from_quaternion_wxyz, from_rpy
 from .motion import LAWS
 from .segments import ArcMove, Dwell, FreeMove, Goal, JointMove, LineMove, Move, ScrewMove, Segment
 
-STEP = {"rad": 0.2, "m": 0.05}
-"""How far the first joint that can moves away from the ready pose."""
+STEP = 0.2
+"""How far the first motion moves a joint from the ready pose [rad, m], or as far as its limits allow."""
 
 KINDS = {"joint": JointMove, "free": FreeMove, "line": LineMove, "screw": ScrewMove, "arc": ArcMove, "dwell": Dwell}
 
@@ -197,16 +197,8 @@ class _Reader:
 def draft_motion_file(arm: Arm) -> str:
     """Return the text of a motion.toml for this arm, with every kind of segment."""
     x, y, z = np.round(arm.fk(arm.ready)[:3, 3], 3).tolist()
-    joint, value = _first_move(arm)
+    moved = np.clip(arm.ready + STEP, arm.limits.lower, arm.limits.upper)
+    j = int(np.argmax(np.abs(moved - arm.ready)))
+    value = float(np.floor(1e3 * moved[j]) / 1e3)
     template = Path(__file__).parent / "files" / "motion.toml.in"
-    return filled(template, arm=arm.name, joint=toml_key(joint), value=value, x=x, y=y, z=z)
-
-
-def _first_move(arm: Arm) -> tuple[str, float]:
-    """Return the first joint with room around the ready pose, and a value for it."""
-    for j, (name, unit) in enumerate(zip(arm.joint_names, arm.units, strict=True)):
-        for step in (STEP[unit], -STEP[unit]):
-            value = float(np.round(arm.ready[j] + step, 3))
-            if arm.limits.lower[j] <= value <= arm.limits.upper[j]:
-                return name, value
-    return arm.joint_names[0], float(arm.ready[0])
+    return filled(template, arm=arm.name, joint=toml_key(arm.joint_names[j]), value=value, x=x, y=y, z=z)

@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..support.checks import Array, frozen
-from ..support.display import told
 
 Indices = NDArray[np.intp]
 
@@ -190,7 +189,7 @@ def _from_powers(degree: int) -> Array:
     )
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class JointPath:
     """q(s) of n joints: polynomials on m pieces of a path parameter s without a unit.
 
@@ -210,9 +209,6 @@ class JointPath:
     def straight(cls, start: Array, end: Array) -> JointPath:
         """The straight line from `start` to `end` (n,), of length 1."""
         return cls(np.array([0.0, 1.0]), np.stack([end - start, start])[:, None])
-
-    def __repr__(self) -> str:
-        return told("JointPath", {"n": self.n, "pieces": self.breakpoints.size - 1, "length": self.length})
 
     @property
     def n(self) -> int:

@@ -29,7 +29,6 @@ SINGULAR = 0.05
 """A configuration is nearly singular below this least singular value, with metres divided by the arm's reach."""
 
 CERTAIN = "; no configuration inside the limits meets it farther on, that is certain"
-"""What the closed form shows of some targets."""
 
 MAX_OTHER_STARTS = 2
 """Other configurations from which the path may be followed that are tried."""
@@ -67,49 +66,48 @@ class PathError(TwistarmError):
 def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, segment: int, place: str, *, others: bool) -> PathError:
     """Return the error for a blocked path. With `others`, other configurations are tried as a remedy too."""
     node, moving = blocked.node, blocked.node.moving
-    beyond = None
+    beyond = None  # the nearest solution farther on, if the path ends because there is none
     if not blocked.leap:
         beyond = solve_ik(arm, moving.at(blocked.ahead), node.theta, **moving.tolerances.keywords)
     certain = beyond is not None and beyond.certain
     reason, joint, why = _why(arm, blocked, beyond)
-    other = _other_start(arm, limits, blocked) if others and not certain else None
-    help_ = "make it shorter, or move its ends"
-    if other is not None:
-        start = Posture(tuple(other.tolist()), arm.units)
-        help_ = Text("begin it in another configuration, {start}, from which all of it can be followed", start=start)
-    turns = moving.curve.length < 1e-9
-    whole, unit = (moving.curve.angle, "rad") if turns else (moving.curve.length, "m")
-    hint = length_hint(float(np.linalg.norm(moving.curve(np.array(1.0))[:3, 3])), arm.reach)
+    start = _other_start(arm, limits, blocked) if others and not certain else None
+    remedy = "make it shorter, or move its ends"
+    if start is not None:
+        posture = Posture(tuple(start.tolist()), arm.units)
+        remedy = Text(
+            "begin it in another configuration, {posture}, from which all of it can be followed", posture=posture
+        )
+    curve = moving.curve
+    whole, unit = (curve.length, "m") if curve.length >= 1e-9 else (curve.angle, "rad")
+    hint = length_hint(float(np.linalg.norm(curve(np.array(1.0))[:3, 3])), arm.reach)
     what = Text(
-        "the tool follows the path for {part} of {whole} ({percent} %) and no farther: {why}{certain}{hint}: {help}",
+        "the tool follows the path for {part} of {whole} ({percent} %) and no farther: {why}{certain}{hint}: {remedy}",
         part=Quantity(node.s * whole, unit, 3),
         whole=Quantity(whole, unit, 3),
         percent=min(round(100.0 * node.s), 99),
         why=why,
         certain=CERTAIN * certain,
         hint=f" ({hint})" if hint else "",
-        help=help_,
+        remedy=remedy,
     )
-    return PathError(what, node.s, node.theta, reason, joint, other, segment, place)
+    return PathError(what, node.s, node.theta, reason, joint, start, segment, place)
 
 
 def _why(arm: Arm, blocked: Blocked, beyond: IKResult | None) -> tuple[str, str | None, str]:
-    """Return reason, joint and words. The reason is a limit if the arm could go on with more room at that joint.
-
-    `beyond` is the nearest solution farther on, or None where the target there is met.
-    """
+    """Return reason, joint and words. The reason is a limit if the arm could go on with more room at that joint."""
     theta, limits = blocked.node.theta, arm.limits
     room = np.minimum(theta - limits.lower, limits.upper - theta)
     tight = [int(j) for j in np.argsort(room) if room[j] < AT_LIMIT]
     for held in [*([j] for j in tight), *([tight] if len(tight) > 1 else [])]:
         if _goes_on(arm, blocked, held):
-            j = held[0]
+            j, name = held[0], arm.joint_names[held[0]]
             side = "lower" if theta[j] - limits.lower[j] < limits.upper[j] - theta[j] else "upper"
             limit = Quantity(float(getattr(limits, side)[j]), arm.units[j])
-            what = "joint {joint!r} comes to its {side} limit {limit}"
-            return "limit", arm.joint_names[j], Text(what, joint=arm.joint_names[j], side=side, limit=limit)
-    leap = "the arm would have to leap to another configuration"
+            words = Text("joint {joint!r} comes to its {side} limit {limit}", joint=name, side=side, limit=limit)
+            return "limit", name, words
     if beyond is None or beyond.converged:
+        leap = "the arm would have to leap to another configuration"
         if float(arm.manipulability(theta).singular_values[-1]) < SINGULAR:
             return "singular", None, f"at a singular configuration, {leap}"
         return "limit", None, leap
@@ -122,21 +120,18 @@ def _why(arm: Arm, blocked: Blocked, beyond: IKResult | None) -> tuple[str, str 
 
 def _goes_on(arm: Arm, blocked: Blocked, joints: list[int]) -> bool:
     """Tell whether the arm would follow the path farther if these joints had more room."""
-    lower, upper = arm.limits.lower.copy(), arm.limits.upper.copy()
-    lower[joints] -= MORE_ROOM
-    upper[joints] += MORE_ROOM
-    roomy = replace(arm, limits=replace(arm.limits, lower=lower, upper=upper))
-    moving = blocked.node.moving
-    beyond = solve_ik(roomy, moving.at(blocked.ahead), blocked.node.theta, **moving.tolerances.keywords, restarts=1)
-    return beyond.converged and float(np.abs(beyond.theta - blocked.node.theta).max()) <= LONGEST_JUMP
+    node, more = blocked.node, np.zeros(arm.n)
+    more[joints] = MORE_ROOM
+    roomy = replace(arm.limits, lower=arm.limits.lower - more, upper=arm.limits.upper + more)
+    target, tolerances = node.moving.at(blocked.ahead), node.moving.tolerances.keywords
+    beyond = solve_ik(replace(arm, limits=roomy), target, node.theta, **tolerances, restarts=1)
+    return beyond.converged and float(np.abs(beyond.theta - node.theta).max()) <= LONGEST_JUMP
 
 
 def _other_start(arm: Arm, limits: JointLimits, blocked: Blocked) -> Array | None:
     """Return another configuration at the beginning from which the arm can follow the whole path."""
-    moving, start = blocked.node.moving, blocked.start
-    roots = [Node(moving, 0.0, theta, 0.0) for theta in branches(arm, moving.at(0.0), start, moving.tolerances)]
-    found = climb(arm, limits, roots) if roots else []
-    for node in [] if isinstance(found, Blocked) else found[:MAX_OTHER_STARTS]:
-        if isinstance(follow(arm, way(node)), JointPath):
-            return way(node)[0].theta
-    return None
+    moving = blocked.node.moving
+    starts = branches(arm, moving.at(0.0), blocked.start, moving.tolerances)
+    found = climb(arm, limits, [Node(moving, 0.0, theta, 0.0) for theta in starts]) if len(starts) else []
+    ways = [] if isinstance(found, Blocked) else [way(node) for node in found[:MAX_OTHER_STARTS]]
+    return next((nodes[0].theta for nodes in ways if isinstance(follow(arm, nodes), JointPath)), None)

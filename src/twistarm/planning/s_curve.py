@@ -17,7 +17,7 @@ WINDOWS = (1.0, 2.0, 2.8)
 ROUNDS, PATIENCE, GAIN = 8, 4, 5e-3
 """Greatest number of laws for each width; so many in a row that are not shorter by this share end it."""
 
-MANY_PIECES = 1500
+MANY_PIECES = 900
 """Laws along so many pieces take long, and change little from one to the next: the first without a gain ends it."""
 
 POWER, LEAST, MOST = 0.7, 0.9, 1.2

@@ -22,6 +22,14 @@ CONSTRAINED: tuple[Constrained, ...] = ("pose", "approach", "position")
 
 LABEL_LENGTH = 200
 
+OPTIONAL = {
+    "linear_speed": as_positive,
+    "angular_speed": as_positive,
+    "position_tol": as_tolerance,
+    "orientation_tol": as_tolerance,
+}
+"""Options of a move that may be None, and their checks."""
+
 
 class Segment(Brief):
     """A part of a motion: `JointMove`, `FreeMove`, `LineMove`, `ScrewMove`, `ArcMove` or `Dwell`."""
@@ -53,19 +61,17 @@ class Move(Segment):
     label: str = ""
 
     def __post_init__(self) -> None:
-        kept: dict[str, Any] = {"blend": as_number(self.blend, "blend", 0.0), "label": as_label(self.label)}
-        kept["velocity_scaling"] = as_positive(self.velocity_scaling, "velocity_scaling")
-        if kept["velocity_scaling"] > 1.0:
+        scaling = as_positive(self.velocity_scaling, "velocity_scaling")
+        if scaling > 1.0:
             raise InputError(
                 "velocity_scaling must be a share of the joints' velocity limits, more than 0 and at most 1; got "
-                f"{self.velocity_scaling:g} (linear_speed= takes m/s)"
+                f"{scaling:g} (linear_speed= takes m/s)"
             )
-        for name in ("linear_speed", "angular_speed"):
+        kept: dict[str, Any] = {"velocity_scaling": scaling, "blend": as_number(self.blend, "blend", 0.0)}
+        kept["label"] = as_label(self.label)
+        for name, check in OPTIONAL.items():
             value = getattr(self, name)
-            kept[name] = None if value is None else as_positive(value, name)
-        for name, unit in (("position_tol", "m"), ("orientation_tol", "rad")):
-            value = getattr(self, name)
-            kept[name] = None if value is None else as_tolerance(value, f"{name} [{unit}]")
+            kept[name] = None if value is None else check(value, name)
         for name, value in kept.items():
             object.__setattr__(self, name, value)
 
@@ -270,24 +276,18 @@ def as_segments(
     orientation_tol: float | None = None,
 ) -> list[Segment]:
     """Return the segments. Moves without a speed of the tool, or a tolerance, take the ones given here."""
-    whole: dict[str, Any] = {
-        "linear_speed": None if linear_speed is None else as_positive(linear_speed, "linear_speed"),
-        "angular_speed": None if angular_speed is None else as_positive(angular_speed, "angular_speed"),
-        "position_tol": position_tol,
-        "orientation_tol": orientation_tol,
-    }
+    names = ("linear_speed", "angular_speed", "position_tol", "orientation_tol")
+    whole: dict[str, Any] = dict(zip(names, (linear_speed, angular_speed, position_tol, orientation_tol), strict=True))
+    Move(**whole)  # says what is wrong with them
     given = [segments] if isinstance(segments, SEGMENTS) else list(segments) if np.iterable(segments) else None
     if not given or isinstance(segments, str):
         raise InputError(f"segments must be one or more of JointMove, LineMove, …, Dwell; got {shown(segments)}")
     for i, segment in enumerate(given):
         if not isinstance(segment, SEGMENTS):
-            raise InputError(
-                f"segment {i + 1} must be a JointMove, FreeMove, LineMove, ScrewMove, ArcMove or Dwell; "
-                f"got {shown(segment)}"
-            )
+            allowed = "a JointMove, FreeMove, LineMove, ScrewMove, ArcMove or Dwell"
+            raise InputError(f"segment {i + 1} must be {allowed}; got {shown(segment)}")
         if isinstance(segment, Move):
-            unset = {name: value for name, value in whole.items() if getattr(segment, name) is None}
-            given[i] = replace(segment, **unset)
+            given[i] = replace(segment, **{name: whole[name] for name in names if getattr(segment, name) is None})
             if segment.blend and (i + 1 == len(given) or isinstance(given[i + 1], Dwell)):
                 raise InputError(f"{place(i, segment)} cannot blend: the arm stops at its end; leave blend out")
     return given

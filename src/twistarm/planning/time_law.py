@@ -14,7 +14,6 @@ import numpy as np
 from ..limits.actuators import Actuators
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, frozen
-from ..support.display import told
 from .piecewise import Indices, JointPath, bisected, composed, derivative, largest, rescaled, shifted
 from .within import MARGIN, require_span, slowed_by
 
@@ -86,7 +85,7 @@ class PathBounds:
         return np.full(len(path.breakpoints) - 1, np.inf) if self.ceiling is None else self.ceiling
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class TimeLaw:
     """s(t) along a path from rest to rest, a polynomial on each of k pieces.
 
@@ -100,9 +99,6 @@ class TimeLaw:
     def __post_init__(self) -> None:
         for name in ("breakpoints", "coefficients"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
-
-    def __repr__(self) -> str:
-        return told("TimeLaw", {"duration": self.duration, "pieces": len(self.breakpoints) - 1})
 
     @classmethod
     def at_once(cls) -> TimeLaw:

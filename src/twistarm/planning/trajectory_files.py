@@ -19,7 +19,7 @@ from ..support.files import as_path, writable, write_whole
 from ..support.messages import Argument, Quantity, Text, joined
 from .files.c_header import header_text
 from .files.csv_file import csv_text, read_csv
-from .files.joint_trajectory import json_text, read_json, read_yaml
+from .files.joint_trajectory import json_text, read_message
 from .files.mcap_file import mcap_bytes, read_mcap
 from .piecewise import through
 from .trajectory import Points, Trajectory
@@ -53,8 +53,8 @@ def _mcap(trajectory: Trajectory, how: Writing) -> bytes:
 
 FORMATS: Mapping[str, Format] = {
     "csv": Format((".csv",), lambda motion, how: csv_text(motion, how.dt, how.actuators, how.counts), read_csv, True),
-    "json": Format((".json",), lambda motion, how: json_text(motion, how.dt, how.actuators), read_json),
-    "yaml": Format((".yaml", ".yml"), None, read_yaml),
+    "json": Format((".json",), lambda motion, how: json_text(motion, how.dt, how.actuators), read_message),
+    "yaml": Format((".yaml", ".yml"), None, read_message),
     "mcap": Format((".mcap",), _mcap, read_mcap),
     "header": Format(
         (".h", ".hpp", ".hh", ".hxx"),

@@ -27,7 +27,7 @@ MERGE_TOL = 1e-6
 """Consecutive waypoints nearer than this [rad, m] in every joint are one."""
 
 MOST_NAMED = 12
-"""Greatest number of merged waypoints that a note names."""
+"""So many merged waypoints are named, and about so many joints that turn far."""
 
 LEAST_SEGMENT = 1e-7
 """Times closer than this share of the duration are a mistake. No spline can be computed for them."""
@@ -69,12 +69,14 @@ def as_waypoints(arm: Arm, waypoints: Waypoints, met: Tolerances, unwrap: bool) 
     notes: list[str] = []
     for i, waypoint in enumerate(waypoints):
         theta = _configuration(arm, waypoint, i, points[-1] if points else arm.ready, met)
-        if points:
+        if points and (unwrap or len(notes) < MOST_NAMED):
             theta, said = unwrapped(arm, theta, points[-1], f"waypoint {i} (counted from 0)", unwrap)
             notes += said
         points.append(theta)
     if not points:
         raise InputError("waypoints must be at least one configuration; got none")
+    if not unwrap and len(notes) >= MOST_NAMED:
+        notes.append("later waypoints are not compared with shorter ways by whole turns")
     return np.array(points), notes
 
 
@@ -104,6 +106,8 @@ def unwrapped(arm: Arm, theta: Array, near: Array, where: str, asked: bool) -> t
 
     It moves only joints that come back to the same place after a whole turn.
     """
+    if (np.abs(theta - near) <= HALF_TURN).all():
+        return theta, []
     nearest = joint_ranges(arm).wrapped(theta, near)
     shorter = np.abs(nearest - near) < np.minimum(np.abs(theta - near), HALF_TURN)
     notes: list[str] = []

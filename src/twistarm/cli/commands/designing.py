@@ -17,7 +17,7 @@ from ...theory.rotations import to_rpy
 from ..numbers import PLACE, argument, numbers, option, parse_numbers, quantity, whole
 from ..options import Answer, ArmArgument, Avoid, CsvAnswer, Source, Theta, answers, avoided
 from ..output import STDOUT, Outputs, note, plain, progress_bar
-from ..rows import Directions, Positions, Rpys, typed_targets
+from ..rows import TargetOptions
 from ..tables import Column, Table, joint_heads, number, quantity_text, theta_typed, unit_text
 from .arms import joints_table
 from .motion import MOTION_KINDS, MaxTime, Step, Unwrap, motion_of_file, motion_texts
@@ -132,13 +132,11 @@ def designs(
     source: ArmArgument,
     others: Annotated[list[Source], argument("ARM...", "The arms to compare with.", parser=Source)],
     out: Answer,
-    xyz: Positions = None,
-    rpy: Rpys = None,
-    direction: Directions = None,
+    through: TargetOptions,
     panel: PanelOption = None,
 ) -> None:
     """Compare arms: reach, dexterity, payload, mass, the time of a motion through --xyz, the share of a --panel."""
-    targets = typed_targets(xyz or (), rpy or (), direction or ())
+    targets = through.all()
     if len(targets) == 1:
         raise InputError("a motion leads from one --xyz to another: give two or more, or none")
     asked = None if panel is None else load_panel(panel)

@@ -14,22 +14,7 @@ from ...support.messages import plural
 from ..numbers import VALUES, JointValues, joint_values, option, quantity, switch
 from ..options import ArmArgument, Avoid, CsvAnswer, Theta, avoided
 from ..output import Outputs, entries, progress_bar
-from ..rows import (
-    ROWS_SHOWN,
-    TARGET_COLUMNS,
-    Axis,
-    Columns,
-    Direction,
-    Orientation,
-    OrientationTol,
-    PositionTol,
-    Quaternion,
-    QuaternionXyzw,
-    Rpy,
-    Xyz,
-    few,
-    targets_in,
-)
+from ..rows import ROWS_SHOWN, TARGET_COLUMNS, OrientationTol, PositionTol, TargetOptions, few, targets_in
 from ..tables import Column, Table, joint_heads, pose_entries, theta_typed
 
 Targets = Annotated[str | None, option("CSV", f"A target in each row: {TARGET_COLUMNS}; - is standard input.")]
@@ -60,18 +45,12 @@ Turns = Annotated[
 def ik(
     source: ArmArgument,
     out: CsvAnswer,
-    xyz: Xyz = None,
-    rpy: Rpy = None,
-    quaternion: Quaternion = None,
-    quaternion_xyzw: QuaternionXyzw = None,
-    direction: Direction = None,
-    axis: Axis = None,
+    goal: TargetOptions,
     start: Theta = None,
     all_: All = False,
     fixed_joints: FixedJoints = None,
     include_turns: Turns = False,
     targets: Targets = None,
-    columns: Columns = None,
     posture: Posture = None,
     position_tol: PositionTol = None,
     orientation_tol: OrientationTol = None,
@@ -80,17 +59,12 @@ def ik(
 ) -> int:
     """Inverse kinematics: joint values for a position and orientation, all of them (--all), or for a CSV's rows."""
     arm = source.load()
-    if (xyz is None) == (targets is None):
+    if len(goal.xyz or ()) != (targets is None):
         raise InputError("give one position by --xyz, or a file of targets by --targets")
-    if columns is not None and targets is None:
-        raise InputError("--columns names the columns of a file: it goes with --targets")
-    for name, value in {"--fixed-joint": fixed_joints, "--include-turns": include_turns}.items():
-        if value and not all_:
-            raise InputError(f"{name} is about all configurations: it goes with --all")
-    for name, given in {"--posture": posture, "--targets": targets}.items():
-        if given is not None and all_:
-            raise InputError(f"--all takes no {name}: it gives every configuration for the one target of --xyz")
-    orientation = Orientation(rpy, quaternion, quaternion_xyzw, direction, axis)
+    if not all_ and (fixed_joints or include_turns):
+        raise InputError("--fixed-joint and --include-turns are about all configurations: they go with --all")
+    if all_ and (posture or targets):
+        raise InputError("--all gives every configuration for the one target of --xyz: leave out --posture, --targets")
     how: dict[str, Any] = {
         "theta0": arm.ready if start is None else start.of(arm),
         "scene": avoided(arm, avoid),
@@ -100,20 +74,19 @@ def ik(
     how |= {name: value for name, value in tolerances.items() if value is not None}
     if all_:
         how["fixed_joints"] = None if fixed_joints is None else fixed_joints.joints(arm)
-        target = orientation.at(xyz)
         with progress_bar("ik") as progress:
-            solutions = solve_ik_all(arm, target, **how, include_turns=include_turns, progress=progress)
+            solutions = solve_ik_all(arm, goal.all()[0], **how, include_turns=include_turns, progress=progress)
         _show_all(out, solutions)
         return 0 if len(solutions) else 1
     if posture is not None:
         how["posture"] = posture.text if posture.text in POSTURES else posture.of(arm)
     if targets is not None:
-        lines, asked = targets_in(targets, columns, orientation)
+        lines, asked = targets_in(targets, goal)
         with progress_bar("ik") as progress:
             batch = solve_ik_batch(arm, asked, **how, threads=os.cpu_count() or 1, progress=progress)
         _show_batch(out, targets, lines, batch)
         return 0 if batch.converged.all() else 1
-    solution = solve_ik(arm, orientation.at(xyz), **how)
+    solution = solve_ik(arm, goal.all()[0], **how)
     show_solution(out, arm, solution)
     return 0 if solution.converged else 1
 

@@ -14,7 +14,7 @@ from ...theory.rotations import to_xyzw
 from ..numbers import option
 from ..options import Answer, ArmArgument, CsvAnswer, Theta
 from ..output import entries
-from ..rows import ROWS_SHOWN, Columns, configurations_in
+from ..rows import ROWS_SHOWN, configurations_in
 from ..tables import Column, Table, jacobian_table, number, pose_entries, pose_parts, theta_typed
 
 Configurations = Annotated[
@@ -32,13 +32,10 @@ def fk(
     out: CsvAnswer,
     theta: Theta = None,
     configurations: Configurations = None,
-    columns: Columns = None,
     frame: Annotated[str | None, option("LINK", "Another frame than the tip.")] = None,
 ) -> None:
     """Forward kinematics: the pose of the tip, or of another frame, seen from the base."""
     arm = source.load()
-    if columns is not None and configurations is None:
-        raise InputError("--columns names the columns of a file: it goes with --configurations")
     if configurations is not None and theta is not None:
         raise InputError("give one --theta, or a file of configurations by --configurations")
     name = frame or arm.tip
@@ -51,7 +48,7 @@ def fk(
         files = {"csv": lambda: _poses_csv([1], g[None])}
         out.show(data | {"theta": x, **pose_entries(g)}, *told, theta_typed(arm, x, out.radians), files=files)
         return
-    lines, many = configurations_in(arm, configurations, columns)
+    lines, many = configurations_in(arm, configurations)
     poses = arm.pose(many, name)
     records = [{"line": k, "theta": x, **pose_entries(one)} for k, x, one in zip(lines, many, poses, strict=True)]
     heads = (Column(head, values, digits=6) for head, values in zip(COLUMNS, _numbers(poses).T, strict=True))

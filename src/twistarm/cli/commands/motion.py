@@ -36,7 +36,7 @@ from ...support.errors import InputError
 from ..numbers import POSE, JointValues, OfJoints, argument, joint_values, of_joints, option, quantity, switch
 from ..options import ArmArgument, Avoid, answers, avoided
 from ..output import STDOUT, Contents, Outputs, note, progress_bar
-from ..rows import Axis, Directions, OrientationTol, Positions, PositionTol, Rpys, typed_targets
+from ..rows import OrientationTol, PositionTol, TargetOptions
 from ..tables import Column, Table, number, theta_values
 
 CAP = "At most this for every joint, or for those in its unit; the arm's own limits hold as well."
@@ -143,12 +143,9 @@ Step = Annotated[float, quantity("s", "Time step of the files.")]
 def plan(
     source: ArmArgument,
     out: Written,
+    at: TargetOptions,
     motion: Motion = None,
     to: Through = None,
-    xyz: Positions = None,
-    rpy: Rpys = None,
-    direction: Directions = None,
-    axis: Axis = None,
     line: Line = False,
     start: Start = None,
     kind: Annotated[MotionKind | None, TIMING] = None,
@@ -170,10 +167,10 @@ def plan(
     arm = source.load()
     whole = {"linear_speed": linear_speed, "position_tol": position_tol, "orientation_tol": orientation_tol}
     typed: dict[str, Any] = {name: value for name, value in whole.items() if value is not None}
-    _require_fitting(motion, to, xyz, line, avoid, stop, blend, smooth, kind, typed)
+    targets = at.all()
+    _require_fitting(motion, to, targets, line, avoid, stop, blend, smooth, kind, typed)
     if counts and not all(FORMATS[kind].counts for kind, _ in out.files):
         raise InputError("--counts goes with *.csv and *.h: a JointTrajectory is in rad and m")
-    targets = typed_targets(xyz or (), rpy or (), direction or (), axis)
     poses = [arm.ready if start is None else start.of(arm)]
     for each in to or ():
         poses.append(each.of(arm, ("the pose before", poses[-1])))
@@ -229,24 +226,24 @@ def _require_fitting(
     kind: str | None, about_tool: dict[str, Any],
 ) -> None:  # fmt: skip
     """Raise InputError for an option that has no effect beside the others."""
-    if [motion is not None, bool(to), bool(xyz)].count(True) != 1:
-        raise InputError("give poses by --to, positions by --xyz, or a motion.toml")
     by_joints = bool(to) and not (line or avoid)
-    if smooth is not None and not by_joints:
-        raise InputError("--smooth is about poses that a motion passes: it goes with --to alone")
-    on_the_way = {"--line": line, "--stop": stop, "--blend": blend is not None}
-    idle = [option for option, is_typed in on_the_way.items() if is_typed]
-    if motion is not None and idle:
-        raise InputError(f"a motion.toml says itself how it goes to each goal: leave out {' and '.join(idle)}")
-    if stop and blend is not None:
-        raise InputError("--stop comes to rest at every pose, --blend rounds the corners there: give one of them")
-    tool = [name.replace("_", "-") for name in (*(["blend"] if blend is not None else []), *about_tool)]
-    if by_joints and tool:
-        raise InputError(f"--{tool[0]} is about the way of the tool: add --line, or give positions by --xyz")
-    if blend is not None and len(to or xyz) < 2:
-        raise InputError("--blend rounds the corners between goals: give two of them, or leave it out")
-    if kind == "quintic" and by_joints:
-        raise InputError("--kind quintic is for moves of the tool; through the poses of --to: s_curve or time_optimal")
+    wrong = {
+        "give poses by --to, positions by --xyz, or a motion.toml": bool(motion) + bool(to) + bool(xyz) != 1,
+        "--smooth is about poses that a motion passes: it goes with --to alone": smooth is not None and not by_joints,
+        "a motion.toml says how it goes to each goal: leave out --line, --stop and --blend":
+            bool(motion) and (line or stop or blend is not None),
+        "--stop comes to rest at every pose, --blend rounds the corners there: give one of them":
+            stop and blend is not None,
+        "--blend, --linear-speed, --position-tol and --orientation-tol are about the way of the tool: add --line, or "
+        "give positions by --xyz": by_joints and (blend is not None or bool(about_tool)),
+        "--blend rounds the corners between goals: give two of them, or leave it out":
+            blend is not None and len(to or xyz) < 2,
+        "--kind quintic is for moves of the tool; through the poses of --to: s_curve or time_optimal":
+            kind == "quintic" and by_joints,
+    }  # fmt: skip
+    for words, is_so in wrong.items():
+        if is_so:
+            raise InputError(words)
 
 
 def motion_texts(arm: Arm, planned: Trajectory, outputs: Outputs, dt: float, *, counts: bool = False) -> Contents:

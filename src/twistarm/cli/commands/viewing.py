@@ -12,27 +12,26 @@ from typing import Annotated, Any, TextIO
 import numpy as np
 
 from ...arm.arm import Arm
-from ...arm.loading.load import load_arm
-from ...checking.crosscheck import crosscheck
 from ...collision import Scene
-from ...ik import Approach, solve_ik
-from ...planning import plan_joint, save_trajectory
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...sweeps import ReachMap
-from ...viewer import Viewer, page_html, save_html
+from ...viewer import Viewer, page_html
 from ...viewer.saved_page import of_arm
 from ...viewer.screenshot import png_of
 from ...viewer.server.watching import load_with_files
 from ..command import Shared
-from ..numbers import argument, option, switch, whole
+from ..numbers import JointValues, argument, option, switch, whole
 from ..options import ArmArgument, SceneFile, Source, Theta, answers
 from ..output import Outputs, say, warn
-from ..tables import jacobian_table, pose_parts
-from .arms import show_arm
-from .checking import comparisons, verdict
-from .inverse import show_solution
-from .motion import motion_of_file, plan_tables
+from ..rows import TypedTargets
+from .arms import info
+from .checking import check
+from .inverse import ik
+from .kinematics import fk, jacobian
+from .motion import MOTION_KINDS, motion_of_file, plan
+
+VIEW_KINDS = {"html": (".html", ".htm"), "png": (".png",)}
 
 FILE_INSTEAD = ", or use -o FILE.html for a page that needs no server"
 
@@ -83,7 +82,7 @@ Written = Annotated[
     Outputs,
     answers(
         "output form force rad json",
-        {"html": (".html", ".htm"), "png": (".png",)},
+        VIEW_KINDS,
         output="Write a stand-alone page (*.html) or a picture (*.png) instead; - is standard output; repeat it.",
     ),
 ]
@@ -144,37 +143,25 @@ def view(
         viewer.wait()
 
 
-View = Annotated[bool, switch("Open the view, or write demo.html and demo.csv anew.", "--view/--no-view")]
+Show = Annotated[bool, switch("Open the view, or write demo.html; demo.csv is written.", "--view/--no-view")]
 
 
-def demo(page: PageOptions, view: View = True) -> None:
-    """Load the bundled rover arm and show FK, Jacobians, cross-check, IK, a trajectory, and the view."""
-    out = Outputs()
-    arm = load_arm("rover_arm")
-    say("1. The arm, from xacro", "")
-    show_arm(out, arm)
-    say("", "2. Forward kinematics and Jacobians at the ready pose", "")
-    g = arm.fk(arm.ready)
-    spatial = jacobian_table(arm, "spatial Jacobian", arm.spatial_jacobian(arm.ready))
-    body = jacobian_table(arm, "body Jacobian", arm.body_jacobian(arm.ready))
-    out.show({}, *pose_parts(f"{arm.tip} seen from {arm.base}", g, False), "", spatial, "", body)
-    say("", "3. The screw view proven against Pinocchio and yourdfpy", "")
-    result = crosscheck(arm).require()
-    out.show({}, verdict(result), *comparisons(result))
-    say("", "4. Inverse kinematics: 0.1 m sideways and 0.1 m up, the tool pointing as before", "")
-    solution = solve_ik(arm, Approach(g[:3, 3] + [0.0, 0.1, 0.1], g[:3, 2]))
-    show_solution(out, arm, solution)
-    if not solution.converged:
-        raise InputError("the demo's target was not reached: please report it")
-    say("", "5. A trajectory through three poses: stowed, ready, and that target", "")
-    through = np.array([arm.named_states["stowed"], arm.ready, solution.theta])
-    trajectory = plan_joint(arm, through)
-    out.show({}, *plan_tables(arm, trajectory, arm.limits))
-    if not (view and sys.stdout.isatty()):
-        say("", f"written: {save_html(arm, Path('demo.html'), trajectory=trajectory)} (opens in a browser, offline)")
-        say(f"written: {save_trajectory(trajectory, 'demo.csv')}")
-        return
-    with page.viewer(arm, trajectory(0.0)) as viewer:
-        viewer.play(trajectory, loop=True)
-        page.show_address(viewer, what="The arm plays it", instead=FILE_INSTEAD)
-        viewer.wait()
+def demo(page: PageOptions, show: Show = True) -> None:
+    """Run commands on the bundled rover arm: info, fk, jacobian, check, ik, plan and view."""
+    rover, out, motion = Source("rover_arm"), Outputs(), Path("demo.csv")
+    say("1. The arm, from xacro: info rover_arm", "")
+    info(out, rover)
+    say("", "2. Forward kinematics and Jacobians at the ready pose: fk, jacobian", "")
+    fk(rover, out)
+    jacobian(rover, out)
+    say("", "3. The screw view proven against Pinocchio and yourdfpy: check", "")
+    check(rover, out)
+    say("", "4. Inverse kinematics, the tool forwards: ik --xyz 0.7 0.1 0.6 --direction 1 0 0", "")
+    p, towards = np.array([0.7, 0.1, 0.6]), np.array([1.0, 0.0, 0.0])
+    ik(rover, out, TypedTargets([p], direction=[towards]))
+    say("", "5. A motion through three poses: plan --to stowed --to reach -o demo.csv", "")
+    poses = [JointValues(pose, "--to", radians=False) for pose in ("stowed", "reach")]
+    plan(rover, Outputs(kinds=MOTION_KINDS, force=True).named(str(motion)), TypedTargets(), to=poses)
+    watched = show and sys.stdout.isatty()
+    say("", f"6. The arm that plays it: view --play demo.csv{'' if watched else ' -o demo.html'}", "")
+    view(rover, page, out if watched else Outputs(kinds=VIEW_KINDS, force=True).named("demo.html"), play=motion)

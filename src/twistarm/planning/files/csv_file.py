@@ -80,10 +80,8 @@ def _columns(rates: Mapping[str, str], names: Sequence[str], units: Sequence[str
 def _instants(trajectory: Trajectory, dt: float) -> Array:
     """Return the times of the rows: every `dt` and the end. A label's time replaces a row at the same instant."""
     t, same = trajectory.sample(dt).t, SAME_INSTANT * dt
-    labelled = [0.0]
-    for time, _ in trajectory.labels:
-        if time - labelled[-1] > same and trajectory.duration - time > same:
-            labelled.append(time)
+    labelled = np.unique([0.0, *(time for time, _ in trajectory.labels if trajectory.duration - time > same)])
+    labelled = labelled[np.diff(labelled, prepend=-np.inf) > same]
     others = np.abs(t[1:-1, None] - labelled).min(axis=1, initial=np.inf) > same
     return np.unique(np.concatenate([t[1:-1][others], labelled, t[-1:]]))
 

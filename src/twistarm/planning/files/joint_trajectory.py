@@ -29,17 +29,12 @@ FIELDS = ("positions", "velocities", "accelerations")
 
 def json_text(trajectory: Trajectory, dt: float, actuators: Actuators | None) -> str:
     """Return the text that `save_trajectory` writes."""
-    return json.dumps(_message(trajectory, dt, actuators), indent=1, allow_nan=False) + "\n"
-
-
-def _message(trajectory: Trajectory, dt: float, actuators: Actuators | None) -> dict[str, Any]:
     samples = trajectory.sample(dt)
     nanoseconds = np.rint(samples.t / NANOSECOND).astype(np.int64)
     if not (np.diff(nanoseconds) > 0).all():
         raise InputError(f"dt = {dt:g} s is too short for JointTrajectory, which counts time in nanoseconds")
     stamps = [{"time_from_start": {"sec": ns // 10**9, "nanosec": ns % 10**9}} for ns in nanoseconds.tolist()]
-    states = _points_of(FIELDS, samples[1:])
-    points = [state | stamp for state, stamp in zip(states, stamps, strict=True)]
+    points = [state | stamp for state, stamp in zip(_points_of(FIELDS, samples[1:]), stamps, strict=True)]
     message: dict[str, Any] = {"joint_names": list(trajectory.joint_names), "points": points}
     if motors := motors_of(trajectory, actuators):
         names = ("positions", "velocities", "counts", "counts_rates")
@@ -51,7 +46,7 @@ def _message(trajectory: Trajectory, dt: float, actuators: Actuators | None) -> 
         }
     if trajectory.labels:
         message["labels"] = [{"time": time, "text": text} for time, text in trajectory.labels]
-    return message
+    return json.dumps(message, indent=1, allow_nan=False) + "\n"
 
 
 def _points_of(names: tuple[str, ...], values: Sequence[Array]) -> list[dict[str, Any]]:
@@ -59,33 +54,23 @@ def _points_of(names: tuple[str, ...], values: Sequence[Array]) -> list[dict[str
     return [dict(zip(names, rows, strict=True)) for rows in zip(*(each.tolist() for each in values), strict=True)]
 
 
-def read_json(arm: Arm, file: Path) -> Points:
-    """Read the points of `arm` from a JSON file. Raises InputError, with the line or the point."""
-    text = _text(file)
+def read_message(arm: Arm, file: Path) -> Points:
+    """Read the points of `arm` from JSON, from YAML, or from what `ros2 topic echo` prints.
+
+    Raises InputError, with the line or the point.
+    """
     try:
-        message = parsed(text)
-    except ValueError as error:
-        raise InputError(f"{file} is no JSON: {error}") from error
-    return points_in(arm, message, str(file))
-
-
-def read_yaml(arm: Arm, file: Path) -> Points:
-    """Read the points of `arm` from YAML, or from what `ros2 topic echo` prints. Raises InputError as `read_json`."""
-    # An echoed message ends with the separator of a next document, which does not follow.
-    text = _text(file).rstrip().removesuffix("\n---")
-    try:
-        message = parse_yaml(text, file)
-    except DescriptionError as error:
-        raise InputError(str(error)) from error
-    return points_in(arm, message, str(file))
-
-
-def _text(file: Path) -> str:
-    try:
-        return read_bounded(file, MAX_BYTES).decode("utf-8-sig")
+        text = read_bounded(file, MAX_BYTES).decode("utf-8-sig")
     except (OSError, ValueError) as error:
         why = why_no_file(file) or getattr(error, "strerror", None) or error
         raise InputError(f"cannot read {file}: {why}") from error
+    try:
+        # An echoed message ends with the separator of a next document, which does not follow.
+        is_json = file.suffix.lower() == ".json"
+        message = parsed(text) if is_json else parse_yaml(text.rstrip().removesuffix("\n---"), file)
+    except (ValueError, DescriptionError) as error:
+        raise InputError(f"{file} is no JSON: {error}" if is_json else str(error)) from error
+    return points_in(arm, message, str(file))
 
 
 def points_in(arm: Arm, message: Any, file: str) -> Points:

@@ -170,13 +170,13 @@ def _why_no_recording(file: Path) -> str:
             tail = opened.read()
     except OSError as error:
         return str(error.strerror)
-    checks = {
-        f"more than {MAX_BYTES:,} bytes; split it": size <= MAX_BYTES,
-        "it is no MCAP file": head.startswith(MAGIC),
-        f"its end is missing; {RECOVER}": tail == MAGIC,
-        "its messages are not of ROS 2": head[17:] == PROFILE,
-    }
-    return next((why for why, holds in checks.items() if not holds), "")
+    if size > MAX_BYTES:
+        return f"more than {MAX_BYTES:,} bytes; split it"
+    if not head.startswith(MAGIC):
+        return "it is no MCAP file"
+    if tail != MAGIC:
+        return f"its end is missing; {RECOVER}"
+    return "" if head[17:] == PROFILE else "its messages are not of ROS 2"
 
 
 def _motion(arm: Arm, reader: Any, store: Any) -> dict[str, Any]:
