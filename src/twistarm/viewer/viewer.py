@@ -299,7 +299,7 @@ class Viewer(Closeable):
             )
 
         call = require_callback(on_change, "on_change", "the value")
-        inside = partial(as_number, name="value", least=lower, most=upper)
+        inside = partial(as_number, name=f"value of {shown(name)}", least=lower, most=upper)
         return self._control(name, lower if value is None else value, inside, call, (lower, upper))
 
     def button(self, name: str, on_click: Callable[[], object]) -> Control[None]:
