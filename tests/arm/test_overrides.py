@@ -228,11 +228,10 @@ def test_nothing_is_unbounded_in_a_stream_nor_in_simulated_joints(tmp_path: Path
     to_and_fro = Says(lambda now: JogCommand(np.full(arm.n, 50.0 if now % 0.5 < 0.25 else -50.0)))
     report = run(arm, to_and_fro, Sink(), joints, duration=1.5, clock=clock)
     assert report.ok
-    assert report.assumed == joints.assumed == defaults_line(arm)
+    assert report.assumed == defaults_line(arm)
     assert report.assumed in report.explain()
     assert (np.abs(rates) <= usual["velocity"] * (1 + 1e-9)).all()
     assert (np.abs(np.diff(rates, axis=0)) <= usual["acceleration"] * 0.01 * (1 + 1e-9)).all()
     # Drives have the reserve that the page says: 1.2 and 2 times.
     assert (np.abs(moved) <= 1.2 * usual["velocity"] * (1 + 1e-9)).all()
     assert np.abs(moved).max() > 0.1
-    assert SimulatedJoints(arm, arm.ready, velocity=1.0, acceleration=[9.0, 9.0, 9.0]).assumed == ""

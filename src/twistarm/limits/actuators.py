@@ -166,10 +166,8 @@ class Actuators:
 
     # -- limits ------------------------------------------------------------------------------------------------------
 
-    def motion_limits(self, joints: JointLimits | None = None) -> MotionLimits:
-        """Return the motors' limits by rows of G, with those of the n joints if given."""
-        if joints is None:
-            return MotionLimits(self.names, self.G, self.offset, self.limits)
+    def motion_limits(self, joints: JointLimits) -> MotionLimits:
+        """Return the limits of the motors, by rows of G, and of the n joints."""
         n = len(self.joint_names)
         if require(joints, JointLimits, "joints", "as an arm's limits are").lower.size != n:
             raise InputError(f"joints must be the limits of {n} joints ({listed(self.joint_names)})")
