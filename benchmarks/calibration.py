@@ -1,10 +1,6 @@
-"""Calibration of measured arms beside RobotKineCal and MUKCa, on rows and placements that were not fitted.
+"""Calibration of a measured arm beside RobotKineCal, on rows that were not fitted.
 
-`--data FOLDER` holds ur5_tracker_grid.csv and sockets/ (README.md says whose they are).
-
-A ball in two sockets: how still it stands and how far apart the two are. Beside ours stands the objective of MUKCa
-(Franzese et al. 2025, arXiv 2503.12584), solved by SciPy: the origins of all joints and of the ball, 6 numbers each,
-with the means of the predicted balls, their distance, and a ridge.
+`--data FOLDER` holds ur5_tracker_grid.csv (README.md says whose it is).
 """
 
 from __future__ import annotations
@@ -13,27 +9,18 @@ import argparse
 import os
 import sys
 import tempfile
-from itertools import combinations
 from pathlib import Path
-from time import process_time
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
 
-from twistarm import Arm, load_arm
-from twistarm.calibration import Measurements, calibrate
-from twistarm.theory.rotations import exp as turn
-from twistarm.theory.rotations import from_rpy, to_rpy
+from twistarm import load_arm
 
 from .conductor import DEFAULT_FOLDER, NotInstalled, Worker, WorkerError, python_of
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
-Placements = dict[str, list[Array]]
 
 FOLDS, BLOCK = 5, 0.2
-ROBOTS = {"kuka_14": "iiwa14.urdf", "panda_1": "panda.urdf"}
-APART, RIDGE = 0.05, 1e-4
 
 
 def kabsch(a: Array, b: Array) -> Array:
@@ -126,92 +113,10 @@ def missed(found: Array, exact: Array) -> float:
     return float(1e3 * np.linalg.norm(found - exact, axis=1).mean())
 
 
-def placements(folder: Path) -> Placements:
-    """{placement: theta (K, n) in each of the two sockets}."""
-    return {
-        place.name: [np.loadtxt(place / f"hole_{k}.csv", delimiter=",") for k in (0, 1)]
-        for place in sorted(folder.iterdir())
-    }
-
-
-def spread(balls: list[Array]) -> tuple[float, float]:
-    """The mean distance of the balls from their socket's mean, and the error of the distance of the two means [m]."""
-    means = [p.mean(axis=0) for p in balls]
-    off = np.concatenate([np.linalg.norm(p - mean, axis=1) for p, mean in zip(balls, means, strict=True)])
-    return float(off.mean()), float(abs(np.linalg.norm(means[0] - means[1]) - APART))
-
-
-def ours(arm: Arm, data: Placements, fitted: tuple[str, ...]) -> Any:
-    theta = np.vstack([rows for name in fitted for rows in data[name]])
-    points = [f"{name} {k}" for name in fitted for k in (0, 1) for _ in data[name][k]]
-    apart = {(f"{name} 0", f"{name} 1"): APART for name in fitted}
-    return calibrate(arm, Measurements(theta, point=points), distances=apart).predict
-
-
-def theirs(arm: Arm, data: Placements, fitted: tuple[str, ...]) -> Any:
-    assert arm.description is not None
-    chain = arm.description.chain(arm.base, arm.tip_link)
-    nominal = np.array([np.r_[joint.origin[:3, 3], to_rpy(joint.origin[:3, :3])] for joint in chain])
-    free = [i for i, joint in enumerate(chain) if joint.moving or i == len(chain) - 1]
-
-    def balls(origins: Array, theta: Array) -> Array:
-        p, R, columns = np.zeros((len(theta), 3)), np.tile(np.eye(3), (len(theta), 1, 1)), iter(theta.T)
-        for joint, origin in zip(chain, origins, strict=True):
-            p, R = p + R @ origin[:3], R @ from_rpy(origin[3:])
-            if joint.moving:
-                R = R @ turn(next(columns)[:, None] * joint.twist[3:])
-        return p
-
-    def moved(values: Array) -> Array:
-        origins = nominal.copy()
-        origins[free] = values.reshape(-1, 6)
-        return origins
-
-    def residual(values: Array) -> Array:
-        origins, parts = moved(values), []
-        for name in fitted:
-            both = [balls(origins, rows) for rows in data[name]]
-            means, count = [p.mean(axis=0) for p in both], sum(map(len, both))
-            parts += [((p - mean) / np.sqrt(count)).ravel() for p, mean in zip(both, means, strict=True)]
-            parts.append(np.array([np.linalg.norm(means[0] - means[1]) - APART]))
-        parts.append(np.sqrt(len(fitted) * RIDGE) * (origins - nominal)[free[:-1]].ravel())
-        return np.concatenate(parts)
-
-    found = least_squares(residual, nominal[free].ravel(), xtol=1e-12, ftol=1e-12, gtol=1e-14, max_nfev=60)
-    return lambda theta: balls(moved(found.x), theta)
-
-
-def told_sockets(folder: Path) -> None:
-    print("\nTwo sockets, placements not fitted: mean distance from the socket's mean, error of the 50 mm [mm]")
-    for robot, urdf in ROBOTS.items():
-        arm, data = load_arm(folder / urdf, tip="ball_link"), placements(folder / robot)
-        for count in range(1, len(data)):
-            rows: dict[str, list[tuple[float, float]]] = {"nominal": [], "twistarm": [], "MUKCa's objective": []}
-            took = dict.fromkeys(rows, 0.0)
-            for fitted in combinations(data, count):
-                for name, fit in (("twistarm", ours), ("MUKCa's objective", theirs)):
-                    begin = process_time()
-                    predict = fit(arm, data, fitted)
-                    took[name] += process_time() - begin
-                    rows[name] += [
-                        spread([predict(theta) for theta in data[each]]) for each in data if each not in fitted
-                    ]
-                nominal = [[arm.fk(theta)[:, :3, 3] for theta in data[each]] for each in data if each not in fitted]
-                rows["nominal"] += map(spread, nominal)
-            for name, pairs in rows.items():
-                off, apart = 1e3 * np.array(pairs).T
-                seconds = took[name] * (len(data) - count) / len(pairs)
-                print(
-                    f"  {robot:8s} {count} fitted  {name:18s} spread {off.mean():.3f} "
-                    f"({off.min():.3f} … {off.max():.3f})   distance {apart.mean():.3f}   {seconds:5.1f} s",
-                    flush=True,
-                )
-
-
 def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.calibration", description=__doc__)
     parser.add_argument(
-        "--data", type=Path, default=os.environ.get("TWISTARM_CALIBRATION"), help="folder of measured sets"
+        "--data", type=Path, default=os.environ.get("TWISTARM_CALIBRATION"), help="folder of the measured set"
     )
     parser.add_argument(
         "--folds", type=int, default=6, help="of the tracker's rows, at most; RobotKineCal takes a minute each"
@@ -222,7 +127,6 @@ def main(arguments: list[str] | None = None) -> None:
         print("nothing to calibrate: give --data FOLDER or TWISTARM_CALIBRATION", file=sys.stderr)
         return
     told_tracker(Path(given.data) / "ur5_tracker_grid.csv", given.environments, given.folds)
-    told_sockets(Path(given.data) / "sockets")
 
 
 if __name__ == "__main__":

@@ -79,6 +79,12 @@ class Robot:
     def times(self):
         return np.array([setpoint.time for setpoint in self.setpoints])
 
+    def hardest(self, arm):
+        """The largest change of a rate since the setpoint before, as a share of what the acceleration limits allow."""
+        steps = np.abs(np.diff(self.rates, axis=0, prepend=np.zeros((1, arm.n))))
+        spans = np.diff(self.times, prepend=self.times[0] - PERIOD)
+        return (steps / (arm.limits.acceleration * np.maximum(spans, 1e-9)[:, None])).max()
+
     def moving(self, after):
         """The latest moment at which a setpoint had a rate, counted from `after` [s]."""
         return max((s.time for s in self.setpoints if s.theta_dot.any()), default=after) - after

@@ -17,7 +17,7 @@ import twistarm
 from baked_arms import TOL, assert_same, bake, sealed
 from baked_arms import everything as everything
 from catalogue import load
-from twistarm import Arm, ArmBuilder, JointLimits, arm_from_screws, diagnose, load_arm, plan_joint, solve_ik
+from twistarm import Arm, ArmBuilder, JointLimits, arm_from_screws, load_arm
 from twistarm.arm.baking import MAX_BYTES
 from twistarm.cli.application import run
 from twistarm.support.errors import DescriptionError, InputError, TwistarmError, UnknownNameError
@@ -136,13 +136,6 @@ def test_what_only_a_description_can_be_asked(rover: Arm, tmp_path: Path) -> Non
             load_arm(path, **{name: wish})
 
 
-def test_there_is_nothing_to_diagnose_in_the_file(rover: Arm, tmp_path: Path) -> None:
-    path = bake(rover, tmp_path)
-    with pytest.raises(InputError, match="baked.json is a baked arm, which has no description; give the file that it"):
-        diagnose(path)
-    assert isinstance(diagnose(load_arm(path)), tuple)
-
-
 # -- without Pinocchio and the description -----------------------------------------------------------------------
 
 ALONE = """
@@ -193,16 +186,6 @@ def test_without_pinocchio(name: str, core: bool, tmp_path: Path) -> None:
     assert f"{name} was baked without its description (load {name!r} for that)" in said["lack"]
 
 
-def test_planning_and_inverse_kinematics(rover: Arm, tmp_path: Path) -> None:
-    baked = load_arm(bake(rover, tmp_path))
-    goal = rover.fk(rover.named_states["reach"])
-    found, whole = solve_ik(baked, goal), solve_ik(rover, goal)
-    assert found.converged
-    assert np.abs(found.theta - whole.theta).max() < 1e-6
-    path = [baked.ready, baked.named_states["reach"]]
-    assert plan_joint(baked, path).duration == pytest.approx(plan_joint(rover, path).duration)
-
-
 def test_what_needs_the_description_says_so(rover: Arm, tmp_path: Path) -> None:
     baked = load_arm(bake(rover, tmp_path))
     asked: tuple[Callable[[], object], ...] = (
@@ -213,24 +196,6 @@ def test_what_needs_the_description_says_so(rover: Arm, tmp_path: Path) -> None:
     for ask in asked:
         with pytest.raises(TwistarmError, match=r"baked without its description \(load 'rover_arm' for that\)"):
             ask()
-
-
-def test_the_digest_is_what_the_format_says(rover: Arm, tmp_path: Path) -> None:
-    path = bake(rover, tmp_path)
-    content = json.loads(path.read_text("utf-8"))
-    assert json.loads(sealed(content))["digest"] == content["digest"]
-    path.write_text(sealed(content))
-    assert_same(load_arm(path), rover)
-
-
-def test_an_edited_number_is_refused(rover: Arm, tmp_path: Path) -> None:
-    path = bake(rover, tmp_path)
-    text = path.read_text("utf-8")
-    path.write_text(text.replace("-1.57", "-1.58", 1))
-    with pytest.raises(DescriptionError) as caught:
-        load_arm(path)
-    assert str(caught.value).startswith(f"{path}: edited or damaged since it was written")
-    assert str(caught.value).endswith("twistarm bake ARM -o FILE --force")
 
 
 @pytest.mark.parametrize(

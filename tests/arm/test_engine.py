@@ -165,23 +165,6 @@ def test_what_is_not_plain_is_left_to_python(core: ModuleType, rover: twistarm.A
         assert kernel(theta) is None
 
 
-@pytest.mark.parametrize(
-    ("change", "error"),
-    [
-        ({"screws": np.zeros((5, 5))}, "screws must be float64 (6, m)"),
-        ({"coupling": np.eye(4)}, "coupling must be float64 (m, n)"),
-        ({"coupling": np.zeros((5, 0))}, "each bound must be float64 (n,)"),
-        ({"screws": np.full((6, 5), np.nan)}, "a chain's numbers are finite"),
-        ({"coupling": np.zeros((5, 5))}, "a chain has 1 to 32 coordinates and moving joints"),
-        ({"name": "mmx"}, "no instruction set 'mmx' here; there are: "),
-    ],
-)
-def test_what_is_no_chain(core: ModuleType, rover: twistarm.Arm, change: dict[str, Any], error: str) -> None:
-    with pytest.raises(ValueError) as caught:  # noqa: PT011 - the whole text is compared
-        made(core, rover, **change)
-    assert str(caught.value).startswith(error)
-
-
 def test_a_batch_lets_other_threads_run(core: ModuleType, rover: twistarm.Arm) -> None:
     """No thread is made to give way, so `start` returns while the batch runs only if the batch gives way itself."""
     chain = made(core, rover, "baseline")

@@ -134,14 +134,6 @@ def test_a_tool_turned_by_degrees_is_a_finding(tmp_path: Path) -> None:
     assert "tool.rpy" in arm.findings[0].what
 
 
-def test_package_dirs_may_stand_in_the_home_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("HOME", str(tmp_path / "home"))
-    (tmp_path / "home/ws").mkdir(parents=True)
-    write(tmp_path, two_joints())
-    path = write(tmp_path, 'source = "arm.urdf"\npackage_dirs = ["~/ws", "home"]', "arm.toml")
-    assert load_arm(path).n == 2
-
-
 def test_limits_by_the_caller(tmp_path: Path) -> None:
     path = write(tmp_path, two_joints())
     arm = load_arm(path, limits={"acceleration": 3, "velocity": {"b": 0.5}})

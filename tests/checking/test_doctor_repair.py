@@ -9,7 +9,6 @@ import pytest
 
 from twistarm import InputError
 from twistarm.checking.doctor.repair import Repair, difference, repair
-from twistarm.description.source_text import SourceText
 from twistarm.description.urdf import read_description
 from urdf_text import joint, robot, two_joints, write
 
@@ -159,18 +158,6 @@ def test_a_copy_that_is_another_robot_would_be_seen(old: str, new: str, culprit:
     one = read_description(write(tmp_path, two_joints()))
     text = two_joints().replace(old, new, 1).replace('link="upper"', 'link="uper"' if "uper" in new else 'link="upper"')
     assert culprit in difference(one, read_description(write(tmp_path, text, "other.urdf")))
-
-
-def test_an_element_goes_with_the_line_it_stands_on_alone() -> None:
-    for text, left in (
-        ("<a>\n  <b/>\n  <c/>\n</a>", "<a>\n  <c/>\n</a>"),
-        ("<a>\r\n\t<b>\r\n x</b> \r\n\t<c/></a>", "<a>\r\n\t<c/></a>"),
-        ("<a>\n  <b/><c/>\n</a>", "<a>\n  <c/>\n</a>"),
-        ("<a>\n  <c/> <b/>\n</a>", "<a>\n  <c/> \n</a>"),
-    ):
-        source = SourceText(text)
-        source.remove(source.robot.find("b"))  # type: ignore[arg-type]
-        assert source.edited() == left
 
 
 REAL = (

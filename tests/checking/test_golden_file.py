@@ -97,7 +97,6 @@ BODIES = {
     "a mass": ({"mass": "99"}, ["mass fore 0.099 99"]),
     "a centre": ({"com": "0.103 0.004 0"}, ["centre fore [0.1, [0.103, 0.004,"]),
     "an inertia": ({"ixx": "0.0013"}, ["inertia fore [0.001, [0.0013,"]),
-    "turned axes of it": ({"rpy": "0 0 1.5707963267948966"}, ["inertia fore [0.001, [0.002,"]),
     "no mass": ({"mass": ""}, ["fore gone"]),
     "the same, turned": ({"rpy": "0 0 1.5707963267948966", "ixx": "0.002", "iyy": "0.001"}, []),
 }
@@ -205,13 +204,10 @@ USUAL = {"shoulder": 40, "elbow": -2, "offset": 0.1, "unit": "tick", "ticks": 40
 
 MOTOR_CHANGES = {
     "a ratio": ({"shoulder": 42}, ["lift shoulder 40 42"]),
-    "a sign": ({"elbow": 2}, ["lift elbow -2 2"]),
     "an offset": ({"offset": -0.1}, ["lift offset 0.1 -0.1"]),
-    "ticks": ({"ticks": 8192}, ["lift ticks 4096 8192"]),
     "what the drive counts": ({"unit": "turn"}, ["lift tick turn"]),
     "a limit": ({"velocity": 200}, ["lift velocity 300 200"]),
     "a name": ({"name": "twist"}, ["roll gone", "twist new"]),
-    "nothing": ({}, []),
 }
 
 

@@ -356,26 +356,6 @@ def test_a_reader_that_leaves_early_is_no_error() -> None:
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize(
-    ("arguments", "degrees", "radians"),
-    [
-        (["plan", "rover_arm", "--to", "elbow=400"], "at 400°, 264.78° beyond its upper limit 135.22°", "at 400 rad"),
-        (["info", "rover_arm", "--locked-joint", "elbow=500"], "locked at 500°, outside its limits -135", "at 500 rad"),
-        (["ik", "rover_arm", "--xyz", "0.8 0 0.5", "--start", "0 400 0 0 0"], "shoulder 400.0° was brought", None),
-    ],
-)
-def test_what_is_typed_in_degrees_is_answered_in_degrees(
-    arguments: list[str], degrees: str, radians: str | None, capsys: Capture
-) -> None:
-    run(arguments)
-    said = "".join(capsys.readouterr())
-    assert degrees in said
-    assert not re.search(r"\d rad\b(?!/)", said)
-    if radians is not None:
-        run([*arguments, "--rad"])
-        assert radians in "".join(capsys.readouterr())
-
-
 def test_dh_shows_and_writes_the_table(tmp_path: Path, capsys: Capture) -> None:
     """The file is an ARM; rounded axes, which meet far away, can count as parallel."""
     file = str(tmp_path / "rover.csv")

@@ -11,7 +11,7 @@ from typer.main import get_command
 
 from twistarm.cli.application import app, run
 from twistarm.cli.command import joined
-from twistarm.cli.numbers import METAVARS, is_part, separate, typed_number
+from twistarm.cli.numbers import METAVARS, is_part, typed_number
 
 TYPED = {
     ("300 mm", "m"): 0.3,
@@ -29,20 +29,6 @@ TYPED = {
 def test_a_number_with_or_without_a_unit(text: str, quantity: str) -> None:
     assert typed_number(text, quantity) == pytest.approx(TYPED[text, quantity], rel=1e-12, nan_ok=True)
     assert typed_number("30", "rad", radians=True) == 30.0
-
-
-@pytest.mark.parametrize(
-    ("text", "values"),
-    [
-        ("0.8 -0.1 0.7", ["0.8", "-0.1", "0.7"]),
-        ("300  mm 0.1 12 in", ["300  mm", "0.1", "12 in"]),
-        ("[0.1, -0.2,\n 0.3]", ["0.1", "-0.2", "0.3"]),
-        ("30 deg/s -1rad/s", ["30 deg/s", "-1rad/s"]),
-        ("0.1 30 deg inside", ["0.1", "30 deg", "inside"]),
-    ],
-)
-def test_a_list_is_taken_apart_between_its_values(text: str, values: list[str]) -> None:
-    assert [value.strip() for value in separate(text)] == values
 
 
 def test_only_numbers_and_units_go_on_with_an_option() -> None:

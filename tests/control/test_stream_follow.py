@@ -118,10 +118,8 @@ def test_cycles_late_by_parts_of_a_period_or_missed_make_no_setpoint_leap(rover,
 def test_a_stop_ends_it_on_its_path(rover, motion, robot, clock):
     control = FollowControl()
     report = followed(rover, motion, robot, clock, control=control, on_cycle=at(0.8, control.stop))
-    assert (report.stream.ending, report.completed, report.ok, report.stream.at_rest) == (
-        Ending.STOPPED, False, False, True,
-    )  # fmt: skip
-    assert report.stream.reason == f"at {report.at:.2f} s of {motion.duration:.2f} s"
+    assert report.stream.ending is Ending.STOPPED
+    assert (report.completed, report.ok, report.stream.at_rest) == (False, False, True)
     assert 0.8 < report.at < 1.2
     np.testing.assert_allclose(robot.theta, motion(report.at), atol=1e-12)
     assert max(shares(rover, robot)) <= EXACT
@@ -131,7 +129,8 @@ def test_an_arm_elsewhere_is_not_moved_and_it_is_said_where_each_joint_is(rover,
     robot = Robot(rover.ready + [0.0, 0.05, 0.0, -0.2, 0.0], clock)
     report = followed(rover, motion, robot, clock)
     assert (report.stream.ending, report.ok, robot.setpoints) == (Ending.ELSEWHERE, False, [])
-    assert report.stream.reason == ("shoulder 0.05 rad, wrist_pitch 0.2 rad away; approach=True moves it there first")
+    assert all(words in report.stream.reason for words in ("shoulder 0.05 rad", "wrist_pitch 0.2 rad", "approach=True"))
+    assert "no joint state" not in report.explain()
 
 
 @pytest.mark.parametrize("away", [[0.0, 0.5, -0.4, 0.3, 2.0], [0.004, -0.006, 0.008, 0.0, 0.002]])
@@ -154,10 +153,8 @@ def test_a_joint_that_does_not_follow_ends_it_and_is_named(rover, motion, robot,
     robot.deaf = lambda now: now > 100.6
     report = followed(rover, motion, robot, clock, tolerance=0.05)
     assert report.stream.ending is Ending.STRAYED
-    assert "is 0.05" in report.stream.reason
-    assert "(tolerance 0.05 rad)" in report.stream.reason
-    name = report.stream.reason.split()[1]
-    assert report.joint_names[int(np.argmax(report.largest_error))] == name
+    assert report.joint_names[int(np.argmax(report.largest_error))] in report.stream.reason
+    assert report.largest_error.max() == pytest.approx(0.05, abs=0.01)
     assert max(shares(rover, robot)) <= EXACT
     assert report.stream.at_rest
 
@@ -214,13 +211,12 @@ def test_a_robot_that_is_gone_is_given_up(rover, motion, clock):
     robot.mute = lambda now: now > 100.5
     report = followed(rover, motion, robot, clock)
     assert report.stream.ending is Ending.FEEDBACK_FAILED
-    assert report.stream.reason.startswith("the last joint state is 3")
     assert report.stream.at_rest
     assert report.stream.duration < 4.5
     nobody = Robot(rover.ready, FakeClock())
     nobody.read = lambda now: None
     report = followed(rover, motion, nobody, nobody.clock)
-    assert (report.stream.ending, report.stream.reason) == (Ending.FEEDBACK_FAILED, "no joint state has arrived")
+    assert report.stream.ending is Ending.FEEDBACK_FAILED
     assert nobody.setpoints == []
     assert report.stream.duration < 3.5
 
@@ -273,7 +269,6 @@ def test_a_motion_too_fast_for_the_arm_is_slowed_and_joints_may_be_in_any_order(
     assert report.speed < 0.72
     velocity, acceleration = shares(arm, robot)
     assert max(velocity, acceleration) == pytest.approx(1.0, abs=0.01)
-    assert f"at {100 * report.speed:.3g} % of its speed" in report.explain()
 
 
 def test_the_motors_limits_hold_as_well(rover, motion, clock):
@@ -347,16 +342,16 @@ def misspelt(motion):
 
 
 BAD = {
-    "other joints": (misspelt, {}, InputError, "'elbw' are not its own; closest: 'elbow'"),
-    "other units": (lambda m: replace(m, units=("rad",) * 5), {}, InputError, "are in 'm', 'rad'"),
-    "no trajectory": (lambda m: m.waypoints, {}, InputError, "trajectory must be a Trajectory"),
-    "a jump": (jumping, {}, InputError, "the position of joint 'slide' jumps by 0.1 m at t = "),
-    "moving": (already_moving, {}, InputError, "the velocity of joint 'slide' jumps by 0.1 m/s at t = 0 s"),
-    "beyond a limit": (beyond, {}, LimitError, "plan it for rover_arm"),
-    "no speed": (lambda m: m, {"speed": 0.0}, InputError, "speed must be above 0"),
-    "too fast": (lambda m: m, {"speed": 1.5}, InputError, "speed is a share of the trajectory's own"),
-    "no start": (lambda m: m, {"start_tolerance": -1}, InputError, "start_tolerance must be"),
-    "no control": (lambda m: m, {"control": "space"}, InputError, "control must be a FollowControl"),
+    "other joints": (misspelt, {}, InputError, "closest: 'elbow'"),
+    "other units": (lambda m: replace(m, units=("rad",) * 5), {}, InputError, "'m', 'rad'"),
+    "no trajectory": (lambda m: m.waypoints, {}, InputError, "trajectory"),
+    "a jump": (jumping, {}, InputError, "'slide' jumps by 0.1 m at"),
+    "moving": (already_moving, {}, InputError, "'slide' jumps by 0.1 m/s at t = 0 s"),
+    "beyond a limit": (beyond, {}, LimitError, "rover_arm"),
+    "no speed": (lambda m: m, {"speed": 0.0}, InputError, "speed"),
+    "too fast": (lambda m: m, {"speed": 1.5}, InputError, "speed"),
+    "no start": (lambda m: m, {"start_tolerance": -1}, InputError, "start_tolerance"),
+    "no control": (lambda m: m, {"control": "space"}, InputError, "control"),
 }
 
 

@@ -20,14 +20,13 @@ CASES = {
     "nothing": ([], 5.0, None, "no command has arrived"),
     "the latest": ([("page", A, 1.0), ("page", B, 1.05)], 1.1, B, ""),
     "it holds": ([("page", A, 1.0)], 1.199, A, ""),
-    "until it is old": ([("page", A, 1.0)], 1.35, None, "the last command is 0.35 s old (timeout 0.2 s)"),
+    "until it is old": ([("page", A, 1.0)], 1.35, None, "0.35 s old"),
     "repeated": ([("page", A, 1.0), 1.35, ("page", A, 1.4)], 1.4, A, ""),
     "two": ([("page", A, 1.0), (PAD, B, 1.1)], 1.1, None, f"two senders of a command, page and {PAD}"),
     "still two": ([("page", A, 1.0), (PAD, B, 1.1), (PAD, B, 1.19)], 1.19, None, "two senders"),
     "one fell silent": ([("page", A, 1.0), (PAD, B, 1.1), (PAD, B, 1.21)], 1.21, B, ""),
     "an older number": ([("page", B, 1.0, 7), ("page", A, 1.1, 6)], 1.15, B, ""),
-    "the same number": (
-        [("page", B, 1.0, 7), ("page", A, 1.1, 7)], 1.3, None, "number 7 came after 7 and was left out"),
+    "the same number": ([("page", B, 1.0, 7), ("page", A, 1.1, 7)], 1.3, None, "0.3 s old"),
     "counted anew at once": ([("page", A, 1.0, 700), ("page", B, 1.1, 0)], 1.1, A, ""),
     "counted anew after a silence": ([("page", A, 1.0, 700), ("page", B, 1.25, 3)], 1.25, B, ""),
     "an older number put late": ([("page", A, 1.0, 8), ("page", B, 0.97, 7)], 1.01, A, ""),
@@ -54,19 +53,15 @@ def test_what_counts(case):
     assert bool(reason) == (command is None)
 
 
-def test_a_command_without_a_time_arrives_now():
+def test_a_command_is_six_numbers_too_and_arrives_now():
     inbox = Inbox(10.0)
     inbox.put("joystick", [0.0, 0.0, 0.05, 0.0, 0.0, 0.0])
     reading = inbox.read(MonotonicClock().now())
     assert isinstance(reading.command, TwistCommand)
     assert 0.0 <= reading.age < 10.0
-
-
-def test_what_is_no_command_is_refused_where_it_is_put():
-    with pytest.raises(InputError, match="a command is a TwistCommand"):
-        Inbox().put("joystick", "up")
-    with pytest.raises(InputError, match="sender"):
-        Inbox().put(A, A, 1.0)
+    for given, culprit in ((("joystick", "up"), "TwistCommand"), ((A, A, 1.0), "sender")):
+        with pytest.raises(InputError, match=culprit):
+            inbox.put(*given)
     for timeout in (0.0, -1.0, np.nan, np.inf):
         with pytest.raises(InputError, match="timeout"):
             Inbox(timeout)
@@ -77,7 +72,8 @@ def test_nonsense_stops_what_was_commanded_in_a_short_line():
     inbox.put("page", A, 1.0)
     inbox.refuse("page", "twist must be finite", 1.01)
     reading = inbox.read(1.02)
-    assert (reading.command, reading.reason) == (None, "command from page refused: twist must be finite")
+    assert reading.command is None
+    assert "twist must be finite" in reading.reason
     inbox.refuse("x\n" * 5000, "why", 1.5)
     reason = inbox.read(1.5).reason
     assert len(reason) < 200
@@ -109,12 +105,12 @@ def states(rover):
 
 
 def test_a_joint_state_is_as_old_as_its_arrival(states):
-    assert states.read(1.0).reason == "no joint state has arrived"
+    assert states.read(1.0).theta is None
     states.put("robot", np.arange(5.0), 1.0)
     measured = states.read(1.1)
     assert measured.theta.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
     assert measured.time == pytest.approx(1.0)
-    assert states.read(1.5).reason == "the last joint state is 0.5 s old (timeout 0.2 s)"
+    assert "0.5 s old" in states.read(1.5).reason
 
 
 def test_parts_are_merged_and_as_old_as_the_oldest(states):
@@ -122,13 +118,13 @@ def test_parts_are_merged_and_as_old_as_the_oldest(states):
     states.put("another", {"shoulder": 2.0, "wrist_pitch": 4.0}, 1.05)
     states.put("wheels", {"left_wheel": 1.0, "wrist_rol": np.nan}, 1.06)
     reason = states.read(1.1).reason
-    assert reason.startswith("no joint state has arrived (wrist_roll); ")
-    assert reason.endswith("closest: 'wrist_rol'")
+    assert "(wrist_roll)" in reason
+    assert reason.endswith("'wrist_rol'")
     states.put("a third", {"wrist_roll": 5.0}, 1.15)
     measured = states.read(1.19)
     assert measured.theta.tolist() == [1.0, 2.0, 3.0, 4.0, 5.0]
     assert measured.time == pytest.approx(1.0)
-    assert states.read(1.22).reason == "the last joint state is 0.22 s old (timeout 0.2 s) (slide, elbow)"
+    assert states.read(1.22).reason.endswith("(slide, elbow)")
     states.put("one bus", {"slide": 1.5}, 1.23)
     states.put("one bus", {"elbow": 3.5}, 1.23)
     assert states.read(1.24).theta.tolist() == [1.5, 2.0, 3.5, 4.0, 5.0]
@@ -137,11 +133,11 @@ def test_parts_are_merged_and_as_old_as_the_oldest(states):
 @pytest.mark.parametrize(
     ("say", "why"),
     [
-        (lambda s: s.put("b", {"elbow": 9.0}, 1.0), "two senders of a joint state, a and b: stop one of them (elbow)"),
-        (lambda s: s.put("a", {"elbow": np.nan}, 1.0), "joint state from a refused: the joint state of elbow must be"),
-        (lambda s: s.put("a", [1.0, 2.0], 1.0), "must have shape"),
-        (lambda s: s.refuse("a", "twice: 'elbow'", 1.0), "joint state from a refused: twice"),
-        (lambda s: s.read(0.5), "the last joint state is -0.5 s old"),
+        (lambda s: s.put("b", {"elbow": 9.0}, 1.0), "a and b"),
+        (lambda s: s.put("a", {"elbow": np.nan}, 1.0), "elbow"),
+        (lambda s: s.put("a", [1.0, 2.0], 1.0), "shape"),
+        (lambda s: s.refuse("a", "twice: 'elbow'", 1.0), "twice"),
+        (lambda s: s.read(0.5), "-0.5"),
     ],
 )
 def test_nonsense_a_rival_and_time_that_goes_back_leave_no_joint_state(states, say, why):

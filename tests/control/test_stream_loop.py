@@ -13,12 +13,7 @@ from twistarm.control.servo import ServoSettings, TwistCommand
 from twistarm.control.stream import Cycle, Ending, FollowOptions, Inbox, Measured, Reading, follow
 from twistarm.support.errors import InputError
 
-
-def within_limits(rover, robot):
-    """Whether every difference of consecutive rates keeps the acceleration limit over the time between them."""
-    steps = np.diff(np.vstack([np.zeros(rover.n), robot.rates]), axis=0)
-    spans = np.diff(np.append(robot.times[0] - PERIOD, robot.times))[:, None]
-    return (np.abs(steps) <= rover.limits.acceleration * spans * (1 + 1e-9) + 1e-12).all()
+EXACT = 1 + 1e-6
 
 
 def test_a_jog_goes_on_for_the_time_and_ends_at_rest(rover, clock, robot, stream):
@@ -32,7 +27,7 @@ def test_a_jog_goes_on_for_the_time_and_ends_at_rest(rover, clock, robot, stream
     # Up to 0.4 rad/s at 2.5 rad/s², then steady, then down again.
     assert robot.rates[:, elbow].min() == pytest.approx(-0.4)
     assert np.argmax(robot.rates[:, elbow] < -0.4 + 1e-9) + 1 == pytest.approx(0.4 / 2.5 / PERIOD, abs=1)
-    assert within_limits(rover, robot)
+    assert robot.hardest(rover) <= EXACT
     assert not robot.rates[-1].any()
     assert robot.theta[elbow] - rover.ready[elbow] == pytest.approx(-0.4 * 2.0, abs=0.4 * PERIOD)
 
@@ -41,20 +36,20 @@ def test_a_jog_goes_on_for_the_time_and_ends_at_rest(rover, clock, robot, stream
 def test_no_step_is_over_more_time_than_passed_however_late_its_cycle(rover, clock, robot, stream, late):
     clock.late = dict.fromkeys(range(180, 400), late)  # the last of the motion, and the way to rest
     report = stream()
-    assert within_limits(rover, robot)
+    assert robot.hardest(rover) <= EXACT
     assert np.abs(robot.rates).max() == pytest.approx(0.4)
     assert not robot.rates[-1].any()
     assert report.at_rest
 
 
 UNUSABLE = {
-    "none": (lambda now: None, "no joint state has arrived"),
-    "too few": (lambda now: Measured([0.0] * 4, now), "must have shape"),
-    "too many": (lambda now: Measured([[0.0] * 5], now), "no position"),
+    "none": (lambda now: None, "no joint state"),
+    "too few": (lambda now: Measured([0.0] * 4, now), "shape"),
+    "too many": (lambda now: Measured([[0.0] * 5], now), "[[0.0, 0.0, 0.0, 0.0, 0.0]]"),
     "NaN": (lambda now: Measured([np.nan] * 5, now), "finite"),
-    "far off": (lambda now: Measured([1e5] * 5, now), "no position of rover_arm"),
+    "far off": (lambda now: Measured([1e5] * 5, now), "100000.0"),
     "words": (lambda now: Measured(["x"] * 5, now), "numbers"),
-    "another clock's": (lambda now: Measured([0.0] * 5, now + 0.25), "0.25 s from the future: its clock is another"),
+    "another clock's": (lambda now: Measured([0.0] * 5, now + 0.25), "0.25 s"),
 }
 
 
@@ -65,7 +60,8 @@ def test_without_a_joint_state_that_can_be_used_nothing_is_ever_sent(robot, stre
     assert robot.setpoints == []
     assert report.waited == pytest.approx(0.1)
     assert not report.ok
-    assert why in report.explain()
+    assert why in report.blind_reason
+    assert ("no joint state" in report.explain()) == (case == "none")
 
 
 def test_a_silent_command_source_stops_the_arm_within_its_timeout(rover, clock, robot, stream):
@@ -79,19 +75,18 @@ def test_a_silent_command_source_stops_the_arm_within_its_timeout(rover, clock, 
     report = stream(inbox, on_cycle=lambda cycle: (operate(cycle), cycles.append(cycle)))
     braking = 0.4 / 2.5
     assert robot.moving(began) <= 1.0 + 0.2 + braking + 2 * PERIOD
-    assert within_limits(rover, robot)
+    assert robot.hardest(rover) <= EXACT
     assert cycles[-1].setpoint.output.status == "STALE"
-    assert "the last command is 0.99 s old (timeout 0.2 s)" in cycles[-1].reason
+    assert "0.99 s old" in cycles[-1].reason
     assert report.uncommanded == pytest.approx(0.8, abs=2 * PERIOD)
-    assert "had no command for 0.8" in report.explain()
 
 
-def test_a_source_that_keeps_an_old_command_is_watched_too(rover, clock, robot, stream):
-    class Forgetful:
-        def read(self, now, state):
-            return Reading(jog(rover, elbow=-0.4), now - 100.0)
-
-    stream(Forgetful(), command_timeout=0.5)
+@pytest.mark.parametrize("age", [np.nan, -1.0, np.inf, None])
+def test_a_source_that_keeps_an_old_command_is_watched_too(rover, robot, stream, age):
+    """None: since the start. Another age that cannot be is too old from there on."""
+    source = SimpleNamespace(read=lambda now, state: Reading(jog(rover, elbow=-0.4), age or now - 100.0))
+    stream(source, command_timeout=0.5)
+    assert robot.rates.any() == (age is None)
     assert robot.moving(100.0) <= 0.5 + 0.16 + 2 * PERIOD
 
 
@@ -102,12 +97,18 @@ def test_an_old_joint_state_stops_the_arm_until_a_fresh_one(rover, clock, robot,
     standing = [cycle for cycle in seen if 100.5 + 0.2 + 0.16 + 2 * PERIOD < cycle.time < 101.2]
     assert len(standing) > 20
     assert not any(cycle.setpoint.theta_dot.any() for cycle in standing)
-    assert "the last joint state is" in standing[-1].reason
     assert seen[-1].setpoint.output.status == "OK"
     assert seen[-1].setpoint.theta_dot.any()
-    assert within_limits(rover, robot)
+    assert robot.hardest(rover) <= EXACT
     assert report.blind == pytest.approx(0.5, abs=3 * PERIOD)
     assert report.ok
+
+
+def test_a_feedback_that_loses_the_joint_state_does_not_say_that_none_arrived(robot, stream):
+    feedback = SimpleNamespace(read=lambda now: robot.read(now) if now < 100.5 else None)
+    report = stream(feedback=feedback, duration=1.0)
+    assert report.blind == pytest.approx(0.5, abs=2 * PERIOD)
+    assert "arrived" not in report.blind_reason
 
 
 @pytest.mark.parametrize("moved", [[0.0, 0.18, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 1.5]])
@@ -124,7 +125,7 @@ def test_a_robot_that_was_off_is_commanded_from_where_it_is(rover, clock, robot,
     back = next(cycle for cycle in seen if cycle.time > 101.0 and cycle.theta is not None)
     assert back.time == pytest.approx(102.0, abs=2 * PERIOD)
     np.testing.assert_allclose(back.setpoint.theta, back.theta, atol=2.5 * PERIOD**2)
-    assert within_limits(rover, robot)
+    assert robot.hardest(rover) <= EXACT
     assert report.ok
 
 
@@ -144,7 +145,7 @@ def test_a_motion_begins_where_others_have_moved_the_resting_arm(rover, robot, s
     begin = next(cycle for cycle in seen if cycle.time >= 101.0)
     start = begin.theta if moved else rover.ready
     np.testing.assert_allclose(begin.setpoint.theta, start, atol=2.5 * PERIOD**2)
-    assert within_limits(rover, robot)
+    assert robot.hardest(rover) <= EXACT
     assert report.ok
 
 
@@ -175,11 +176,10 @@ def test_an_arm_that_does_not_follow_ends_the_stream(rover, clock, robot, stream
     report = stream(duration=10.0)
     assert report.ending is Ending.STRAYED
     assert not report.ok
-    assert "joint elbow is 0.2" in report.reason
-    assert "tolerance 0.2 rad" in report.reason
+    assert "elbow is 0.2" in report.reason
     # 0.2 rad at 0.4 rad/s, and the window within which lagging behind is none.
     assert report.duration < 0.5 + 0.5 + 2 * 0.2 + 0.16 + 0.05
-    assert within_limits(rover, robot)
+    assert robot.hardest(rover) <= EXACT
     assert not robot.rates[-1].any()
 
 
@@ -242,5 +242,5 @@ def test_broken_settings_end_the_stream_with_the_arm_at_rest(clock, robot, strea
     report = stream(settings=lambda: ServoSettings() if clock.now() < change else None)
     assert robot.rates.any()
     assert (report.ending, report.at_rest) == (Ending.SERVO_FAILED, True)
-    assert "settings must be a ServoSettings" in report.reason
+    assert "settings" in report.reason
     assert not robot.rates[-1].any()

@@ -51,53 +51,43 @@ def test_a_pose_both_ways(rover):
 
 
 BAD = {
-    "": "one JSON object",
-    '{"stop": true} {"stop": true}': "one JSON object",
-    "[" * 50_000: "one JSON object",
+    "": "object",
+    '{"stop": true} {"stop": true}': "object",
+    "[" * 50_000: "object",
     "{}": "'twist', 'jog', 'pose', 'stop'",
     '{"twist": [0,0,0,0,0,0]}': "needs 'frame'",
     '{"twist": [0,0,0,0,0,0], "frame": "tool", "frame": "base"}': "each name once",
     '{"twist": [0,0,0,0,0,0], "frame": "world"}': "'tool' or 'base'",
     '{"twist": [0,0,0,0,0], "frame": "tool"}': "list of 6 numbers",
-    '{"twist": [NaN,0,0,0,0,0], "frame": "tool"}': "must be finite; got NaN",
-    '{"twist": [true,0,0,0,0,0], "frame": "tool"}': r"twist\[0\].*; got True",
-    '{"twist": [0,0,0,0,0,0], "frame": "tool", "hold": "nothing"}': "hold must be",
-    '{"twist": [0,0,0,1,0,0], "frame": "tool", "hold": "orientation"}': "held component cannot be commanded",
-    '{"jog": {}}': "jog must be",
-    '{"jog": {"elbo": 1}}': "no joint 'elbo' in rover_arm; closest: 'elbow'",
+    '{"twist": [NaN,0,0,0,0,0], "frame": "tool"}': "NaN",
+    '{"twist": [true,0,0,0,0,0], "frame": "tool"}': r"twist\[0\]",
+    '{"twist": [0,0,0,0,0,0], "frame": "tool", "hold": "nothing"}': "hold",
+    '{"twist": [0,0,0,1,0,0], "frame": "tool", "hold": "orientation"}': "held component",
+    '{"jog": {}}': "jog",
+    '{"jog": {"elbo": 1}}': "closest: 'elbow'",
     '{"jog": {"elbow": null}}': "jog of 'elbow'",
-    '{"pose": [[1,0,0,0],[0,1,0,0],[0,0,1],[0,0,0,1]]}': r"pose\[2\] must be a list of 4",
+    '{"pose": [[1,0,0,0],[0,1,0,0],[0,0,1],[0,0,0,1]]}': r"pose\[2\]",
     '{"pose": [[2,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}': "not in SO",
     '{"pose": {"position": [0,0,0]}}': "needs 'quaternion_wxyz'",
-    '{"pose": {"position": [0,0,0], "quaternion_wxyz": [0,0,0,0]}}': "must have length 1; got 0",
-    '{"pose": {"position": [0,0,0], "quaternion_wxyz": [1,0,0,0]}, "linear_speed": 0}': "linear_speed must be",
-    '{"interlock": "go"}': "a word to the interlock is one of 'enable', 'stop', 'emergency stop', 'clear'",
-    '{"interlock": "enable", "stop": true}': "unknown entry 'interlock'",
-    '{"stop": false}': "stop must be true",
-    '{"stop": true, "number": -1}': "number must be a whole number",
+    '{"pose": {"position": [0,0,0], "quaternion_wxyz": [0,0,0,0]}}': "length 1",
+    '{"pose": {"position": [0,0,0], "quaternion_wxyz": [1,0,0,0]}, "linear_speed": 0}': "linear_speed",
+    '{"interlock": "go"}': "'emergency stop'",
+    '{"interlock": "enable", "stop": true}': "'interlock'",
+    '{"stop": false}': "stop",
+    '{"stop": true, "number": -1}': "number",
 }
 
 
-@pytest.mark.parametrize(("text", "why"), BAD.items(), ids=[text[:60] for text in BAD])
+NO_TEXT = [b"\xff\xfe\x00{", '{"stop": true}'.encode("utf-16"), b" " * (LARGEST_MESSAGE + 1)]
+
+
+@pytest.mark.parametrize(("text", "why"), [*BAD.items(), *zip(NO_TEXT, ("object", "object", "65537"), strict=True)])
 def test_what_is_not_exactly_a_command_is_refused_in_one_line(rover, text, why):
-    for message in (text, text.encode()):
+    for message in (text, text.encode() if isinstance(text, str) else text):
         with pytest.raises(InputError, match=why) as caught:
             parse_command(rover, message)
         assert "\n" not in str(caught.value)
         assert len(str(caught.value)) < 1000
-
-
-@pytest.mark.parametrize(
-    ("text", "why"),
-    [
-        (b"\xff\xfe\x00{", "one JSON object"),
-        ('{"stop": true}'.encode("utf-16"), "one JSON object"),
-        (b" " * (LARGEST_MESSAGE + 1), "at most 65536 bytes; got 65537"),
-    ],
-)
-def test_bytes_that_are_no_utf_8_or_too_many(rover, text, why):
-    with pytest.raises(InputError, match=why):
-        parse_command(rover, text)
 
 
 def test_a_joint_state_by_name_in_any_order(rover):
@@ -110,12 +100,12 @@ def test_a_joint_state_by_name_in_any_order(rover):
 NAMES = ["slide", "shoulder", "elbow", "wrist_pitch", "wrist_roll"]
 BAD_STATES = [
     ({"theta": [1, 2, 3, 4, 5]}, "needs 'joint_names'"),
-    ({"joint_names": NAMES, "theta": [1, 2, 3, 4]}, "5 names, 4 values"),
+    ({"joint_names": NAMES, "theta": [1, 2, 3, 4]}, "4 values"),
     ({"joint_names": [*NAMES, "elbow"], "theta": [1, 2, 3, 4, 5, 6]}, "twice: 'elbow'"),
     ({"joint_names": [1, 2, 3, 4, 5], "theta": [1, 2, 3, 4, 5]}, r"joint_names\[0\]"),
     ({"joint_names": NAMES, "theta": [1, 2, None, 4, 5]}, r"theta\[2\]"),
     ({"joint_names": NAMES, "theta": [1, 2, 3, 4, 5], "velocity": []}, "'velocity'"),
-    ({"joint_names": NAMES, "theta": [1, 2, 3, 4, 5], "interlock": "off"}, "interlock must be 'enabled'"),
+    ({"joint_names": NAMES, "theta": [1, 2, 3, 4, 5], "interlock": "off"}, "interlock"),
 ]
 
 

@@ -135,13 +135,6 @@ def test_a_texture_is_not_opened_and_the_shape_is_drawn(tmp_path: Path) -> None:
     assert read(tmp_path, "model.gltf", json.dumps(tree)).triangles == 12
 
 
-def test_a_material_in_latin_1_colours_an_obj(tmp_path: Path) -> None:
-    (tmp_path / "a.mtl").write_bytes("newmtl gr\xfcn\nKd 0 1 0\n".encode("latin-1"))
-    faces = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl gr\xfcn\nf 1 2 3\n".encode("latin-1")
-    (part,) = read(tmp_path, "a.obj", faces).parts()
-    assert part.colour == (0.0, 1.0, 0.0, 1.0)
-
-
 def test_the_extreme_points_of_a_ball_span_its_hull(tmp_path: Path) -> None:
     trimesh.creation.icosphere(5).export(tmp_path / "ball.stl")
     points = extreme_points(tmp_path / "ball.stl")

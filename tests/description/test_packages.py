@@ -64,18 +64,6 @@ def test_a_package_far_from_the_file_is_given(tmp_path: Path) -> None:
         assert "extra" in load_arm(path, tip="tool0", package_dirs=[tmp_path / folder]).frame_names
 
 
-def test_a_package_xml_wins_wherever_it_is(tmp_path: Path) -> None:
-    files = {
-        "parts/arm/urdf/arm.xacro": INCLUDE,
-        "parts/urdf/part.xacro": "<robot/>",
-        "another_name/package.xml": MANIFEST("parts"),
-        "another_name/urdf/part.xacro": PART,
-    }
-    arm = load_arm(lay(tmp_path, files) / "parts/arm/urdf/arm.xacro", tip="tool0")
-    assert "extra" in arm.frame_names
-    assert codes(arm) == []
-
-
 @pytest.mark.parametrize("name", ["link", ".hidden", "..", "bare"])
 def test_no_other_folder_is_taken_for_a_package(name: str, tmp_path: Path) -> None:
     """Not a link, nor a folder that does not look like a robot's package."""
@@ -141,11 +129,6 @@ def test_the_name_in_a_package_xml(tmp_path: Path) -> None:
     (tmp_path / "package.xml").unlink()
     os.mkfifo(tmp_path / "package.xml")
     assert package_name(tmp_path) is None
-
-
-def test_package_dirs_must_exist(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="nowhere"):
-        load_arm(write(tmp_path, ARM), package_dirs=[tmp_path / "nowhere"])
 
 
 # -- packages to do without ----------------------------------------------------------------------------------------

@@ -201,16 +201,6 @@ def test_base_and_tip_come_from_the_group_where_nobody_says_otherwise(tmp_path: 
     assert (load_arm(toml).base, load_arm(toml).tip) == ("base_link", "wrist")
 
 
-def test_several_groups_are_offered_in_the_error(tmp_path: Path) -> None:
-    two = "".join(f'<group name="{name}"><joint name="{name}"/></group>' for name in "bc")
-    write(tmp_path, f'<robot name="tiny">{two}</robot>', "arm.srdf")
-    parts = joint("a", "base_link", "torso"), joint("b", "torso", "left"), joint("c", "torso", "right")
-    with pytest.raises(DescriptionError) as caught:
-        load_arm(write(tmp_path, robot(*parts, links=("base_link", "torso", "left", "right"))))
-    assert str(caught.value).endswith("so could the groups of its SRDF: 'b' (left), 'c' (right); pass tip='left'")
-    assert [finding.code for finding in caught.value.findings] == ["no-tip"]
-
-
 STATE = '<group_state name="{}" group="g"><joint name="a" value="0.1"/><joint name="b" value="0.2"/></group_state>'
 
 
@@ -262,14 +252,6 @@ def test_of_several_none_is_used_and_that_is_said(urdf: Path) -> None:
     assert "'arm.srdf', '../config/old.srdf'" in arm.findings[0].what
     assert list(load_arm(urdf, srdf=second).named_states) == ["stowed"]
     assert list(load_arm(urdf, srdf=str(first)).named_states) == ["home"]
-
-
-def test_a_broken_one_is_a_warning_beside_and_an_error_by_name(urdf: Path) -> None:
-    broken = write(urdf.parent, "<robot name='tiny'><group/></robot>", "arm.srdf")
-    arm = load_arm(urdf)
-    assert codes(arm) == ["companion-doubtful"]
-    with pytest.raises(DescriptionError, match="arm.srdf:1: group: "):
-        load_arm(urdf, srdf=broken)
 
 
 def test_a_xacro_is_never_run_unasked(urdf: Path) -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from skeletons import skeleton
 from twistarm import DescriptionError, load_arm
-from twistarm.description.tips import SHOWN, choose_ends, note_choice
+from twistarm.description.tips import choose_ends, note_choice
 from twistarm.description.tree import Description
 from twistarm.description.urdf import read_description
 from urdf_text import write
@@ -136,12 +136,6 @@ def test_what_is_equal_is_asked(case: str, tmp_path: Path) -> None:
     assert not equal or repr(equal[0]) in asked.remedy
 
 
-def test_without_a_moving_joint_there_is_nothing_to_ask(tmp_path: Path) -> None:
-    with pytest.raises(DescriptionError) as caught:
-        choose_ends(described("base [-> a | -> b]", tmp_path))
-    assert [one.code for one in caught.value.findings] == ["no-chain"]
-
-
 def test_what_does_not_turn_against_each_other_is_no_pair_of_fingers(tmp_path: Path) -> None:
     """Two short branches beyond a wrist are fingers only if their axes are parallel."""
     text = skeleton(f"{SIX} [R> l7 | R> l8]")
@@ -173,12 +167,3 @@ def test_the_choice_is_a_finding_with_the_base_and_the_others(tmp_path: Path) ->
 def test_without_a_choice_there_is_no_finding(text: str, tmp_path: Path) -> None:
     description = described(text, tmp_path)
     assert note_choice(description, choose_ends(description)) == ()
-
-
-def test_of_many_candidates_the_likeliest_are_listed(tmp_path: Path) -> None:
-    arms = " | ".join(f"R> a{i} R> b{i}" for i in range(20))
-    with pytest.raises(DescriptionError) as caught:
-        choose_ends(described(f"body [{arms} | R> d R> e R> f]", tmp_path))
-    (asked,) = caught.value.findings
-    assert asked.what.count("joints)") == SHOWN
-    assert "'f'" in asked.remedy

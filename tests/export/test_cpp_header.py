@@ -382,12 +382,6 @@ def test_the_namespace_is_an_identifier(name: str, namespace: str) -> None:
     assert namespace_of(name) == namespace
 
 
-def test_missing_headers_are_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr("twistarm.export.cpp_header.__file__", str(tmp_path / "twistarm" / "export" / "cpp_header.py"))
-    with pytest.raises(TwistarmError, match="the C\\+\\+ headers are missing in .*include; install twistarm again"):
-        core_headers()
-
-
 @pytest.mark.usefixtures("compiler")
 def test_more_joints_than_the_core_holds() -> None:
     with pytest.raises(TwistarmError, match="its chains have at most 32 joints; snake has 33"):

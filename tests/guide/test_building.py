@@ -13,7 +13,7 @@ from small_course import LESSON, ROVER
 from twistarm import InputError, TwistarmError
 from twistarm.guide.building import building
 from twistarm.guide.building.building import RECORD, SOLUTION, Built, build, pdf_of
-from twistarm.guide.course import LESSONS, SECTIONS, lesson_named, lessons
+from twistarm.guide.course import LESSONS, SECTIONS, lesson_named
 from twistarm.guide.exercises import exercises_of
 
 
@@ -113,8 +113,8 @@ def test_a_folder_of_somebody_else_is_left_alone(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.browser
 def test_a_lesson_is_printed(tmp_path: Path) -> None:
-    made = build(tmp_path / "site", {"source": "rr_planar"}, lessons()[:1])
-    assert len(pdf_of(made.folder, lessons()[0])) > 20_000
+    made = build(tmp_path / "site", {"source": "rr_planar"}, LESSONS[:1])
+    assert len(pdf_of(made.folder, LESSONS[0])) > 20_000
 
 
 @pytest.mark.parametrize("text", ["{", "[]"])
@@ -140,6 +140,6 @@ def test_an_endless_lesson_and_one_that_dies_are_said(tmp_path: Path, monkeypatc
 def test_the_course_names_every_lesson_once_and_every_section() -> None:
     assert len(set(LESSONS)) == len(LESSONS)
     assert {name for *_, name in SECTIONS} == set(LESSONS)
-    assert lesson_named(f"examples/guide/{lessons()[0]}.py") == lessons()[0]
+    assert lesson_named(f"examples/guide/{LESSONS[0]}.py") == LESSONS[0]
     with pytest.raises(TwistarmError, match="no lesson '3_1_forward' in the guide; closest: '3_1_forward_kinematics'"):
         lesson_named("3_1_forward")

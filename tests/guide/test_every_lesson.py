@@ -16,7 +16,7 @@ import pytest
 from model_arms import REAL_ARMS
 from twistarm.description.catalog import own_arms
 from twistarm.guide.building.lesson import cells_of
-from twistarm.guide.course import lesson_file, lessons
+from twistarm.guide.course import LESSONS, lesson_file
 from twistarm.guide.teaching import output
 from twistarm.guide.teaching.reader import VARIABLE, arm
 
@@ -56,7 +56,7 @@ def run(lesson: str, scenes: Path | None) -> list[str]:
     return said
 
 
-@pytest.mark.parametrize("lesson", lessons())
+@pytest.mark.parametrize("lesson", LESSONS)
 def test_the_lesson_holds(lesson: str) -> None:
     said = run(lesson, None)
     assert any("`rover_arm`" in words or " rover_arm " in words for words in said), "it speaks of the reader's arm"
@@ -64,7 +64,7 @@ def test_the_lesson_holds(lesson: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("lesson", lessons())
+@pytest.mark.parametrize("lesson", LESSONS)
 @pytest.mark.parametrize(
     ("source", "options"), [*((name, {}) for name in own_arms() if name != "rover_arm"), *REAL_ARMS]
 )

@@ -99,7 +99,7 @@ def test_what_cannot_be_is_one_sentence(
 
 def test_what_was_built_is_said(built: Built, capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
     """The whole course is a long test's; here it is that of one lesson, which is built already."""
-    monkeypatch.setattr("twistarm.guide.building.building.lessons", lambda: (LESSON,))
+    monkeypatch.setattr("twistarm.guide.building.building.LESSONS", (LESSON,))
     assert run(["guide", "-o", str(built.folder)]) == 0
     assert capsys.readouterr().out == f"written: {built.folder / 'index.html'} (opens in a browser, offline)\n"
     assert (built.folder / RECORD).is_file()

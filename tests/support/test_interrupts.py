@@ -136,11 +136,6 @@ def test_a_stream_ends_at_rest_by_a_signal_which_then_has_its_usual_effect() -> 
     assert done.returncode == -signal.SIGTERM
 
 
-def test_a_stream_leaves_signals_to_who_asks_for_it() -> None:
-    done = ran(STREAM.format(sent="SIGTERM", prepare="", options="handle_signals=False"))
-    assert (done.stdout, done.returncode) == ("", -signal.SIGTERM)
-
-
 def test_a_programs_own_handler_is_left_alone() -> None:
     prepare = "over = []; signal.signal(signal.SIGTERM, lambda *_: over.append(1))"
     done = ran(STREAM.format(sent="SIGTERM", prepare=prepare, options="until=lambda: bool(over)"))

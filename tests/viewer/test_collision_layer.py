@@ -105,7 +105,7 @@ def test_the_band_of_a_motion_holds_its_samples_that_collide() -> None:
     scene = scene_of()
     stage = ready(scene)
     motion = plan_joint(ARM, [ARM.ready, hitting(scene), ARM.ready])
-    stage.load(motion, 1.0, False, 0.0)
+    stage.load(motion).play(0.0)
     done(stage.collisions.due(stage))
     band = said(stage, "colliding")["band"]
     assert band
@@ -126,11 +126,11 @@ def test_a_collision_between_two_samples_is_found(monkeypatch: pytest.MonkeyPatc
     stage = ready(scene)
     motion = plan_joint(ARM, [ARM.ready, ARM.ready + [0.4, 0.0, 0.0, 0.0, 0.0]])
     scene.add_sphere("stone", 0.01, ARM.fk(motion(0.5 * motion.duration))[:3, 3])
-    stage.load(motion, 1.0, False, 0.0)
+    stage.load(motion).play(0.0)
     done(stage.collisions.due(stage))
     ((start, end),) = said(stage, "colliding")["band"]
     assert 0.1 < start == end <= 0.5
-    stage.load(plan_joint(ARM, [ARM.ready, ARM.ready + 0.01]), 1.0, False, 0.0)
+    stage.load(plan_joint(ARM, [ARM.ready, ARM.ready + 0.01])).play(0.0)
     assert stage.collisions.due(stage) is not None
     assert said(stage, "colliding")["band"] == [], "what is not known of the new motion is not told"
 

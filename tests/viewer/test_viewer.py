@@ -39,7 +39,7 @@ def test_a_bad_configuration_is_refused_at_the_door(arm: Arm, viewer: Viewer, th
 
 def test_a_motion_without_length_stops_at_once(arm: Arm) -> None:
     stage = Stage(arm)
-    stage.load(plan_joint(arm, [THETA, THETA], limits={"velocity": 1.0, "acceleration": 1.0}), 1.0, True, 0.0)
+    stage.load(plan_joint(arm, [THETA, THETA], limits={"velocity": 1.0, "acceleration": 1.0}), loop=True).play(0.0)
     stage.advance(1.0)
     assert not stage.running
     assert_allclose(stage.theta, THETA)

@@ -34,7 +34,7 @@ def test_pages_and_program_share_a_slider_and_call_in_order(viewer: Viewer) -> N
         for each in (page, other):
             each.until(lambda each=each: entries(each)["weight"]["value"] == -1.0)
         page.ask(type="slide", name="weight", value=3.5)
-        assert "-1 … 3" in page.latest["error"]["message"]
+        assert "weight" in page.latest["error"]["message"]
         page.ask(type="slide", name="again", value=1.0)
         assert "no slider" in page.latest["error"]["message"]
         page.ask(type="press", name="agian")
@@ -135,7 +135,7 @@ def test_controls_and_drawings_stay_with_another_arm(viewer: Viewer, arm, rover)
     ("wrong", "says"),
     [
         (lambda view: view.slider("a", 1, 1), "lo must be below hi"),
-        (lambda view: view.slider("a", 0, 1, value=2), "0 … 1; got 2"),
+        (lambda view: view.slider("a", 0, 1, value=2), "value of .a. .*got 2"),
         (lambda view: view.slider("a", 0, 1, 7), "on_change must be a function"),
         (lambda view: view.button(7, print), "name must be text"),
         (lambda view: view.text("a", 7), "value must be text"),

@@ -30,7 +30,7 @@ LINE = Trajectory(ARM.joint_names, ARM.units, [[0.0], [2.0]], [0, 2], [0, 2], [[
 def standing() -> Stage:
     """The line is loaded and waits at its start."""
     stage = Stage(ARM)
-    stage.stand_by(LINE)
+    stage.load(LINE)
     return stage
 
 
@@ -149,7 +149,7 @@ def test_a_trajectory_of_python_is_plotted_against_its_own_limits_or_the_arm_s(a
         (replace(motion, limits=None), [None, 2.0, 0.5], [None] * 3),
     ):
         stage = Stage(arm)
-        stage.load(each, 1.0, False, 0.0)
+        stage.load(each).play(0.0)
         joints = said(stage, "plots")["joints"]
         assert [joint["limits"]["velocity"] for joint in joints] == velocity
         assert [joint["limits"]["acceleration"] for joint in joints] == acceleration

@@ -169,7 +169,7 @@ def test_an_edited_list_is_no_longer_that_of_the_motion(stage: Stage) -> None:
     assert "plan again" in said(stage, "program")["note"]
     ask(stage, "reorder", id=first, place=0)
     assert said(stage, "program")["planned"]
-    stage.load(swing(stage.arm), 1.0, False, 0.0)
+    stage.load(swing(stage.arm)).play(0.0)
     assert not said(stage, "program")["planned"]
     assert said(stage, "program")["note"] == ""
 

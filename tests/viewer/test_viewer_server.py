@@ -267,10 +267,3 @@ def test_a_closed_view_shows_nothing_more_and_still_answers(arm: Arm, viewer: Vi
     viewer.show_servo(None)  # a loop that drives an arm goes on
     assert_array_equal(viewer.theta, THETA)
     assert "srcdoc" in viewer.inline(static=True).html
-
-
-def test_a_file_that_cannot_be_made_gets_its_reason(viewer: Viewer) -> None:
-    for name in ("motion.csv", "scene.toml"):
-        status, text, _ = get(viewer.url + name)
-        assert status == 404
-        assert text.count("\n") == 1

@@ -49,7 +49,7 @@ def aim(stage: Stage, kind: str, position: Any, quaternion: Any) -> dict[str, An
 @pytest.fixture
 def in_the_thread(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every target is a job, as on an arm that the core cannot hold."""
-    monkeypatch.setattr("twistarm.viewer.parts.target.solved_at_once", lambda *asked: None)
+    monkeypatch.setattr("twistarm.viewer.parts.target.AT_ONCE", 1e-9)
 
 
 def told(stage: Stage) -> dict[str, Any]:
@@ -118,7 +118,7 @@ def test_what_moves_the_arm_otherwise_lets_the_target_go() -> None:
     ask(stage, "joint", name="wrist_roll", value=0.3)
     assert told(stage)["given"] is None
     aim(stage, "position", *near(ROVER))
-    stage.load(MOTION, 1, False, 0)
+    stage.load(MOTION).play(0.0)
     assert told(stage)["given"] is None
 
 
@@ -126,7 +126,7 @@ LATE: dict[str, Callable[[Stage], Any]] = {
     "slider": lambda stage: ask(stage, "joint", name="wrist_roll", value=0.3),
     "servo": Stage.take_commands,
     "release": lambda stage: ask(stage, "release"),
-    "trajectory": lambda stage: stage.load(MOTION, 1.0, False, 0.0),
+    "trajectory": lambda stage: stage.load(MOTION).play(0.0),
 }
 """What may happen before an answer comes."""
 
@@ -204,7 +204,7 @@ def test_without_the_compiled_core(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("in_the_thread")
 def test_a_target_stops_what_plays_before_its_answer_comes() -> None:
     stage = Stage(ROVER)
-    stage.load(MOTION, 1, True, 0)
+    stage.load(MOTION, loop=True).play(0.0)
     job = begin(stage, *near(ROVER))
     assert not stage.running
     done(job)

@@ -223,7 +223,7 @@ def test_nearly_singular_begins_at_a_singular_value_of_a_25th(sigma: float, near
 def test_the_screw_of_a_motion() -> None:
     arm = ARMS["panda"]
     stage, trajectory = switched_on(arm), motion_of(ARMS["panda"])
-    stage.load(trajectory, 1.0, False, 0.0)
+    stage.load(trajectory).play(0.0)
     assert told(stage)["motion"] is None  # type: ignore[index]  # at rest
     t, step = 0.4, 1e-5
     stage.advance(t)

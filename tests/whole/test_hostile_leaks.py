@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import os
 import re
 import zlib
 from contextlib import suppress
@@ -13,7 +12,6 @@ import pytest
 
 from twistarm import InputError, load_arm
 from twistarm.cli.application import run
-from twistarm.support.errors import without_places
 from urdf_text import joint
 from xacro_text import MANIFEST, XMLNS, lay
 
@@ -105,30 +103,3 @@ def test_the_page_that_is_served_tells_no_place(arm: Path) -> None:
     assert any(CANARY in one.what for one in loaded.findings), "on the terminal a whole path helps"
     assert all(CANARY not in str(one) for one in doctor_findings(loaded)["findings"])
     assert CANARY not in str(failure(InputError(f"cannot write {arm}")))
-
-
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("cannot read /opt/my/arm.urdf: why", "cannot read arm.urdf: why"),
-        ("file:///opt/my/m.stl, 'file://localhost/opt/my/m.stl'", "m.stl, 'm.stl'"),
-        ("package://arm/meshes/m.stl and $(find arm)/urdf/x", "package://arm/meshes/m.stl and $(find arm)/urdf/x"),
-        ("../a/b.stl, 2.5 rad/s/s, https://a.example/b/c", "../a/b.stl, 2.5 rad/s/s, https://a.example/b/c"),
-        ("in HOME/with space/arm.urdf", "in with space/arm.urdf"),
-        ("in HERE/m.stl (HERE)", "in m.stl ()"),
-    ],
-)
-def test_a_path_is_told_by_its_name(text: str, told: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("HOME", "/no/such home")
-    text = text.replace("HOME", "/no/such home").replace("HERE", "/other folder/my arm")
-    assert without_places(text, Path("/other folder/my arm/arm.urdf")) == told
-
-
-def test_texts_are_told_where_there_is_no_home_and_no_working_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "gone").mkdir()
-    monkeypatch.chdir(tmp_path / "gone")
-    os.rmdir(tmp_path / "gone")
-    monkeypatch.setattr("os.path.expanduser", lambda path: path)  # as for a user of no name
-    assert without_places("see /srv/arms/a.urdf") == "see a.urdf"

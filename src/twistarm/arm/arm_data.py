@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from types import MappingProxyType
@@ -95,12 +95,6 @@ def theta_by_joint(arm: str, joints: tuple[str, ...], values: Any, numbers: Arra
     if missing:
         raise InputError(f"no value for joint {listed(missing)} of {arm}; give every joint")
     return as_theta([given[name] for name in joints], len(joints))
-
-
-def usual_ready(names: Iterable[str]) -> list[str]:
-    """The given names that are in `USUAL_NAMES`, in its order. Case does not count, but exact case comes first."""
-    known = [name for name in names if name.strip().casefold() in USUAL_NAMES]
-    return sorted(known, key=lambda name: (USUAL_NAMES.index(name.strip().casefold()), name not in USUAL_NAMES))
 
 
 RANK_SAMPLES = 16
@@ -220,9 +214,11 @@ class ArmData:
         It is the first of `ready`, `home`, `default`, `rest`, `stowed`, in capitals or not, that is not singular. The
         first of them counts even if it is.
         """
-        for name in usual_ready(self.named_states):
+        folded = {name: name.strip().casefold() for name in self.named_states}
+        usual = [name for name in folded if folded[name] in USUAL_NAMES]
+        for name in sorted(usual, key=lambda name: (USUAL_NAMES.index(folded[name]), name not in USUAL_NAMES)):
             samples = self.random_theta(0, RANK_SAMPLES)
-            if name.strip().casefold() == "ready" or self._mechanism.regular(self.named_states[name], samples):
+            if folded[name] == "ready" or self._mechanism.regular(self.named_states[name], samples):
                 return name
         return None
 

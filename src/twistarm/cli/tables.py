@@ -1,4 +1,4 @@
-"""Tables: each column declares its name, unit and values once, for people and for JSON."""
+"""Tables: each column declares its name, unit and values once, for people, for JSON and for CSV."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from rich.table import Table as RichTable
 
 from ..arm.arm import Arm
 from ..support.checks import Array
+from ..support.csv_lines import csv_text
 from ..support.errors import printable
 from ..theory.rotations import to_quaternion_wxyz, to_rpy
 
@@ -81,6 +82,11 @@ class Table:
             return dict(named)
         names, values = zip(*named, strict=True)
         return {self.key: [dict(zip(names, row, strict=True)) for row in zip(*values, strict=True)]}
+
+    def csv(self) -> str:
+        """The columns as CSV in SI, the unit of all values behind the name."""
+        heads = [f"{each.name} [{each.unit}]" if each.unit else each.name for each in self.columns]
+        return csv_text(heads, zip(*(np.asarray(each.values).tolist() for each in self.columns), strict=True))
 
     def print_on(self, out: Console, radians: bool = False) -> None:
         """Print it, unless it is empty. Text is folded to the console's width, numbers never: lines may be longer."""
@@ -157,6 +163,12 @@ def outside(arm: Arm, theta: Array, radians: bool) -> Iterator[str]:
             value, lower, upper = (quantity_text(each, unit, radians) for each in (x, low, high))
             its = unit_text(unit, radians)
             yield f"{name} = {value} {its} lies outside its limits {lower} … {upper} {its}"
+
+
+def joint_columns(arm: Arm, theta: Array, digits: int = 4) -> list[Column]:
+    """A column for each joint of theta (N, n)."""
+    named = zip(arm.joint_names, theta.T, arm.units, strict=True)
+    return [Column(name, values, unit, digits=digits) for name, values, unit in named]
 
 
 def joint_heads(arm: Arm, radians: bool = True) -> list[str]:

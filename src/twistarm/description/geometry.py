@@ -19,66 +19,21 @@ from .tree import Description, Geometry
 Colour = tuple[float, float, float, float]
 
 
-class Materials:
-    """The colours of one robot.
+class Geometries:
+    """Reads the shapes of one description, and collects odd colours and missing meshes.
 
-    A name keeps its first colour: the robot's, else that of the first visual in the file. Another colour for the same
-    name later has no effect. A material without a name has the colour that it gives.
+    The name of a colour keeps its first one: the robot's, else that of the first visual in the file. Another colour for
+    the same name later has no effect. A material without a name has the colour that it gives.
     """
 
     def __init__(self, robot: ET.Element, reading: Reading) -> None:
         self._reading = reading
-        self._known: dict[str, Colour] = {}
+        self._missing: list[str] = []
+        self._colours: dict[str, Colour] = {}
         self._twice: dict[str, None] = {}
         self._odd: dict[str, None] = {}
         for material in robot.findall("material"):
-            self.colour(material)
-
-    def colour(self, material: ET.Element | None) -> Colour | None:
-        """The colour of a `<material>`, None if neither the element nor its name has one."""
-        if material is None:
-            return None
-        name, own = material.get("name", ""), self._own(material)
-        if name and own is not None and self._known.setdefault(name, own) != own:
-            self._twice[name] = None
-        return self._known.get(name) if name else own
-
-    def note_odd(self) -> None:
-        """Add a finding for all names with two colours, and one for each malformed colour."""
-        if self._twice:
-            names = listed(self._twice, 3)
-            what = f"{plural(len(self._twice), 'material')} with several colours: {names}"
-            remedy = "give each colour a name of its own"
-            self._reading.note("bad-geometry", None, f"{what}; the first colour of a name counts", remedy)
-        for rgba in self._odd:
-            what = f"the colour rgba={rgba[:60]!r} is not four numbers from 0 to 1; the nearest colour is drawn, if any"
-            self._reading.note("bad-geometry", None, what, 'write rgba="RED GREEN BLUE ALPHA"')
-
-    def _own(self, material: ET.Element) -> Colour | None:
-        """The colour that the element gives. Three numbers are opaque, and others become the nearest from 0 to 1."""
-        element = material.find("color")
-        if element is None:
-            return None
-        rgba = element.get("rgba", "")
-        try:
-            values = floats(rgba, 3 if len(rgba.split()) == 3 else 4)
-        except ValueError:
-            values = []
-        if len(values) != 4 or not all(0.0 <= value <= 1.0 for value in values):
-            self._odd[rgba] = None
-        if not values:
-            return None
-        red, green, blue, alpha = (min(max(value, 0.0), 1.0) for value in [*values, 1.0][:4])
-        return red, green, blue, alpha
-
-
-class Geometries:
-    """Reads the shapes of one description. Collects its materials and the missing meshes."""
-
-    def __init__(self, robot: ET.Element, reading: Reading) -> None:
-        self._reading = reading
-        self._missing: list[str] = []
-        self._materials = Materials(robot, reading)
+            self._colour(material)
 
     def of(self, link: ET.Element, kind: str) -> tuple[Geometry, ...]:
         """The link's shapes of a `kind`, "visual" or "collision". Unusable ones are noted and left out."""
@@ -86,17 +41,43 @@ class Geometries:
 
     def note_odd(self) -> None:
         """Add findings for odd colours and missing meshes, one for all meshes with the same remedy."""
-        self._materials.note_odd()
+        if self._twice:
+            names = listed(self._twice, 3)
+            what = f"{plural(len(self._twice), 'material')} with several colours: {names}; the first of a name counts"
+            self._reading.note("bad-geometry", None, what, "give each colour a name of its own")
+        for rgba in self._odd:
+            what = f"the colour rgba={rgba[:60]!r} is not four numbers from 0 to 1; the nearest colour is drawn, if any"
+            self._reading.note("bad-geometry", None, what, 'write rgba="RED GREEN BLUE ALPHA"')
         causes: dict[tuple[str, str], list[str]] = {}
         for uri in dict.fromkeys(self._missing):
             cause = why_missing(uri, self._reading.packages)
             causes.setdefault(cause, []).append(without_places(uri, Path(uri.removeprefix("file://"))))
-        for (why, remedy), names in causes.items():
-            what = (
-                f"{plural(len(names), 'mesh file')} not found: {listed(names, 2)}; {why}; "
-                "the kinematics is not affected"
-            )
+        for (why, remedy), names_of in causes.items():
+            missing = f"{plural(len(names_of), 'mesh file')} not found: {listed(names_of, 2)}"
+            what = f"{missing}; {why}; the kinematics is not affected"
             self._reading.note("mesh-missing", None, what, f"{remedy}; simple shapes are drawn instead")
+
+    def _colour(self, material: ET.Element | None) -> Colour | None:
+        """The colour of a `<material>`, None if neither the element nor its name has one.
+
+        Three numbers are opaque, and others become the nearest from 0 to 1.
+        """
+        if material is None:
+            return None
+        name, element, own = material.get("name", ""), material.find("color"), None
+        if element is not None:
+            rgba = element.get("rgba", "")
+            try:
+                values = floats(rgba, 3 if len(rgba.split()) == 3 else 4)
+                red, green, blue, alpha = (min(max(value, 0.0), 1.0) for value in [*values, 1.0][:4])
+                own = red, green, blue, alpha
+            except ValueError:
+                values = []
+            if own is None or list(own) != values:
+                self._odd[rgba] = None
+        if name and own is not None and self._colours.setdefault(name, own) != own:
+            self._twice[name] = None
+        return self._colours.get(name) if name else own
 
     def _read(self, link: ET.Element, element: ET.Element) -> Geometry | None:
         geometry = element.find("geometry")
@@ -104,7 +85,7 @@ class Geometries:
             return None
         shape, material = geometry[0], element.find("material") if element.tag == "visual" else None
         try:
-            origin, size, colour = read_origin(element), _size(shape), self._materials.colour(material)
+            origin, size, colour = read_origin(element), _size(shape), self._colour(material)
         except ValueError:
             what = f"its <{element.tag}> <{shape.tag}> has no usable size or place; it is not drawn"
             self._reading.note("bad-geometry", link, what, "give every size and origin as numbers")

@@ -38,8 +38,11 @@ PARTS = ("urdf", "xacro", "robots", "robot", "description", "model", "models")
 MARKS = ("urdf", "xacro", "robots", "meshes", "models", "launch", "worlds", "config")
 """Folders of a robot's package. It has one of them, or a xacro or URDF file."""
 
-_NAME = re.compile(r"\w[\w.-]*")
-_VARIABLE = re.compile(r"[A-Za-z_]\w*", re.ASCII)
+NAMES = {
+    "ignore_packages": (re.compile(r"\w[\w.-]*"), "names of packages, as in $(find NAME)/…"),
+    "env_vars": (re.compile(r"[A-Za-z_]\w*", re.ASCII), "names of environment variables, without their values"),
+}
+"""What a name in an argument may be: packages to do without, and variables that a file may read."""
 
 
 @dataclass(frozen=True)
@@ -185,27 +188,19 @@ def package_index(
     return PackageIndex(file.resolve(), found[0], found[1])
 
 
-def package_names(ignore_packages: object) -> tuple[str, ...]:
-    """The packages to do without, from one name or several. InputError for what is not a package name."""
-    return _names(ignore_packages, "ignore_packages", _NAME, "names of packages, as in $(find NAME)/…")
-
-
-def is_package_name(name: str) -> bool:
-    """Whether a package may have that name: a word, not a path."""
-    return _NAME.fullmatch(name) is not None
-
-
-def variable_names(env_vars: object) -> tuple[str, ...]:
-    """The environment variables that a file may read, from one name or several. InputError for another text."""
-    return _names(env_vars, "env_vars", _VARIABLE, "names of environment variables, without their values")
-
-
-def _names(given: object, argument: str, pattern: re.Pattern[str], wanted: str) -> tuple[str, ...]:
+def checked_names(given: object, argument: str) -> tuple[str, ...]:
+    """The names of an `argument` of `NAMES`, from one name or several, each once. InputError for another text."""
+    pattern, wanted = NAMES[argument]
     names = (given,) if isinstance(given, str) else require_names(given, argument)
     for name in names:
         if not pattern.fullmatch(name):
             raise InputError(f"{argument} takes {wanted}; got {shown(name)}")
     return tuple(dict.fromkeys(names))
+
+
+def is_package_name(name: str) -> bool:
+    """Whether a package may have that name: a word, not a path."""
+    return NAMES["ignore_packages"][0].fullmatch(name) is not None
 
 
 def home_of(file: Path) -> Path:

@@ -58,11 +58,6 @@ SECTIONS = (
 """The guide's sections, what is in each, and the lesson that teaches it."""
 
 
-def lessons() -> tuple[str, ...]:
-    """The lessons that there are, in the order of the course."""
-    return tuple(name for name in LESSONS if lesson_file(name).is_file())
-
-
 def lesson_file(name: str) -> Path:
     """Where a lesson lies."""
     return FOLDER / f"{name}.py"
@@ -71,7 +66,7 @@ def lesson_file(name: str) -> Path:
 def lesson_named(typed: str) -> str:
     """The lesson of a name or a file. Raises UnknownNameError with the closest names."""
     name = Path(typed).name.removesuffix(".py").removesuffix(".html")
-    if name not in lessons():
-        listing = f"{len(lessons())} lessons: {', '.join(lessons())}"
-        raise unknown_name("lesson", typed, lessons(), within="the guide", listing=listing)
+    if name not in LESSONS:
+        listing = f"{len(LESSONS)} lessons: {', '.join(LESSONS)}"
+        raise unknown_name("lesson", typed, LESSONS, within="the guide", listing=listing)
     return name

@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..support.checks import Array, as_floats, as_reals, as_theta, frozen, require, require_names
-from ..support.display import told
+from ..support.display import Brief, told
 from ..support.errors import InputError, listed
 from ..support.units import factor
 from .joint_limits import JointLimits
-from .motion_limits import MotionLimits
 
 TURNING_UNITS, LINEAR_UNITS = ("rad", "deg", "turn"), ("m", "mm")
 UNITS = (*TURNING_UNITS, "tick", *LINEAR_UNITS)
@@ -25,6 +24,23 @@ RANK_TOL = 1e-9
 
 NOT_GIVEN = JointLimits.unbounded(0)
 """Limits of no motor: replaced by unbounded ones for all motors."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionLimits(Brief):
+    """Limits of x = C theta + c, one row per motor or joint: C (r, n), c (r,) [rad or m]. The servo keeps them all."""
+
+    names: tuple[str, ...]
+    C: Array
+    c: Array
+    limits: JointLimits
+
+    def __post_init__(self) -> None:
+        for name in ("C", "c"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+        r = len(self.names)
+        if not r or self.C.ndim != 2 or {len(self.C), self.c.size, self.limits.lower.size} != {r}:
+            raise InputError(f"{r} names, C {self.C.shape}, c {self.c.shape} and limits must have the same rows, not 0")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -150,13 +166,8 @@ class Actuators:
 
     # -- limits ------------------------------------------------------------------------------------------------------
 
-    def motion_limits(self, joints: JointLimits | None = None) -> MotionLimits:
-        """Return the motors' limits for commanding velocities, with those of the n joints if given.
-
-        Make it once; call its `within` in every cycle.
-        """
-        if joints is None:
-            return MotionLimits(self.names, self.G, self.offset, self.limits)
+    def motion_limits(self, joints: JointLimits) -> MotionLimits:
+        """Return the limits of the motors, by rows of G, and of the n joints."""
         n = len(self.joint_names)
         if require(joints, JointLimits, "joints", "as an arm's limits are").lower.size != n:
             raise InputError(f"joints must be the limits of {n} joints ({listed(self.joint_names)})")

@@ -95,6 +95,8 @@ class SceneSnapshot:
         needed.
         """
         at, drawing = self.playback, self.drawing.whole()
+        # A user may have moved the arm away from its motion.
+        on_motion = at is not None and (at.running or bool(np.abs(at.theta() - self.theta).max() < SAME))
         skipped = drawing.live | {b""}
         still = {"times": [0.0], "theta": [self.theta.tolist()]}
         return {
@@ -106,7 +108,7 @@ class SceneSnapshot:
             "others": dict(self.others),
             "poses": self._poses(),
             "samples": still if at is None else _moving(at.trajectory),
-            "aside": None if at is None or self._on(at) else self.theta.tolist(),
+            "aside": None if at is None or on_motion else self.theta.tolist(),
             "plots": plots(self.arm, None if at is None else at.trajectory),
             "player": None if at is None else {name: getattr(at, name) for name in PLAYED},
             "objects": [base64.b64encode(part).decode("ascii") for part in drawing.objects if part not in skipped],
@@ -124,10 +126,6 @@ class SceneSnapshot:
         named = {name: theta.tolist() for name, theta in named_poses(self.arm).items()}
         own = {f"{name} (recorded)" if name in named else name: theta.tolist() for name, theta in self.recorded.items()}
         return named | own
-
-    def _on(self, playback: Playback) -> bool:
-        """Whether the arm is on its motion; a user may have moved it."""
-        return playback.running or bool(np.abs(playback.theta() - self.theta).max() < SAME)
 
 
 def of_arm(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | None = None) -> SceneSnapshot:

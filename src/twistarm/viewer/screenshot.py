@@ -94,25 +94,26 @@ def draw(browser: str, page: Path, size: tuple[int, int]) -> bytes:
     """The PNG that `browser` makes of `page`. The file counts, not how the browser ends: some linger after writing."""
     picture = page.with_name("arm.png")
     window = "--window-size={},{}".format(*size)
-    end = _run(browser, page, (window, f"--screenshot={picture}"), "#pane")
-    wrong = fault(picture.read_bytes(), size) if picture.is_file() else f"{end} and wrote no picture"
-    if wrong:
+    data, end = _run(browser, page, picture, window, f"--screenshot={picture}", place="#pane")
+    if wrong := fault(data, size) if data else f"{end} and wrote no picture":
         raise TwistarmError(f"{browser} {wrong}")
-    return picture.read_bytes()
+    return data
 
 
 def printed(browser: str, page: Path) -> bytes:
     """The PDF that `browser` prints of `page`, without its own head and foot."""
     paper = page.with_name("page.pdf")
-    end = _run(browser, page, ("--no-pdf-header-footer", f"--print-to-pdf={paper}"))
-    data = paper.read_bytes() if paper.is_file() else b""
+    data, end = _run(browser, page, paper, "--no-pdf-header-footer", f"--print-to-pdf={paper}")
     if not (data.startswith(b"%PDF-") and data.rstrip().endswith(b"%%EOF")):
         raise TwistarmError(f"{browser} {end} and printed no whole PDF")
     return data
 
 
-def _run(browser: str, page: Path, options: tuple[str, ...], place: str = "") -> str:
-    """Have `browser` open `page` for at most `TIMEOUT`; how it ended. None of its processes lives on."""
+def _run(browser: str, page: Path, made: Path, *options: str, place: str = "") -> tuple[bytes, str]:
+    """Have `browser` open `page` for at most `TIMEOUT`. None of its processes lives on.
+
+    Returns the content of the file `made`, empty without one, and how the browser ended.
+    """
     profile = f"--user-data-dir={page.with_name('profile')}"
     # Debian's launcher makes a folder in the configuration, whatever profile it is given.
     own = {"XDG_CONFIG_HOME": str(page.parent), "XDG_CACHE_HOME": str(page.parent)}
@@ -122,14 +123,15 @@ def _run(browser: str, page: Path, options: tuple[str, ...], place: str = "") ->
         env={**os.environ, **own}, start_new_session=True,
     )  # fmt: skip
     try:
-        return f"ended with code {process.wait(TIMEOUT)}"
+        end = f"ended with code {process.wait(TIMEOUT)}"
     except subprocess.TimeoutExpired:
-        return f"was ended after {TIMEOUT:g} s"
+        end = f"was ended after {TIMEOUT:g} s"
     finally:
         # macOS refuses a group whose processes are all dead.
         with suppress(ProcessLookupError, PermissionError):
             os.killpg(process.pid, signal.SIGKILL)
         process.wait()
+    return made.read_bytes() if made.is_file() else b"", end
 
 
 def fault(data: bytes, size: tuple[int, int]) -> str | None:

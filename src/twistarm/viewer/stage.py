@@ -142,13 +142,12 @@ class Stage(Show):
         if digest_of(self.arm) == digest_of(old.arm):
             self.reach.drawn = old.reach.drawn
         words = [*self._take_values(old), *self.poses.take_over(old.poses)]
-        if (playback := old.playback) is not None:
-            if self._fits(playback.trajectory):
-                self.playback = playback
-                if old.path["points"]:
-                    self.draw_path(tool_path(self.arm, playback.trajectory))
-            else:
-                words.append("the motion does not fit the arm any more and is gone")
+        if old.playback is not None and self._fits(motion := old.playback.trajectory):
+            self.playback = old.playback
+            if old.path["points"]:
+                self.draw_path(tool_path(self.arm, motion))
+        elif old.playback is not None:
+            words.append("the motion does not fit the arm any more and is gone")
         return words
 
     def _take_values(self, old: Stage) -> Iterator[str]:

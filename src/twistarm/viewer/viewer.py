@@ -9,6 +9,7 @@ import time
 import webbrowser
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 from numpy.typing import ArrayLike
@@ -151,7 +152,7 @@ class Viewer(Closeable):
         check_trajectory(arm, trajectory)
         times, again = as_positive(speed, "speed"), as_flag(loop, "loop")
         self._server.driver.drop(MOVED)
-        self._post("play", arm, lambda stage: stage.load(trajectory, times, again, time.monotonic()))
+        self._post("play", arm, lambda stage: stage.load(trajectory, times, again).play(time.monotonic()))
 
     def _post(self, key: str, arm: Arm, change: Callable[[Stage], None]) -> None:
         """Change what is on show, unless another arm has replaced `arm`."""
@@ -161,9 +162,7 @@ class Viewer(Closeable):
         """Show `arm` in place of the present one on all open pages, then return.
 
         Joints keep their values by name. Layers, camera, poses and the motion stay if they fit. Returns the changes and
-        omissions in words. Omitted poses return with an arm that allows them.
-
-        Raises InputError while a servo drives the arm, or if the view is closed.
+        omissions in words. Raises InputError while a servo drives the arm, or if the view is closed.
         """
         return tuple(self._server.exchange(arm))
 
@@ -265,10 +264,7 @@ class Viewer(Closeable):
         """
         self._require_open()
         arm = self.arm
-        if (
-            solutions is not None
-            and require(solutions, AllSolutions, "solutions", "as solve_ik_all returns").arm is not arm
-        ):
+        if solutions is not None and require(solutions, AllSolutions, "solutions", "of solve_ik_all").arm is not arm:
             raise InputError("these are configurations of another arm: solve_ik_all(viewer.arm, …) gives this one's")
         others = self._server.ask(lambda stage: dict(stage.others))
         choices = None if solutions is None else choices_of(solutions, others)
@@ -302,13 +298,8 @@ class Viewer(Closeable):
                 f"lo must be below hi, each at most {LARGEST_VALUE:g} in size; got {lower:g} and {upper:g}"
             )
 
-        def inside(given: float) -> float:
-            number = as_number(given, "value")
-            if not lower <= number <= upper:
-                raise InputError(f"value of {shown(name)} must be in {lower:g} … {upper:g}; got {number:g}")
-            return number
-
         call = require_callback(on_change, "on_change", "the value")
+        inside = partial(as_number, name=f"value of {shown(name)}", least=lower, most=upper)
         return self._control(name, lower if value is None else value, inside, call, (lower, upper))
 
     def button(self, name: str, on_click: Callable[[], object]) -> Control[None]:

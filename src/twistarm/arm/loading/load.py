@@ -17,7 +17,7 @@ from ...description.companions.arm_file import ArmSpecification, Tool, read_arm_
 from ...description.companions.srdf import ArmGroup, arm_groups, note_names, path_from, read_srdf, srdf_beside
 from ...description.document import Reading
 from ...description.findings import Finding, Place, finding, refusal
-from ...description.packages import PackageIndex, package_names, variable_names
+from ...description.packages import PackageIndex, checked_names
 from ...description.tips import choose_ends, note_choice
 from ...description.tree import Description, Semantics
 from ...description.urdf import build_description, read_description
@@ -171,6 +171,7 @@ def specify(
     arguments = {} if xacro_args is None else require_mapping(xacro_args, "xacro_args", "{'dof': 7}")
     standing = {} if locked_joints is None else require_mapping(locked_joints, "locked_joints", "{'slide': 0.1}")
     specification = _specification(source)
+    ignored = (*checked_names(ignore_packages, "ignore_packages"), *specification.ignore_packages)
     return replace(
         specification,
         other_chain=base not in (None, specification.base) or tip not in (None, specification.tip),
@@ -179,8 +180,8 @@ def specify(
         tool=None if tip else specification.tool,
         package_dirs=(*as_paths(package_dirs, "package_dirs"), *specification.package_dirs),
         xacro_args={**specification.xacro_args, **arguments},
-        ignore_packages=package_names((*package_names(ignore_packages), *specification.ignore_packages)),
-        env_vars=variable_names(env_vars),
+        ignore_packages=tuple(dict.fromkeys(ignored)),
+        env_vars=checked_names(env_vars, "env_vars"),
         locked_joints={**specification.locked_joints, **standing},
         srdf=srdf or specification.srdf,
     )

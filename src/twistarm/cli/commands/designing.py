@@ -10,7 +10,6 @@ import numpy as np
 from ...design import Needs, PanelReport, Payload, best_parking, check_panel, compare_designs, load_panel
 from ...design import payload as payload_of
 from ...support.checks import Array
-from ...support.csv_lines import csv_text
 from ...support.errors import InputError
 from ...sweeps import ReachMap, reach_map
 from ...theory.rotations import to_rpy
@@ -18,7 +17,7 @@ from ..numbers import PLACE, argument, numbers, option, parse_numbers, quantity,
 from ..options import Answer, ArmArgument, Avoid, CsvAnswer, Source, Theta, answers, avoided
 from ..output import STDOUT, Outputs, note, plain, progress_bar
 from ..rows import TargetOptions
-from ..tables import Column, Table, joint_heads, number, quantity_text, theta_typed, unit_text
+from ..tables import Column, Table, joint_columns, number, quantity_text, theta_typed, unit_text
 from .arms import joints_table
 from .motion import MOTION_KINDS, MaxTime, Step, Unwrap, motion_of_file, motion_texts
 
@@ -114,10 +113,9 @@ def _needs_table(found: Payload, needs: Needs, mass: float) -> Table:
 
 def _csv(found: Payload, theta: Array, by: list[str]) -> str:
     """A row for each state: the time of a motion, theta, the payload and what limits it."""
-    times = {} if found.t is None else {"time [s]": found.t}
-    rows = np.column_stack([*times.values(), theta, found.mass.ravel()]).tolist()
-    heads = [*times, *joint_heads(found.arm), "payload [kg]", "limited by"]
-    return csv_text(heads, ([*row, name] for row, name in zip(rows, by, strict=True)))
+    times = [] if found.t is None else [Column("time", found.t, "s")]
+    mass, limited = Column("payload", found.mass.ravel(), "kg"), Column("limited by", by)
+    return Table("", [*times, *joint_columns(found.arm, theta), mass, limited]).csv()
 
 
 NUMBERS = {

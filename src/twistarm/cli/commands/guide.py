@@ -12,7 +12,7 @@ import typer
 
 from ...arm.arm import Arm
 from ...guide.building.building import Built, build, pdf_of
-from ...guide.course import lesson_named, lessons
+from ...guide.course import lesson_named
 from ...guide.exercises import LESSONS
 from ...guide.exercises.files import HERE, write_exercises
 from ...guide.grading import check_file
@@ -43,7 +43,7 @@ Browser = Annotated[bool, switch("Open the course in a browser.", "--browser/--n
 
 def lessons_like(typed: str) -> list[str]:
     """Completions of LESSON."""
-    return [name for name in lessons() if name.startswith(typed)]
+    return [name for name in LESSONS if name.startswith(typed)]
 
 
 Lesson = Annotated[str, argument("LESSON", "A lesson by its name.", autocompletion=lessons_like)]

@@ -6,16 +6,17 @@ import os
 from collections.abc import Sequence
 from typing import Annotated, Any
 
+import numpy as np
+
 from ...arm.arm import Arm
 from ...ik import POSTURES, AllSolutions, IKBatch, IKResult, StopReason, solve_ik, solve_ik_all, solve_ik_batch
-from ...support.csv_lines import csv_text
 from ...support.errors import InputError
 from ...support.messages import plural
 from ..numbers import VALUES, JointValues, joint_values, option, quantity, switch
 from ..options import ArmArgument, Avoid, CsvAnswer, Theta, avoided
 from ..output import Outputs, entries, progress_bar
 from ..rows import ROWS_SHOWN, TARGET_COLUMNS, OrientationTol, PositionTol, TargetOptions, few, targets_in
-from ..tables import Column, Table, joint_heads, pose_entries, theta_typed
+from ..tables import Column, Table, joint_columns, pose_entries, theta_typed
 
 Targets = Annotated[str | None, option("CSV", f"A target in each row: {TARGET_COLUMNS}; - is standard input.")]
 Posture = Annotated[
@@ -143,19 +144,20 @@ def _show_batch(out: Outputs, file: str, lines: list[int], batch: IKBatch) -> No
 
 def _answers_csv(arm: Arm, lines: Sequence[int], answers: Sequence[IKResult]) -> str:
     """The answers as CSV: theta, whether and why not, and how far off."""
-    rows = (
-        [line, *answer.theta.tolist(), answer.stop.name, answer.position_error, answer.orientation_error]
-        for line, answer in zip(lines, answers, strict=True)
-    )
-    return csv_text(["line", *joint_heads(arm), "answer", "position_error [m]", "orientation_error [rad]"], rows)
+    columns = [
+        Column("line", lines),
+        *joint_columns(arm, np.array([answer.theta for answer in answers])),
+        Column("answer", [answer.stop.name for answer in answers]),
+        Column("position_error", [answer.position_error for answer in answers], "m"),
+        Column("orientation_error", [answer.orientation_error for answer in answers], "rad"),
+    ]
+    return Table("", columns).csv()
 
 
 def _show_all(out: Outputs, solutions: AllSolutions) -> None:
     """A row for each configuration, nearest first."""
     arm, count, hits = solutions.arm, len(solutions), solutions.colliding
-    columns = [Column("", range(1, count + 1))]
-    for i, (name, unit) in enumerate(zip(arm.joint_names, arm.units, strict=True)):
-        columns.append(Column(name, solutions.theta[:, i], unit, digits=3))
+    columns = [Column("", range(1, count + 1)), *joint_columns(arm, solutions.theta, digits=3)]
     if any(solutions.free):
         columns.append(Column("may go on moving", solutions.free))
     if hits.any():
@@ -178,14 +180,13 @@ def _show_all(out: Outputs, solutions: AllSolutions) -> None:
 
 def _all_csv(solutions: AllSolutions) -> str:
     """All configurations as CSV, also those outside the limits: theta, joints free to move, within or not."""
-    arm = solutions.arm
-    rows = (
-        [
-            i + 1,
-            *theta.tolist(),
-            " ".join(solutions.free[i]) if i < len(solutions) else "",
-            "no" if i >= len(solutions) else "yes",
-        ]
-        for i, theta in enumerate([*solutions.theta, *solutions.outside])
-    )
-    return csv_text(["number", *joint_heads(arm), "free", "within_limits"], rows)
+    arm, inside, outside = solutions.arm, len(solutions), len(solutions.outside)
+    columns = [
+        Column("number", range(1, inside + outside + 1)),
+        *joint_columns(
+            arm, np.vstack([np.reshape(each, (-1, arm.n)) for each in (solutions.theta, solutions.outside)])
+        ),
+        Column("free", [" ".join(names) for names in solutions.free] + [""] * outside),
+        Column("within_limits", ["yes"] * inside + ["no"] * outside),
+    ]
+    return Table("", columns).csv()

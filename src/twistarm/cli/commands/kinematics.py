@@ -8,7 +8,6 @@ from typing import Annotated, Literal
 import numpy as np
 
 from ...support.checks import Array
-from ...support.csv_lines import csv_text
 from ...support.errors import InputError
 from ...theory.rotations import to_xyzw
 from ..numbers import option
@@ -44,33 +43,25 @@ def fk(
     if configurations is None:
         x = arm.ready if theta is None else theta.anywhere(arm)
         g = arm.pose(x, name)
-        told = pose_parts(title, g, out.radians)
-        files = {"csv": lambda: _poses_csv([1], g[None])}
-        out.show(data | {"theta": x, **pose_entries(g)}, *told, theta_typed(arm, x, out.radians), files=files)
+        told = (*pose_parts(title, g, out.radians), theta_typed(arm, x, out.radians))
+        out.show(data | {"theta": x, **pose_entries(g)}, *told, files={"csv": _poses_table(title, [1], g[None]).csv})
         return
     lines, many = configurations_in(arm, configurations)
     poses = arm.pose(many, name)
     records = [{"line": k, "theta": x, **pose_entries(one)} for k, x, one in zip(lines, many, poses, strict=True)]
-    heads = (Column(head, values, digits=6) for head, values in zip(COLUMNS, _numbers(poses).T, strict=True))
-    shown = Table(title, [Column("line", lines), *heads], rows=range(min(len(lines), ROWS_SHOWN)))
-    parts: list[Table | str] = [shown]
-    parts += [f"{ROWS_SHOWN} of {len(lines)} poses (-o FILE.csv has them all)"] if len(lines) > ROWS_SHOWN else []
-    files = {"csv": lambda: _poses_csv(lines, poses)}
-    out.show(data | {"poses": records}, *([] if out.files else parts), files=files)
+    table = _poses_table(title, lines, poses)
+    parts: list[Table | str] = [] if out.files else [table]
+    if len(lines) > ROWS_SHOWN and not out.files:
+        parts.append(f"{ROWS_SHOWN} of {len(lines)} poses (-o FILE.csv has them all)")
+    out.show(data | {"poses": records}, *parts, files={"csv": table.csv})
 
 
-COLUMNS = ("x [m]", "y [m]", "z [m]", "qx", "qy", "qz", "qw")
-
-
-def _numbers(g: Array) -> Array:
-    """Position and quaternion (N, 7) of poses (N, 4, 4)."""
-    return np.concatenate([g[:, :3, 3], to_xyzw(g[:, :3, :3])], axis=-1)
-
-
-def _poses_csv(lines: Sequence[int], g: Array) -> str:
-    """Poses (N, 4, 4) as CSV: positions and quaternions, scalar last, as `ik --targets` reads them."""
-    rows = ([line, *row] for line, row in zip(lines, _numbers(g).tolist(), strict=True))
-    return csv_text(["line", *COLUMNS], rows)
+def _poses_table(title: str, lines: Sequence[int], g: Array) -> Table:
+    """Poses (N, 4, 4): positions and quaternions, scalar last, as `ik --targets` reads them."""
+    numbers = np.concatenate([g[:, :3, 3], to_xyzw(g[:, :3, :3])], axis=-1).T
+    names = ("x", "y", "z", "qx", "qy", "qz", "qw")
+    columns = [Column(name, row, "m" * (len(name) == 1), digits=6) for name, row in zip(names, numbers, strict=True)]
+    return Table(title, [Column("line", lines), *columns], rows=range(min(len(lines), ROWS_SHOWN)))
 
 
 def jacobian(

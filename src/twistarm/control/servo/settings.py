@@ -11,7 +11,7 @@ import numpy as np
 from ...arm import engine
 from ...arm.abilities import NO_MOTION
 from ...arm.arm import Arm
-from ...limits.motion_limits import MotionLimits
+from ...limits.actuators import MotionLimits
 from ...support.checks import Array, as_number, as_positive, frozen, require_choice
 from ...support.errors import InputError
 

@@ -377,11 +377,10 @@ def drive(
     on_cycle: Callable[[C], object] | None,
     longest: float = inf,
     until: Callable[[], bool] | None = None,
-    before: Callable[[], object] | None = None,
 ) -> StreamReport:
     """Run cycles until one returns an ending, `longest` [s] pass, `until` returns True, or an interrupt.
 
-    Then bring the arm to rest. `before` runs before each cycle and may raise `StreamError`.
+    Then bring the arm to rest.
     """
     time = MonotonicClock() if clock is None else require_method(clock, "clock", "sleep_until")
     metronome = Metronome(cycles.period)
@@ -389,11 +388,9 @@ def drive(
     with ended_like_ctrl_c() if as_flag(handle_signals, "handle_signals") else nullcontext():
         ending, reason = Ending.INTERRUPTED, ""
         try:
-            ending, reason = _drive(cycles, metronome, time, began + longest, until, before, on_cycle)
+            ending, reason = _drive(cycles, metronome, time, began + longest, until, on_cycle)
         except KeyboardInterrupt as interrupted:
             reason = str(interrupted)
-        except StreamError as failed:
-            ending, reason = failed.ending, failed.reason
         except BaseException as error:
             come_to_rest(cycles, metronome, time)
             if sys.version_info >= (3, 11):
@@ -444,7 +441,6 @@ def _drive(
     clock: Clock,
     end: float,
     until: Callable[[], bool] | None,
-    before: Callable[[], object] | None,
     on_cycle: Callable[[C], object] | None,
 ) -> tuple[Ending, str]:
     """Cycles until one of the reasons to end, and which it was."""
@@ -458,8 +454,6 @@ def _drive(
         if periods != 0:  # else the clock woke us a little early
             if due > -inf:
                 cycles.tally.begin(now - due)
-            if before is not None:
-                before()
             cycle = cycles.cycle(now, periods)
             if on_cycle is not None:
                 on_cycle(cycle)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm, require_arm
-from ...arm.usual_limits import defaults_line, with_defaults
+from ...arm.usual_limits import with_defaults
 from ...support.checks import Array, as_number, frozen, require, require_clock
 from ...support.errors import InputError
 from .protocols import Measured, Setpoint, one_or_each
@@ -79,7 +79,7 @@ class SimulatedJoints:
 
     A setpoint takes effect `latency` [s] later. Each joint moves at the setpoint's rate plus 40 1/s times its position
     error. `velocity` and `acceleration` (n,) [rad/s, m/s, and per s²] limit it. By default these are the arm's limits
-    or assumed ones, plus the usual reserve of drives. `assumed` lists assumed limits. At a position limit a joint stops
+    or assumed ones, plus the usual reserve of drives. At a position limit a joint stops
     dead. `step` advances time by hand; `write` and `read` first advance it to now. With your own clock the same calls
     give the same motion.
 
@@ -104,15 +104,10 @@ class SimulatedJoints:
         self._theta_dot = np.zeros(arm.n)
         self._latency = latency
         usual = with_defaults(arm)
-        self._velocity = VELOCITY_RESERVE * usual.velocity
-        self._acceleration = ACCELERATION_RESERVE * usual.acceleration
-        known = {}
-        if velocity is not None:
-            self._velocity, known["velocity"] = one_or_each(velocity, arm.n, "velocity"), usual.velocity
-        if acceleration is not None:
-            self._acceleration = one_or_each(acceleration, arm.n, "acceleration")
-            known["acceleration"] = usual.acceleration
-        self.assumed = defaults_line(arm, replace(arm.limits, **known))
+        fastest = VELOCITY_RESERVE * usual.velocity if velocity is None else velocity
+        hardest = ACCELERATION_RESERVE * usual.acceleration if acceleration is None else acceleration
+        self._velocity = one_or_each(fastest, arm.n, "velocity")
+        self._acceleration = one_or_each(hardest, arm.n, "acceleration")
         self._lower, self._upper = arm.limits.lower, arm.limits.upper
         self._clock = require_clock(clock, "clock")
         self._now = clock()

@@ -192,7 +192,10 @@ class Following(Cycles[FollowCycle]):
 
     def _cycle(self, now: float) -> FollowCycle:
         theta, blind = self._measure(now)
-        self._require_patience(blind, now)
+        if not blind or self._seen == inf or now < self._seen:
+            self._seen = now
+        elif self.at_rest and now - self._seen >= PATIENCE:
+            raise StreamError(Ending.FEEDBACK_FAILED, blind)
         if self.state is None:
             return self._reported(now, None, None, blind)
         lag = None if theta is None else frozen(np.abs(theta - self.state.theta))
@@ -212,13 +215,6 @@ class Following(Cycles[FollowCycle]):
 
     def _failed(self, now: float, reason: str, ending: Ending) -> FollowCycle:
         return self._reported(now, None, None, reason, ending)
-
-    def _require_patience(self, blind: str, now: float) -> None:
-        """StreamError where an arm that stands has not been seen for too long."""
-        if not blind or self._seen == inf or now < self._seen:
-            self._seen = now
-        elif self.at_rest and now - self._seen >= PATIENCE:
-            raise StreamError(Ending.FEEDBACK_FAILED, blind)
 
     def _start(self, theta: Array, now: float) -> None:
         """Begin at the measured theta (n,), on the way to the start. Raises StreamError if it is too far."""
@@ -274,13 +270,6 @@ class Following(Cycles[FollowCycle]):
         there = theta is not None and bool((np.abs(theta - self.motion.waypoints[-1]) <= self._near).all())
         return (Ending.ARRIVED, "") if there or now - self._arrived >= SETTLING else (None, "")
 
-    def _new_labels(self) -> tuple[str, ...]:
-        """The labels that the motion has come to since they were last asked for."""
-        passed = []
-        while self.state is not None and self._labels and self._labels[0][0] <= self.at:
-            passed.append(self._labels.popleft()[1])
-        return tuple(passed)
-
     @property
     def _where(self) -> str:
         if self._before_start:
@@ -301,10 +290,13 @@ class Following(Cycles[FollowCycle]):
             self.largest_error = np.maximum(self.largest_error, error)
         if lag is not None:
             self.largest_lag = np.maximum(self.largest_lag, lag)
+        labels = []
+        while self.state is not None and self._labels and self._labels[0][0] <= self.at:
+            labels.append(self._labels.popleft()[1])
         return FollowCycle(
             now, None, theta, setpoint, reason, ending, self.tally.delivered, self.interlock.word,
             at=self.at, duration=self.motion.duration, rate=self._clock.rate, error=error, lag=lag,
-            labels=self._new_labels(),
+            labels=tuple(labels),
         )  # fmt: skip
 
 
@@ -348,16 +340,13 @@ class FollowReport(Brief):
             return ["followed: nothing"]
         way = "on the way to where it begins" if self.at < 0.0 else f"{self.at:.2f} s of {self.duration:.2f} s"
         slower = f", at {100.0 * self.speed:.3g} % of its speed" if self.speed < AS_PLANNED else ""
-        return [
-            f"followed: {way}{slower}",
-            self._farthest("the setpoint of its time", self.largest_lag),
-            self._farthest("all setpoints of the last timeout", self.largest_error),
-        ]
-
-    def _farthest(self, what: str, off: Array) -> str:
-        j = int(np.argmax(off))
-        away = Quantity(float(off[j]), self.units[j], 3)
-        return Text("farthest from {what}: joint {joint}, {away}", what=what, joint=self.joint_names[j], away=away)
+        lines = [f"followed: {way}{slower}"]
+        for what, off in (("setpoint of its time", self.largest_lag), ("setpoints of a timeout", self.largest_error)):
+            j = int(np.argmax(off))
+            away = Quantity(float(off[j]), self.units[j], 3)
+            template = "farthest from the {what}: joint {joint}, {away}"
+            lines.append(Text(template, what=what, joint=self.joint_names[j], away=away))
+        return lines
 
 
 def follow(

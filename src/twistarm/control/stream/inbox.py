@@ -6,7 +6,7 @@ import threading
 import time
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import islice
 from math import inf
@@ -53,19 +53,16 @@ class Latest:
     def __init__(self) -> None:
         self.last: Arrival | None = None
         self._rival: Arrival | None = None
-        self._dropped = ""
 
     def arrive(self, new: Arrival, timeout: float) -> None:
         """Keep an arrival in place of the last one."""
         before = self.of(new.sender)
-        if before is not None and abs(new.time - before.time) <= timeout:
-            numbers = new.number, before.number
-            if None not in numbers and numbers[0] <= numbers[1]:  # type: ignore[operator]
-                self._dropped = f"; number {new.number} came after {before.number} and was left out"
-                return
+        number = None if before is None or abs(new.time - before.time) > timeout else before.number
+        if number is not None and new.number is not None and new.number <= number:
+            return
         if self.last is not None and self.last.sender != new.sender:
             self._rival = self.last
-        self.last, self._dropped = new, ""
+        self.last = new
 
     def of(self, sender: str) -> Arrival | None:
         """What came from `sender`, if that is the last arrival or the one before from another."""
@@ -77,7 +74,7 @@ class Latest:
             return f"no {what} has arrived"
         age = now - self.last.time
         if not abs(age) <= timeout:
-            return f"the last {what} is {age:.3g} s old (timeout {timeout:g} s){self._dropped}"
+            return f"the last {what} is {age:.3g} s old (timeout {timeout:g} s)"
         if self._rival is not None and abs(now - self._rival.time) <= timeout:
             return f"two senders of a {what}, {self._rival.sender} and {self.last.sender}: stop one of them"
         return f"{what} from {self.last.sender} refused: {self.last.reason}" if self.last.value is None else ""
@@ -171,9 +168,8 @@ class Inbox(Arrivals):
             try:
                 value = TwistCommand(value)
             except InputError as error:
-                raise InputError(
-                    f"a command is a TwistCommand, JogCommand, PoseCommand or six numbers: {error}"
-                ) from error
+                kinds = "a TwistCommand, JogCommand, PoseCommand or six numbers"
+                raise InputError(f"a command is {kinds}: {error}") from error
         self._arrive(sender, now, number, {"": value})
 
     def read(self, now: float, state: ServoState | None = None) -> Reading:
@@ -287,16 +283,12 @@ class MessageInput(ABC):
         self._looked = -inf
 
     @abstractmethod
-    def arrivals(self) -> Iterable[tuple[Hashable, bytes]]:
+    def arrivals(self) -> Iterable[tuple[str, bytes]]:
         """(sender, text) of all that has arrived."""
-
-    def sender_name(self, sender: Any) -> str:
-        """The sender in words."""
-        return str(sender)
 
     def _take(self, now: float) -> None:
         """Put all that has arrived by `now` [s] into the inbox."""
-        last: dict[Hashable, deque[bytes]] = {}
+        last: dict[str, deque[bytes]] = {}
         missed, self._looked = now - self._looked > self._inbox.timeout, now
         for sender, text in self.arrivals():
             if self._obey(text, not missed) or (sender not in last and len(last) >= self.senders):
@@ -307,7 +299,7 @@ class MessageInput(ABC):
                 texts.popleft()
         for sender, texts in last.items() if not missed else ():
             for text in texts:
-                self._put(self.sender_name(sender), text, now)
+                self._put(sender, text, now)
 
     def _put(self, sender: str, text: bytes, now: float) -> None:
         try:

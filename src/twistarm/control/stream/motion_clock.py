@@ -35,12 +35,10 @@ def motion_of(arm: Arm, trajectory: Trajectory) -> Trajectory:
     Raises InputError for other joints, jumps, or an end that is not at rest. Raises LimitError if it leaves the
     position limits.
     """
-    require(trajectory, Trajectory, "trajectory", "as plan_joint returns")
-    motion = _ordered(arm, trajectory)
+    motion = _ordered(arm, require(trajectory, Trajectory, "trajectory", "as plan_joint returns"))
     _require_smooth(motion, arm.limits)
-    wide = np.full(arm.n, np.inf)
     lower, upper = arm.limits.lower - BEYOND_LIMIT, arm.limits.upper + BEYOND_LIMIT
-    positions = replace(arm.limits, lower=lower, upper=upper, velocity=wide, acceleration=wide, jerk=wide)
+    positions = replace(JointLimits.unbounded(arm.n), lower=lower, upper=upper)
     require_within(motion, positions, f"plan it for {arm.name} in its present state")
     return motion
 
@@ -55,14 +53,12 @@ def way_there(arm: Arm, theta: Array, motion: Trajectory) -> Trajectory:
 def why_elsewhere(arm: Arm, theta: Array, start: Array, near: Array) -> str:
     """Joints farther from the start than `near` (n,), their distances and a remedy; "" for none."""
     away = np.abs(theta - start)
-    if not (away > near).any():
-        return ""
     far = [
         Text("{joint} {away}", joint=arm.joint_names[j], away=Quantity(float(away[j]), arm.units[j]))
         for j in np.flatnonzero(away > near)
     ]
-    move = Argument("approach", True)
-    return Text("{far} away; {approach} moves it there first", far=joined(", ", far), approach=move)
+    template, move = "{far} away; {approach} moves it there first", Argument("approach", True)
+    return Text(template, far=joined(", ", far), approach=move) if far else ""
 
 
 def _ordered(arm: Arm, trajectory: Trajectory) -> Trajectory:
@@ -96,16 +92,12 @@ def _require_smooth(motion: Trajectory, limits: JointLimits) -> None:
         if (jump > most).any():
             k, j = (int(index) for index in np.argwhere(jump > most)[0])
             unit = motion.units[j] + ("/s" if order else "")
-            raise InputError(
-                Text(
-                    "the {what} of joint {joint!r} jumps by {jump} at t = {time:.4g} s, and no robot can: a motion has "
-                    "no corners, and begins and ends at rest; plan one through these positions",
-                    what=what,
-                    joint=motion.joint_names[j],
-                    jump=Quantity(float(jump[k, j]), unit),
-                    time=motion.breakpoints[k],
-                )
+            template = (
+                "the {what} of joint {joint!r} jumps by {jump} at t = {time:.4g} s, and no robot can: a motion has "
+                "no corners, and begins and ends at rest; plan one through these positions"
             )
+            value, joint, time = Quantity(float(jump[k, j]), unit), motion.joint_names[j], motion.breakpoints[k]
+            raise InputError(Text(template, what=what, joint=joint, jump=value, time=time))
 
 
 class LimitedMotion(NamedTuple):

@@ -194,14 +194,25 @@ class Interlock:
             return self._now[0]
 
     def obey(self, word: str, reason: str = "", fresh: bool = True) -> None:
-        """Obey a message with one of `WORDS`. A late one (`fresh` is False) may stop the arm, but not enable it."""
+        """Obey a message.
+
+        Args:
+            word: One of `WORDS`.
+            reason: Why, for the report.
+            fresh: Whether it is new. A late message may stop the arm, but not enable it.
+        """
         if require_choice(word, WORDS, "word") in ("stop", "emergency stop"):
             (self.stop if word == "stop" else self.emergency_stop)(reason)
         elif fresh:
             self.clear() if word == "clear" else self.enable()
 
     def mirror(self, state: str | None, who: str) -> None:
-        """Stop if the robot `who` reports one of `STATES` that forbids motion. "enabled" and None change nothing."""
+        """Stop if a robot reports that it may not move.
+
+        Args:
+            state: One of `STATES`, or None. "enabled" and None change nothing.
+            who: The robot's name in the reason.
+        """
         if state is not None and require_choice(state, STATES, "state") != ENABLED:
             emergency = state == EMERGENCY_STOP
             (self.emergency_stop if emergency else self.stop)(f"{who} is {'in ' * emergency}{state}")

@@ -171,7 +171,7 @@ class FeedbackWatch:
         self._timeout = timeout
         self._tolerance = one_or_each(tolerance, arm.n, "tolerance")
         self._heard = inf
-        self.returned = False
+        self._arrived = self.returned = False
         self._since = -inf
         self._now: tuple[Array, Array] | None = None
         self._before: tuple[Array, Array] | None = None
@@ -180,9 +180,10 @@ class FeedbackWatch:
         """theta (n,) at `now` [s], or None and why the joint state cannot be used."""
         self.returned = False
         if measured is None:
-            return None, "no joint state has arrived"
+            return None, "the feedback has lost the joint state" if self._arrived else "no joint state has arrived"
         if measured.theta is None:
             return None, measured.reason or "the joint state is unknown"
+        self._arrived = True
         age = now - measured.time
         if not age <= self._timeout:
             return None, f"the last joint state is {age:.3g} s old (timeout {self._timeout:g} s)"

@@ -38,10 +38,11 @@ class Streaming(Cycles[Cycle]):
         options: StreamOptions = USUAL,
         *,
         command_timeout: float = COMMAND_TIMEOUT,
-        settings: ServoSettings | None = None,
+        settings: ServoSettings | Callable[[], ServoSettings] | None = None,
         scene: Scene | None = None,
     ) -> None:
-        super().__init__(arm, sink, feedback, options, ServoSettings() if settings is None else settings)
+        self._current = _current(settings)
+        super().__init__(arm, sink, feedback, options, self._current())
         self.source = require_method(source, "source", "read")
         self.scene = scene
         if scene is not None:
@@ -56,6 +57,7 @@ class Streaming(Cycles[Cycle]):
         self._await_release = not self.interlock.allows_motion
 
     def _cycle(self, now: float) -> Cycle:
+        self.settings = call_device(Ending.SERVO_FAILED, self._current)
         theta, blind = self._measure(now)
         reading = call_device(Ending.SOURCE_FAILED, self.source.read, now, self.state)
         command, uncommanded = self._command(reading)
@@ -204,18 +206,10 @@ def run(
     require_callback(until, "until", "nothing")
     require_callback(on_cycle, "on_cycle", "a Cycle")
     longest = inf if duration is None else as_positive(duration, "duration")
-    current = _current(settings)
     streaming = Streaming(
-        arm, source, sink, feedback, options, command_timeout=command_timeout, settings=current(), scene=scene
+        arm, source, sink, feedback, options, command_timeout=command_timeout, settings=settings, scene=scene
     )
-
-    def take_settings() -> None:
-        streaming.settings = call_device(Ending.SERVO_FAILED, current)
-
-    return drive(
-        streaming, clock=clock, handle_signals=handle_signals, on_cycle=on_cycle, longest=longest, until=until,
-        before=take_settings,
-    )  # fmt: skip
+    return drive(streaming, clock=clock, handle_signals=handle_signals, on_cycle=on_cycle, longest=longest, until=until)
 
 
 def _current(settings: ServoSettings | Callable[[], ServoSettings] | None) -> Callable[[], ServoSettings]:

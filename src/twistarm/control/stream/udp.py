@@ -8,8 +8,7 @@ import os
 import secrets
 import socket
 import time
-from collections.abc import Callable, Collection, Hashable, Iterator
-from typing import Any
+from collections.abc import Callable, Collection, Iterator
 
 from ...arm.arm import Arm, require_arm
 from ...support.checks import require, require_clock, require_names
@@ -83,36 +82,33 @@ class Receiver(Socket):
         self._left_out = 0
         super().__init__(host, port, listens=True)
 
-    def sender_name(self, sender: Any) -> str:
-        """The sender's address in words."""
-        return named(sender)
-
-    def arrivals(self) -> Iterator[tuple[Hashable, bytes]]:
+    def arrivals(self) -> Iterator[tuple[str, bytes]]:
         """(sender's address, text) of the datagrams that count. Others move nothing and stop nothing."""
-        for sender, datagram in self.waiting():
-            text = self._text(sender, datagram)
+        for (host, port), datagram in self.waiting():
+            text = self._checked(host, port, datagram)
             if text is not None:
-                yield sender, text
+                yield named(host, port), text
 
-    def _text(self, sender: Any, datagram: bytes) -> bytes | None:
+    def _checked(self, host: str, port: int, datagram: bytes) -> bytes | None:
         try:
-            if self._allowed and sender[0].partition("%")[0].removeprefix("::ffff:") not in self._allowed:
+            if self._allowed and host.partition("%")[0].removeprefix("::ffff:") not in self._allowed:
                 raise InputError("it is not an allowed sender")
             return datagram if self._verifier is None else self._verifier.verified(datagram)
         except InputError as error:
             self._left_out += 1
-            self._inbox.note = f"; {self._left_out} datagrams were left out, the last from {named(sender)}: {error}"
+            last = f"the last from {named(host, port)}: {error}"
+            self._inbox.note = f"; {self._left_out} datagrams were left out, {last}"
             return None
 
-    def waiting(self) -> Iterator[tuple[Any, bytes]]:
-        """What has arrived, as (sender's address, datagram), at most `MOST_PER_CYCLE` of them."""
+    def waiting(self) -> Iterator[tuple[tuple[str, int], bytes]]:
+        """What has arrived, as (sender's host and port, datagram), at most `MOST_PER_CYCLE` of them."""
         for _ in range(MOST_PER_CYCLE):
             try:
                 # One byte more than a message may have, so that what is too long is seen to be.
                 datagram, sender = self.socket.recvfrom(LARGEST_MESSAGE + 1)
             except BlockingIOError:
                 return
-            yield sender, datagram
+            yield (str(sender[0]), int(sender[1])), datagram
 
 
 class UdpSource(Receiver, CommandInput):
@@ -176,7 +172,7 @@ class UdpSink(Socket):
         self._motors = motor_side(arm, units)
         self._signer = None if key is None else Signer(key)
         super().__init__(host, port, listens=False)
-        self.receiver = named((host, port))
+        self.receiver = named(host, port)
 
     def write(self, setpoint: Setpoint) -> None:
         """Send the setpoint. Raises `UndeliveredError` without a listener, OSError if it cannot send.
@@ -201,10 +197,9 @@ class UdpSink(Socket):
         return error != 0
 
 
-def named(address: Any) -> str:
+def named(host: str, port: int) -> str:
     """`127.0.0.1:5005`, `[::1]:5005`."""
-    host, port = address[:2]
-    return f"[{host}]:{port}" if ":" in str(host) else f"{host}:{port}"
+    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
 
 
 def _resolved(host: str, port: int, smallest: int) -> tuple[socket.AddressFamily, tuple[str, int]]:

@@ -21,7 +21,7 @@ from ...support.units import angle_hint
 from ...theory.rotations import from_rpy
 from ..document import LARGEST
 from ..findings import Finding, Place, finding, refusal
-from ..packages import is_too_wide, package_names
+from ..packages import checked_names, is_too_wide
 from .data_files import parse_toml, unusable
 
 if TYPE_CHECKING:
@@ -166,7 +166,7 @@ def _specification(content: Mapping[str, Any], path: Path) -> ArmSpecification:
         xacro_args=content.get("xacro_args", {}),
         package_dirs=tuple(folder for folder in folders if folder not in far),
         mesh_dirs=far,
-        ignore_packages=package_names(content.get("ignore_packages", ())),
+        ignore_packages=checked_names(content.get("ignore_packages", ()), "ignore_packages"),
         limits=content.get("limits", {}),
         locked_joints=content.get("locked_joints", {}),
         poses=content.get("poses", {}),

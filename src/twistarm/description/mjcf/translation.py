@@ -38,14 +38,6 @@ UNPAINTED = (0.5, 0.5, 0.5, 1.0)
 """The colour of a geom that gives none, or has that of its material."""
 
 
-class Translated(NamedTuple):
-    """The URDF text, its poses and pairs, and the gravity (3,) [m/s²] in its root frame."""
-
-    urdf: str
-    semantics: Semantics | None
-    gravity: tuple[float, float, float]
-
-
 class Moving(NamedTuple):
     """A joint that was written: its element, its frame (4, 4), its twist (6,), its value at rest."""
 
@@ -55,8 +47,10 @@ class Moving(NamedTuple):
     rest: float
 
 
-def translated(root: ET.Element, reading: Reading) -> Translated:
-    """Translate an MJCF. What URDF has no word for is left out, with findings in `reading`.
+def translated(root: ET.Element, reading: Reading) -> tuple[str, Semantics | None, tuple[float, float, float]]:
+    """The URDF text of an MJCF, its poses and pairs, and the gravity (3,) [m/s²] in its root frame.
+
+    What URDF has no word for is left out, with findings in `reading`.
 
     A joint that does not turn about its body's origin, or is not 0 at rest, gets a link between. A ball stands still.
     Free bodies without joints are left out, and other free bodies stand still. Raises DescriptionError for a file that
@@ -71,7 +65,7 @@ def translated(root: ET.Element, reading: Reading) -> Translated:
         what, remedy = TOLD[code]
         more = f" and {len(parts) - SHOWN} more" if len(parts) > SHOWN else ""
         reading.note(code, None, f"{', '.join([*parts][:SHOWN])}{more}: {what}", remedy)
-    return Translated(ET.tostring(writer.robot, "unicode"), semantics, gravity)
+    return ET.tostring(writer.robot, "unicode"), semantics, gravity
 
 
 class _Writer:

@@ -27,7 +27,7 @@ from ...support.errors import InputError, one_line
 from ...support.files import as_path, stamp, write_whole
 from ...viewer.screenshot import browser_at_work, printed
 from ...viewer.server.watching import load_with_files
-from ..course import ERRATA, lesson_file, lessons
+from ..course import ERRATA, LESSONS, lesson_file
 from ..teaching.reader import VARIABLE
 from .lesson import cells_of, title_of
 from .pages import SCRIPTS, STYLE, before_page, index_page, lesson_page, site_file
@@ -84,7 +84,7 @@ def build(
         InputError: The folder holds something else or cannot be written.
         TwistarmError: The arm cannot be loaded.
     """
-    wanted = lessons() if names is None else tuple(names)
+    wanted = LESSONS if names is None else tuple(names)
     the_arm, read = load_with_files(partial(load_arm, **arm))
     site = _made(as_path(folder).absolute())
     made_of = _stamps(arm, wanted, read)

@@ -12,7 +12,7 @@ import twistarm
 
 from ...arm.arm import Arm
 from ...viewer.saved_page import scoped
-from ..course import LESSONS, PARTS, SECTIONS, lessons
+from ..course import LESSONS, PARTS, SECTIONS
 from ..exercises.files import HERE
 from ..teaching.html import table, text
 from ..teaching.markup import block, inline
@@ -67,9 +67,7 @@ def index_page(titles: Titles, arm: Arm, failed: Iterable[str]) -> str:
         f"{block(_filled('exercises.md', here=str(HERE), first=LESSONS[0]))}"
         f"{table(('Section', 'What is in it', 'Lesson'), rows, 'Sections of the guide')}"
     )
-    first = "".join(_turn(name, titles, "next") for name in list(titles)[:1])
-    onward = f'<nav class="neighbours" aria-label="Lessons"><span></span>{first}</nav>'
-    return _page(kind="index", title="The guide", body=body, arm=arm, neighbours=onward)
+    return _page(kind="index", title="The guide", body=body, arm=arm, neighbours=_neighbours("", titles))
 
 
 def before_page(arm: Arm) -> str:
@@ -100,18 +98,17 @@ def _filled(name: str, **words: str) -> str:
 
 
 def _neighbours(name: str, titles: Titles) -> str:
-    order = [each for each in lessons() if each in titles]
+    """Links to the lessons before and after one; the contents are before the first."""
+    order = ["", *(each for each in LESSONS if each in titles), ""]
     if name not in order:
         return ""
     at = order.index(name)
-    before = _turn(order[at - 1], titles, "prev") if at else "<span></span>"
-    after = _turn(order[at + 1], titles, "next") if at + 1 < len(order) else "<span></span>"
-    return f'<nav class="neighbours" aria-label="Lessons">{before}{after}</nav>'
-
-
-def _turn(name: str, titles: Titles, direction: str) -> str:
-    word = "Next" if direction == "next" else "Previous"
-    return f'<a rel="{direction}" href="{name}.html"><small>{word}</small> {escape(titles[name])}</a>'
+    turns = (("prev", "Previous", order[at - 1] if at else ""), ("next", "Next", order[at + 1]))
+    links = (
+        f'<a rel="{rel}" href="{to}.html"><small>{word}</small> {escape(titles[to])}</a>' if to else "<span></span>"
+        for rel, word, to in turns
+    )
+    return f'<nav class="neighbours" aria-label="Lessons">{"".join(links)}</nav>'
 
 
 def _lessons(names: Iterable[str], titles: Titles) -> str:
@@ -119,11 +116,7 @@ def _lessons(names: Iterable[str], titles: Titles) -> str:
     for _, topic, name in SECTIONS:
         topics.setdefault(name, []).append(topic)
     return "".join(
-        f"<li>{_link(name, titles)} <small>{escape('; '.join(topics[name]))}</small></li>"
+        f'<li><a href="{name}.html">{escape(titles[name])}</a> <small>{escape("; ".join(topics[name]))}</small></li>'
         for name in names
         if name in titles
     )
-
-
-def _link(name: str, titles: Titles) -> str:
-    return f'<a href="{name}.html">{escape(titles[name])}</a>'

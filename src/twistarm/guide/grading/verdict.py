@@ -34,9 +34,6 @@ STOPS = {
 }
 """Errors in words, and what to do about them."""
 
-RIGHT, NOT_RIGHT, NOT_USABLE = 0, 1, 2
-"""Exit codes: all right; something is not right, or not written yet; the file cannot be used."""
-
 SHOWN_LINES, SHOWN_LETTERS = 12, 200
 """The most lines, and letters of a line, that are shown of what the reader's code printed."""
 
@@ -78,16 +75,14 @@ class Report:
     printed: str = ""
 
     @property
-    def code(self) -> int:
-        """The exit code of a program that was asked for this report."""
-        if self.problem:
-            return NOT_USABLE
-        return RIGHT if self.ok else NOT_RIGHT
-
-    @property
     def ok(self) -> bool:
         """Whether everything is right."""
         return not self.problem and all(each.ok for each in self.verdicts)
+
+    @property
+    def code(self) -> int:
+        """An exit code: 0 if all is right, 1 if something is wrong or not written yet, 2 if the file is unusable."""
+        return 2 if self.problem else int(not self.ok)
 
     @property
     def lines(self) -> list[str]:
@@ -101,9 +96,8 @@ class Report:
         """The beginning of what the reader's code printed, where something is not right."""
         if self.ok or not self.printed.strip():
             return []
-        lines = self.printed.splitlines()
-        cut = ["…"] if len(lines) > SHOWN_LINES else []
-        return [*(line[:SHOWN_LETTERS] for line in lines[:SHOWN_LINES]), *cut]
+        lines = [line[:SHOWN_LETTERS] for line in self.printed.splitlines()]
+        return lines if len(lines) <= SHOWN_LINES else [*lines[:SHOWN_LINES], "…"]
 
     @property
     def told(self) -> list[str]:

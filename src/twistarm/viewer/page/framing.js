@@ -35,43 +35,23 @@ export function covered(pane) {
   return shares;
 }
 
-// Whether a point (world) lies within `share` of the way from the middle of what is free of the picture to its edges.
-export function inside(point, camera, { top, bottom }, share) {
-  const { x, y, z } = point.clone().project(camera);
-  return z < 1 && Math.abs(x) <= share && Math.abs(y + top - bottom) <= share * (1 - top - bottom);
-}
-
 // Position and target (world) of a camera as near as it can be, seen from it `towards` itself: {top, bottom} shares of the
 // picture stay free. The four sides of what it sees each pass through the outermost of the points.
 export function framed(points, towards, lens, free) {
-  const { right, up, across, along } = sides(points, towards, lens, free, 1 / MARGIN);
+  const { right, up, across, along } = sides(points, towards, lens, free);
   const depth = Math.max(across.depth, along.depth);
   const [x, y] = [across, along].map(({ least, most }) => (least(depth) + most(depth)) / 2);
-  const position = placed(right, x, up, y, towards, depth);
+  const position = new Vector3().addScaledVector(right, x).addScaledVector(up, y).addScaledVector(towards, depth);
   const middle = new Box3().setFromPoints(points).getCenter(new Vector3()).dot(towards);
   return { position, target: position.clone().addScaledVector(towards, middle - depth) };
 }
 
-// The position nearest to that of `camera`, aside first and then back, from which all points lie within `share` of the
-// picture, at least `near` away.
-export function kept(points, towards, camera, free, share, near) {
-  const { right, up, across, along } = sides(points, towards, camera, free, share);
-  const nearest = Math.max(...points.map((point) => point.dot(towards))) + near;
-  const depth = Math.max(camera.position.dot(towards), across.depth, along.depth, nearest);
-  const aside = (axis, { least, most }) => Math.min(Math.max(camera.position.dot(axis), least(depth)), most(depth));
-  return placed(right, aside(right, across), up, aside(up, along), towards, depth);
-}
-
-function placed(right, x, up, y, towards, depth) {
-  return new Vector3().addScaledVector(right, x).addScaledVector(up, y).addScaledVector(towards, depth);
-}
-
-function sides(points, towards, { fov, aspect }, { top, bottom }, share) {
+function sides(points, towards, { fov, aspect }, { top, bottom }) {
   const right = new Vector3(0, 1, 0).cross(towards).normalize();
   const up = new Vector3().crossVectors(towards, right);
   const slope = Math.tan((fov * Math.PI) / 360);
-  const [middle, half] = [bottom - top, share * (1 - top - bottom)];
-  const across = between(points, right, towards, share * slope * aspect, share * slope * aspect);
+  const [middle, half] = [bottom - top, (1 - top - bottom) / MARGIN];
+  const across = between(points, right, towards, slope * aspect / MARGIN, slope * aspect / MARGIN);
   return { right, up, across, along: between(points, up, towards, slope * (half + middle), slope * (half - middle)) };
 }
 

@@ -12,7 +12,6 @@ import { Cube } from "./cube.js";
 import { Drawings } from "./drawings.js";
 import { $, $$ } from "./element.js";
 import { Findings } from "./findings.js";
-import { Follow } from "./follow.js";
 import { Ghost } from "./ghost.js";
 import { eases } from "./glide.js";
 import { Highlight } from "./highlight.js";
@@ -92,7 +91,6 @@ const keepers = () => ({ ...parts, view, panel }); // of how the page stands
 const page = { view, panel, jog, layers, state, ask, seek, keepers };
 const collision = new Collision(page);
 const parts = {
-  follow: new Follow(view, presets),
   tabs: new Tabs(),
   sight: new Sight((on) => ask({ type: "exact", on })),
   links: new LinkTree(view, (on) => layers.want("collision", on)),

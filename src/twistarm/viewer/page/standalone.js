@@ -6,7 +6,6 @@ import { Cube } from "./cube.js";
 import { Drawings } from "./drawings.js";
 import { $, $$, bytes } from "./element.js";
 import { Findings } from "./findings.js";
-import { Follow } from "./follow.js";
 import { Highlight } from "./highlight.js";
 import { History } from "./history.js";
 import { Layers } from "./layers.js";
@@ -35,7 +34,6 @@ for (const part of $$("[data-live]")) part.remove(); // there is nobody to ask
 const tabs = new Tabs();
 const view = new View($("pane"));
 const presets = new Presets(view);
-const follow = new Follow(view, presets);
 const cube = new Cube(view, (side) => presets.go(side));
 const sight = new Sight(null);
 const links = new LinkTree(view);
@@ -119,7 +117,6 @@ function show() {
   stand(bodies, state.frame);
   highlight.follow();
   panel.show(state.frame);
-  follow.placed(state.frame);
   links.placed(state.frame);
   player.placed(state.frame);
   share.placed(state.frame);

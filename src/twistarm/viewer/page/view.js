@@ -40,7 +40,7 @@ export class View {
     this.viewer.set_property(["Background"], "visible", false);
     this.light();
     this.free = { top: 0, bottom: 0 }; // see `covered`
-    this.follow = null; // its places are to be seen
+    this.wanted = null; // where the target stands, in base axes: to be seen
     this.handles = null; // of the tool, where there are any: their corners(eye, height) are to be seen
     this.turned = false; // by somebody's hand
     this.viewer.controls.addEventListener("start", () => (this.turned = true));
@@ -205,9 +205,9 @@ export class View {
     camera.fov = 32;
     this.reach(camera);
     const seen = ["/arm", "/beside", "/frames", "/path", "/screws", "/solutions", "/obstacles", "/reach", "/drawn"].flatMap((path) => corners(this.node(path), true)).concat(swept);
-    const followed = [...(this.follow?.places.values() ?? [])];
+    const wanted = this.wanted ? [this.viewer.scene.localToWorld(this.wanted.clone())] : [];
     const towards = new THREE.Vector3(x, z, -y).normalize();
-    const frame = (more) => framed([...(seen.length ? seen : all), ...followed, ...more], towards, camera, this.free);
+    const frame = (more) => framed([...(seen.length ? seen : all), ...wanted, ...more], towards, camera, this.free);
     // Handles keep their size on the screen: from farther away they reach farther.
     return [1, 2, 3].reduce((found) => frame(this.handles?.corners(found.position, dom_element.offsetHeight) ?? []), frame([]));
   }

@@ -106,15 +106,13 @@ def require_all_inside(arm: Arm, theta: Array) -> None:
 
 
 def require_inside(name: str, value: float, lower: float, upper: float, unit: str) -> None:
-    """Raise LimitError if a joint would leave its limits, in degrees first for angles."""
+    """Raise LimitError if a joint would leave its limits, in degrees for angles."""
     if lower - LIMIT_TOL <= value <= upper + LIMIT_TOL:
         return
-    in_si = f"{name} = {value:g} is outside its limits {lower:g} … {upper:g} {unit}"
     if unit != "rad":
-        raise LimitError(in_si)
+        raise LimitError(f"{name} = {value:g} is outside its limits {lower:g} … {upper:g} {unit}")
     low, given, high = np.degrees([lower, value, upper])
-    in_rad = f"{value:g} rad, allowed {lower:g} … {upper:g} rad"
-    raise LimitError(f"{name} = {given:.6g}° is outside its limits {low:.6g}° … {high:.6g}° ({in_rad})")
+    raise LimitError(f"{name} = {given:.6g}° is outside its limits {low:.6g}° … {high:.6g}°")
 
 
 MOST_POINTS = 400

@@ -44,7 +44,7 @@ class Collisions(Part):
         self._band: list[list[float]] = []
         self.shapes: list[Message] = []  # those that are checked, as pages draw them, once the checks are ready
         self._saved = self._bodies  # as the file has them
-        self._obstacles, self._now, self._elsewhere = Memo(self._drawn), Memo(_here), Memo(_colliding)
+        self._obstacles, self._now, self._elsewhere = Memo(self._described), Memo(_here), Memo(_colliding)
         self.routes = {
             "obstacle": Route(self._put),
             "remove_obstacle": Route(lambda show, now, name: self._require_ready().remove(name)),
@@ -133,7 +133,7 @@ class Collisions(Part):
         held = set() if self.scene is None else {entry.name for entry in self.scene.content().entries if entry.on}
         return [{"name": body.name, "held": body.name in held, **drawing(body)} for body in self._bodies]
 
-    def _drawn(self, saved: tuple[Body, ...], *bodies: Body) -> Message:
+    def _described(self, saved: tuple[Body, ...], *bodies: Body) -> Message:
         return {"type": "obstacles", "obstacles": self.drawn, "file": self.file, "saved": same(saved, bodies)}
 
 

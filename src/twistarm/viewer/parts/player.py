@@ -99,20 +99,16 @@ def plots(arm: Arm, trajectory: Trajectory | None) -> Message:
     peaks = [trajectory.peak(order) for order in range(len(RATES))]
     if not np.isfinite([*values]).all() or not np.isfinite(peaks).all():
         return NO_PLOTS
+    # Speeds of the tool's origin [m/s] and rotation [rad/s]: the norms of the halves of J^b θ̇.
+    twists = (arm.body_jacobian(trajectory(times)) @ trajectory(times, 1)[..., None])[..., 0]
+    linear, angular = (np.round(np.linalg.norm(half, axis=-1), DECIMALS) for half in (twists[:, :3], twists[:, 3:]))
     return {
         "type": "plots",
         "times": times.tolist(),
         "joints": _joints(arm, limits, peaks),
         **{rate: rows.tolist() for rate, rows in zip(RATES, values, strict=True)},
-        "tool": _tool(arm, trajectory(times), trajectory(times, 1)),
+        "tool": {"linear": linear.tolist(), "angular": angular.tolist()},
     }
-
-
-def _tool(arm: Arm, theta: Array, rates: Array) -> dict[str, list[float]]:
-    """Speeds of the tool's origin [m/s] and rotation [rad/s]: the norms of the halves of J^b θ̇."""
-    twists = (arm.body_jacobian(theta) @ rates[..., None])[..., 0]
-    linear, angular = (np.round(np.linalg.norm(half, axis=-1), DECIMALS) for half in (twists[:, :3], twists[:, 3:]))
-    return {"linear": linear.tolist(), "angular": angular.tolist()}
 
 
 def _times(trajectory: Trajectory) -> Array:

@@ -95,9 +95,9 @@ class PoseList:
         self._steps["redo" if kind == "undo" else "undo"].append((words, self.poses))
         self.poses = poses
 
-    def next_step(self, kind: str) -> str | None:
-        """The name of the change that "undo" or "redo" concerns; None without one."""
-        return self._steps[kind][-1][0] if self._steps[kind] else None
+    def next_steps(self) -> dict[str, str | None]:
+        """The names of the changes that "undo" and "redo" concern; None without one."""
+        return {kind: steps[-1][0] if steps else None for kind, steps in self._steps.items()}
 
     def take_over(self, other: PoseList) -> list[str]:
         """Take over the poses of another arm with joints of the same names. Returns in words what is left out."""

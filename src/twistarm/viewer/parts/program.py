@@ -28,7 +28,7 @@ from ..messages import Message
 from ..scene.kinematics import Placement, link_matrices
 from .arm_data import drawn, tool_path
 from .pose_list import PoseList, RecordedPose
-from .show import Part, Route, Show
+from .show import Part, Playback, Route, Show
 
 POINTS = 60
 """Points of the ideal path from a pose to the next."""
@@ -95,6 +95,9 @@ class MotionRequest(NamedTuple):
 
 NO_REQUEST = MotionRequest("", False, 0.0, 0.0)
 
+Planned = tuple[Trajectory | PathError, dict[str, Any]]
+"""A motion, or why there is none, and the tool's path."""
+
 
 class Program(Part):
     """The list of poses, and which of its states was planned."""
@@ -123,7 +126,7 @@ class Program(Part):
     def messages(self, show: Show) -> Iterator[Message]:
         """The list, its last changes, and whether the trajectory that is loaded is the one through it."""
         yield self._message(self.list.poses, None if show.playback is None else show.playback.trajectory)
-        yield {"type": "history", **{kind: self.list.next_step(kind) for kind in ("undo", "redo")}}
+        yield {"type": "history", **self.list.next_steps()}
 
     def _described(self, listed: tuple[RecordedPose, ...], loaded: Trajectory | None) -> Message:
         ours = loaded is not None and loaded is self._motion
@@ -133,7 +136,7 @@ class Program(Part):
         through_joints = asked.through_joints(listed)
         straight = STRAIGHT if through_joints and asked.stop else ""
         said = self._motion.notes if current and self._motion else ()
-        words = [straight, *(_of_poses(each, listed) for each in said), self._usual]
+        words = [straight, *(_of_poses(note, listed) for note in said), self._usual]
         note = ("; ".join(filter(None, words)) if current else STALE) if ours else ""
         settings = {**asked._asdict(), "kind": asked.kind or None}
         return {"type": "program", "poses": poses, "planned": current, **settings, "note": note}
@@ -152,13 +155,7 @@ class Program(Part):
         work = partial(_planned, show.arm, poses, asked, self.limits, dict(show.others), show.tolerances, scene)
         return Job("plan", "planning the motion", work, partial(self._finish, show, poses, asked))
 
-    def _finish(
-        self,
-        show: Show,
-        poses: tuple[RecordedPose, ...],
-        asked: MotionRequest,
-        result: tuple[Trajectory | PathError, dict[str, Any]],
-    ) -> None:
+    def _finish(self, show: Show, poses: tuple[RecordedPose, ...], asked: MotionRequest, result: Planned) -> None:
         planned, path = result
         if isinstance(planned, PathError):
             show.draw_path(path)
@@ -167,7 +164,8 @@ class Program(Part):
             raise InputError("the motion was planned and not loaded: a servo drives the arm meanwhile")
         self._motion = planned
         self._through, self._asked = _listed(poses), asked
-        show.stand_by(self._motion)
+        before = show.playback or Playback(planned)
+        show.load(planned, before.speed, before.loop)
         show.draw_path(path)
 
 
@@ -180,8 +178,8 @@ def _planned(
     tolerances: Mapping[str, Any],
     scene: Scene | None,
     progress: Progress,
-) -> tuple[Trajectory | PathError, dict[str, Any]]:
-    """In a thread: the motion or why there is none, and the tool's path."""
+) -> Planned:
+    """Plan in a thread."""
     beside = {"ideal": ideal_way(arm, poses), **_ghosts(arm, poses, others)}
     shared: dict[str, Any] = {"kind": asked.kind, "limits": limits, "scene": scene, "progress": progress}
     try:

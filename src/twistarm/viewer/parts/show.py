@@ -128,20 +128,12 @@ class Show:
         if self.playback is not None:
             self.playback.running = False
 
-    def load(self, trajectory: Trajectory, speed: float, loop: bool, now: float) -> None:
-        """Play `trajectory` from its start."""
+    def load(self, trajectory: Trajectory, speed: float = 1.0, loop: bool = False) -> Playback:
+        """Stand at the start of `trajectory`, which the result plays."""
         self.stop()
         self.playback = Playback(trajectory, speed, loop)
-        self.playback.play(now)
         self.theta = self.playback.theta()
-
-    def stand_by(self, trajectory: Trajectory) -> None:
-        """Stand at the start of `trajectory` for a page to play. Speed and loop stay."""
-        self.stop()
-        at = self.playback
-        speed, loop = (1.0, False) if at is None else (at.speed, at.loop)
-        self.playback = Playback(trajectory, speed, loop)
-        self.theta = self.playback.theta()
+        return self.playback
 
     def advance(self, now: float) -> None:
         """Advance motions to `now` [s]. A trajectory that raises stops there."""

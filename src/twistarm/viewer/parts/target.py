@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -19,7 +19,7 @@ from ...support.errors import InputError
 from ...theory import rotations
 from ..jobs import Job
 from ..messages import Message
-from ..scene.kinematics import Placement, ghost, link_matrices
+from ..scene.kinematics import Placement, link_matrices
 from .show import Part, Route, Show
 
 MAX_TIME = 0.5
@@ -62,13 +62,15 @@ class TargetPart(Part):
         self._wanted = True
         finish = partial(self._finish, show, show.theta, self._number)
         search = partial(solve_ik, show.arm, target, show.theta, posture="theta0", **show.tolerances)
-        others = show.others
-        if (solution := solved_at_once(show.arm, search)) is not None:
-            finish(_answer(given, solution, others))
-            return None
-        return Job(
-            "target", "solving for the target", lambda _: _answer(given, search(max_time=MAX_TIME), others), finish
-        )
+        if show.arm.compiled is not None:
+            begin = time.perf_counter()
+            solution = search(restarts=1, max_time=AT_ONCE)
+            # A full search gives the same bits: the first converged search wins, and none was cut short.
+            if solution.converged and time.perf_counter() - begin < AT_ONCE:
+                finish(_answer(given, solution, show.others))
+                return None
+        answer = partial(_answer, given, others=show.others)
+        return Job("target", "solving for the target", lambda _: answer(search(max_time=MAX_TIME)), finish)
 
     def messages(self, show: Show) -> Iterator[Message]:
         """The target given, whether it is met, and the words of its solution."""
@@ -115,23 +117,15 @@ def _set_tolerances(show: Show, now: float, **fields: float) -> None:
     }
 
 
-def solved_at_once(arm: Arm, search: Callable[..., IKResult]) -> IKResult | None:
-    """The solution of the first `search`, if it succeeds within AT_ONCE, else None.
-
-    A full search gives the same bits: the first converged search wins, and none was cut short.
-    """
-    if arm.compiled is None:
-        return None
-    begin = time.perf_counter()
-    solution = search(restarts=1, max_time=AT_ONCE)
-    in_time = time.perf_counter() - begin < AT_ONCE
-    return solution if solution.converged and in_time else None
-
-
 def _answer(given: dict[str, Any], solution: IKResult, others: Mapping[str, float]) -> tuple[Array, Message]:
-    """The configuration to show (n,), and the message about it."""
-    message = {"type": "target", "given": given, "met": solution.converged, "words": solution.explain()}
-    return solution.theta, {**message, "ghost": ghost(solution, others)}
+    """The configuration to show (n,), and the message about it.
+
+    `ghost`: where each link would stand without joint limits, if they are the reason of a miss.
+    """
+    free = solution.unlimited
+    ghost = None if free is None else link_matrices(Placement(solution.arm), free, others)
+    message = {"type": "target", "given": given, "met": solution.converged, "words": solution.explain(), "ghost": ghost}
+    return solution.theta, message
 
 
 MAX_SHOWN = 32
@@ -217,9 +211,11 @@ def _found(
 ) -> Choices:
     """All configurations; joints that the target does not determine stay where they are."""
     held = {name: float(start[arm.joint_names.index(name)]) for name in closed_form_of(arm, target).held}
-    return choices_of(
-        solve_ik_all(arm, target, start, fixed_joints=held, **tolerances), others, _held_in_words(arm, held)
-    )
+    values = [
+        f"{name} at {value_in_words(value, arm.units[arm.joint_names.index(name)])}" for name, value in held.items()
+    ]
+    words = [f"held where the arm stands, because the target leaves it free: {', '.join(values)}"] if values else []
+    return choices_of(solve_ik_all(arm, target, start, fixed_joints=held, **tolerances), others, words)
 
 
 def choices_of(solutions: AllSolutions, others: Mapping[str, float], more: Sequence[str] = ()) -> Choices:
@@ -234,13 +230,6 @@ def choices_of(solutions: AllSolutions, others: Mapping[str, float], more: Seque
         "ghosts": [link_matrices(placement, each, others) for each in theta],
     }
     return Choices(theta, min(len(solutions), MAX_SHOWN), message)
-
-
-def _held_in_words(arm: Arm, held: Mapping[str, float]) -> list[str]:
-    values = [
-        f"{name} at {value_in_words(value, arm.units[arm.joint_names.index(name)])}" for name, value in held.items()
-    ]
-    return [f"held where the arm stands, because the target leaves it free: {', '.join(values)}"] if values else []
 
 
 def _place(solutions: AllSolutions, theta: Array, i: int) -> dict[str, list[str]]:

@@ -70,7 +70,9 @@ def axes(arm: Arm) -> dict[str, Any]:
     size = arm_size(arm)
     screws = [to_screw(xi) for xi in arm.screws.T]
     tips = [anchor + AXIS_HALF * size * screw.axis for anchor, screw in zip(anchors(arm), screws, strict=True)]
-    pitches = [_plain_pitch(float(screw.pitch), size) for screw in screws]
+    # Rounding leaves a turning joint a pitch that is not quite 0.
+    plain = [0.0 if abs(screw.pitch) < PITCHLESS * size else float(screw.pitch) for screw in screws]
+    pitches = [None if np.isinf(pitch) else pitch for pitch in plain]
     joints = zip(arm.moving_names, tips, pitches, strict=True)
     return {
         "joints": [
@@ -92,12 +94,6 @@ def _rates(show: Show) -> Array | None:
     return playback.trajectory(playback.time, 1)
 
 
-def _plain_pitch(pitch: float, size: float) -> float | None:
-    if np.isinf(pitch):
-        return None
-    return 0.0 if abs(pitch) < PITCHLESS * size else pitch
-
-
 def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any]:
     """The numbers at theta (n,) in SI units and radians; matrices are lists of rows.
 
@@ -109,6 +105,10 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
     g, J_b = arm.fk_and_body_jacobian(theta)
     J_s = arm.spatial_jacobian(theta)
     hybrid = (g[:3, :3] @ J_b.reshape(2, 3, -1)).reshape(6, -1)
+    motion = None
+    if rates is not None and np.any(rates):
+        twist, velocity = J_s @ rates, hybrid[:3] @ rates
+        motion = {"twist": twist.tolist(), "screw": _screws(twist[:, None]), "velocity": velocity.tolist()}
     return {
         "g": g.tolist(),
         "spatial": J_s.tolist(),
@@ -118,14 +118,10 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
         if np.array_equal(arm.coupling.A, np.eye(arm.n))
         else _screws(poe.spatial_jacobian(arm.screws, arm.coupling.A @ theta)),
         "columns": _screws(J_s),
-        "motion": None if rates is None or not np.any(rates) else _moving(J_s @ rates, hybrid[:3] @ rates),
+        "motion": motion,
         **_singularity(arm, theta),
         **_ellipsoids(hybrid, arm.prismatic, arm.reach),
     }
-
-
-def _moving(twist: Array, velocity: Array) -> dict[str, Any]:
-    return {"twist": twist.tolist(), "screw": _screws(twist[:, None]), "velocity": velocity.tolist()}
 
 
 def _singularity(arm: Arm, theta: Array) -> dict[str, Any]:

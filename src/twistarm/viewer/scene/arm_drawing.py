@@ -97,11 +97,20 @@ class Drawing:
                 return anew or piece is not None
 
     def _add(self, piece: Drawn) -> None:
-        self._replace(piece)
+        """Draw a mesh in place of its last drawing, which is better than nothing where the mesh cannot be read."""
+        self.left -= 1
         self.simplified = self.simplified or not piece.exact
         if piece.note and piece.note not in self.notes:
             self.notes += (piece.note,)
-        self.left -= 1
+        if piece.node in self._places and not piece.drawn:
+            return
+        for place in self._places.get(piece.node, ()):
+            self.objects[place] = b""
+        self._places[piece.node] = range(len(self.objects), len(self.objects) + len(piece.objects))
+        if piece.node.startswith(BESIDE):
+            self._draw_live(piece.objects)
+        else:
+            self.objects += piece.objects
 
     def _draw_live(self, drawn: Iterable[bytes]) -> None:
         self.objects += drawn
@@ -111,16 +120,6 @@ class Drawing:
         """Draw no further mesh. From any thread."""
         with self._lock:
             self.left, self._meshes = 0, iter(())
-
-    def _replace(self, piece: Drawn) -> None:
-        if piece.node in self._places and not piece.drawn:
-            return  # what was read before is better than nothing
-        for place in self._places.get(piece.node, ()):
-            self.objects[place] = b""
-        self._places[piece.node] = range(len(self.objects), len(self.objects) + len(piece.objects))
-        if piece.node.startswith(BESIDE):
-            return self._draw_live(piece.objects)
-        self.objects += piece.objects
 
     def whole(self) -> Drawing:
         """The same, with every mesh."""

@@ -185,12 +185,9 @@ def _visible_through(colour: Colour) -> list[tuple[str, Colour, dict[str, Any]]]
 
 def triad(path: str, length: float) -> list[bytes]:
     """A frame: x red, y green, z blue, each an arrow of `length` [m]."""
-    origin, axes = np.zeros(3), length * np.eye(3)
-    named = zip("xyz", axes, (RED, GREEN, BLUE), strict=True)
-    drawn: list[bytes] = []
-    for name, end, colour in named:
-        drawn += arrow(f"{path}/{name}", origin, end, 0.025 * length, colour)
-    return drawn
+    named = zip("xyz", length * np.eye(3), (RED, GREEN, BLUE), strict=True)
+    arrows = [arrow(f"{path}/{name}", np.zeros(3), end, 0.025 * length, colour) for name, end, colour in named]
+    return [part for parts in arrows for part in parts]
 
 
 def axes(path: str, length: float) -> list[bytes]:

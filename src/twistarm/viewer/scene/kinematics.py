@@ -10,7 +10,6 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...description.tree import Description
-from ...ik import IKResult
 from ...support.checks import Array
 from ...theory.rotations import to_rpy
 from ...theory.screws import exp, transform_twist
@@ -55,16 +54,6 @@ def carried(arm: Arm, theta: Array) -> Array:
     """
     steps = exp(arm.screws.T, arm.coupling.A @ theta)
     return np.array(list(accumulate(steps, np.matmul)))
-
-
-def ghost(solution: IKResult, others: Mapping[str, float]) -> dict[str, list[float]] | None:
-    """Where each link would stand without joint limits, {node: matrix by columns}.
-
-    None if limits are not the reason: the target is met, or out of reach of any configuration.
-    """
-    if solution.unlimited is None:
-        return None
-    return link_matrices(Placement(solution.arm), solution.unlimited, others)
 
 
 def link_matrices(placement: Placement, theta: Array, others: Mapping[str, float]) -> dict[str, list[float]]:

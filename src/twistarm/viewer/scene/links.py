@@ -86,12 +86,13 @@ def draw_meshes(description: Description, size: float, exact: bool, read: Read) 
             key = path, stamp(path), most
             if key not in read:
                 read[key] = _parts_or_reason(path, most)
-            objects, note = _mesh_or_reason(node, visual, path, read[key])
-            drawn = bool(objects)
+            parts = read[key]
+            objects, note = ([], parts) if isinstance(parts, str) else (_mesh(node, visual, parts), "")
+            drawn, whole = bool(objects), isinstance(parts, str) or all(part.exact for part in parts)
             any_drawn = any_drawn or drawn
             if replaced and k == len(found):
                 objects += [drawing.removed(stand_in_path(link))] if any_drawn else lost_frame(link, size)
-            yield Drawn(node, tuple(objects), "" if note in reported else note, drawn, _all_exact(read[key]))
+            yield Drawn(node, tuple(objects), "" if note in reported else note, drawn, whole)
             reported.add(note)
 
 
@@ -118,24 +119,9 @@ def _parts_or_reason(path: Path, most: float) -> list[Part] | str:
     try:
         return read_mesh(path).parts(most)
     except Exception as error:  # a fault of one mesh does not stop the others
-        return _reason(path, error)
-
-
-def _mesh_or_reason(node: str, visual: Geometry, path: Path, parts: list[Part] | str) -> tuple[list[bytes], str]:
-    try:
-        return ([], parts) if isinstance(parts, str) else (_mesh(node, visual, parts), "")
-    except Exception as error:
-        return [], _reason(path, error)
-
-
-def _reason(path: Path, error: Exception) -> str:
-    if isinstance(error, TwistarmError):
-        return str(error)
-    return one_line(f"cannot draw mesh {path.name}: {str(error) or type(error).__name__}; {REMEDY}")
-
-
-def _all_exact(parts: list[Part] | str) -> bool:
-    return isinstance(parts, str) or all(part.exact for part in parts)
+        if isinstance(error, TwistarmError):
+            return str(error)
+        return one_line(f"cannot draw mesh {path.name}: {str(error) or type(error).__name__}; {REMEDY}")
 
 
 def _plain(description: Description, link: Link, size: float) -> list[bytes]:
@@ -170,15 +156,10 @@ def stand_in(description: Description, link: Link, size: float) -> list[bytes]:
     """The link's collision primitives, or capsules from its origin to the joints that it carries."""
     path = stand_in_path(link)
     drawn = [part for i, solid in enumerate(link.collisions) for part in shape(f"{path}/solid{i}", solid, STICK)]
-    return drawn or _capsules(description, link, size)
-
-
-def _capsules(description: Description, link: Link, size: float) -> list[bytes]:
     carried = [joint.origin[:3, 3] for joint in description.joints.values() if joint.parent == link.name]
     ends = [end for end in carried if np.linalg.norm(end) > 1e-3 * size]
-    if not ends:
-        return []
-    path = stand_in_path(link)
+    if drawn or not ends:
+        return drawn
     radius = min(THICK * size, STOUT * max(float(np.linalg.norm(end)) for end in ends))
     drawn = [drawing.sphere(f"{path}/origin", 1.3 * radius, STICK, np.eye(4))]
     for i, end in enumerate(ends):

@@ -120,13 +120,14 @@ class Driver:
         self._beginning = threading.Lock()  # no drive begins while the driver is closed
 
     def switch(self, on: bool) -> None:
-        """Begin a drive, or bring it to rest and end it. Call this in the server's loop; repeated calls are harmless.
+        """Begin a drive, or bring the arm to rest and end it, in the server's loop. Repeated calls are harmless.
 
         Raises InputError while another servo drives, LimitError for a configuration outside the limits.
         """
         drive = self._drive
         if not on or self._closed:
-            self.stop()
+            if drive is not None:
+                drive.end()
         elif drive is None:
             self._begin()
         elif drive.dropped:
@@ -139,11 +140,6 @@ class Driver:
         """Whether the servo of the pages drives the arm."""
         drive = self._drive
         return drive is not None and not drive.dropped
-
-    def stop(self) -> None:
-        """Bring the arm to rest, then end the drive. Returns at once; any thread may call it."""
-        if (drive := self._drive) is not None:
-            drive.end()
 
     def drop(self, reason: str = "") -> None:
         """End the drive and show no more of it, because the program moves the arm. Any thread may call it.

@@ -10,6 +10,7 @@ import re
 import socket
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
+from contextlib import suppress
 from functools import partial
 from importlib.resources import files
 from pathlib import Path
@@ -49,17 +50,11 @@ def admits_host(listening: str, header: str) -> bool:
     if parts.hostname is None or parts.netloc != header or "@" in header:
         return False
     name, own = parts.hostname, socket.gethostname().lower()
-    if name in (*LOOPBACK, listening.lower()):
-        return True
-    return listening in EVERYWHERE and (_is_address(name) or name in (own, f"{own.split('.')[0]}.local"))
-
-
-def _is_address(name: str) -> bool:
-    try:
-        ipaddress.ip_address(name)
-    except ValueError:
-        return False
-    return True
+    if listening not in EVERYWHERE:
+        return name in (*LOOPBACK, listening.lower())
+    with suppress(ValueError):
+        return bool(ipaddress.ip_address(name))
+    return name in (*LOOPBACK, own, f"{own.split('.')[0]}.local")
 
 
 SAMPLE_TIME = 0.01
@@ -140,15 +135,14 @@ logging.getLogger("tornado").addHandler(logging.NullHandler())
 
 def application(server: Server) -> tornado.web.Application:
     """Everything stands under the token."""
-    shared = {"server": server}
     return tornado.web.Application(
         [
-            (r"/([^/]*)/socket", SocketHandler, shared),
-            (rf"/([^/]*)/({'|'.join(map(re.escape, DOWNLOADS))})", DownloadHandler, shared),
-            (r"/([^/]*)/?(.*)", PageHandler, shared),
+            (r"/([^/]*)/socket", SocketHandler),
+            (rf"/([^/]*)/({'|'.join(map(re.escape, DOWNLOADS))})", DownloadHandler),
+            (r"/([^/]*)/?(.*)", PageHandler),
         ],
         default_handler_class=Guarded,
-        default_handler_args=shared,
+        server=server,
         files=_page_files(),
         log_function=lambda handler: None,
         websocket_max_message_size=LARGEST_MESSAGE,
@@ -180,9 +174,9 @@ class Guarded(tornado.web.RequestHandler):
 
     SUPPORTED_METHODS = ("GET",)
 
-    def initialize(self, server: Server) -> None:
-        """Called by tornado with the arguments of the route."""
-        self.server = server
+    def initialize(self) -> None:
+        """Called by tornado first."""
+        self.server: Server = self.settings["server"]
 
     def set_default_headers(self) -> None:
         """On every answer, errors included."""
@@ -264,15 +258,15 @@ async def _in_daemon_thread(call: Callable[[], str | bytes]) -> str | bytes:
 class SocketHandler(Guarded, tornado.websocket.WebSocketHandler):
     """One page. Its outbox keeps the latest message of each type, so a slow page costs nothing."""
 
-    def initialize(self, server: Server) -> None:
-        """Called by tornado with the arguments of the route."""
-        super().initialize(server)
+    def initialize(self) -> None:
+        """Called by tornado first."""
+        super().initialize()
         self._outbox: dict[str, str] = {}
         self._drawing: Drawing | None = None  # of which the page has been sent the first objects
         self._waiting = asyncio.Event()
         self._sender: asyncio.Task[None] | None = None
         self._sent = 0
-        self.name = next(server.names)
+        self.name = next(self.server.names)
 
     def open(self, *path: str, **arguments: str) -> None:
         """Greet the page, then keep it up to date."""

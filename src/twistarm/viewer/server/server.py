@@ -80,7 +80,9 @@ class Server:
             "needs": self._need,
         }
         self._adopt(stage, drawing)
-        self._workers = Workers(self._deliver, self._show_job)
+        self._workers = Workers(
+            self._deliver, lambda key, share: self.post(f"job {key}", lambda stage: self._jobs.update({key: share}))
+        )
         self._player: asyncio.Task[None] | None = None
         self._thread = threading.Thread(target=lambda: asyncio.run(self._main()), name="twistarm viewer", daemon=True)
         self._started = threading.Event()
@@ -152,9 +154,6 @@ class Server:
         with suppress(RuntimeError):  # the loop may have been closed meanwhile
             for step in (action, self.publish):
                 self._loop.call_soon_threadsafe(self._try, step)
-
-    def _show_job(self, key: str, share: float | None) -> None:
-        self.post(f"job {key}", lambda stage: self._jobs.update({key: share}))
 
     def ask(self, question: Callable[[Stage], T]) -> T:
         """The answer of `question(stage)`, after every change posted so far. A closed view answers as it stands.
@@ -283,7 +282,7 @@ class Server:
         """Forget a page that has gone, and what it needs. After the last page, end Drive."""
         self.commands.refuse(sender, "its page has gone")
         if not self.clients:
-            self.driver.stop()
+            self.driver.switch(False)
         self._need(sender)
         del self._needs[sender]
 
