@@ -25,7 +25,7 @@ Target = Pose | Approach | Position
 TURNS = ("rpy", "quaternion", "quaternion_xyzw", "direction")
 """What turns the tool: one of them at most."""
 
-Typed = list[Any] | None
+Repeated = list[Any] | None
 
 ROWS_SHOWN = 20
 """The most rows of answers and line numbers to show."""
@@ -55,14 +55,16 @@ class TypedTargets:
     `ik` takes one position, `plan` and `designs` take several.
     """
 
-    xyz: Annotated[Typed, numbers("m m m", XYZ, "Where the tool is to be, in the base frame [m].")] = None
+    xyz: Annotated[Repeated, numbers("m m m", XYZ, "Where the tool is to be, in the base frame [m].")] = None
     rpy: Annotated[
-        Typed, numbers("rad rad rad", RPY, "Turns about the base's x, y and z axes, in this order [°, rad with --rad].")
+        Repeated, numbers("rad rad rad", RPY, "Turns about the base's x, y and z axes, in this order [°, or rad].")
     ] = None
-    quaternion: Annotated[Typed, numbers("1 1 1 1", WXYZ, "Orientation, scalar first.")] = None
-    quaternion_xyzw: Annotated[Typed, numbers("1 1 1 1", XYZW, "Orientation, scalar last, as in ROS and SciPy.")] = None
+    quaternion: Annotated[Repeated, numbers("1 1 1 1", WXYZ, "Orientation, scalar first.")] = None
+    quaternion_xyzw: Annotated[Repeated, numbers("1 1 1 1", XYZW, "Orientation, scalar last, as in ROS and SciPy.")] = (
+        None
+    )
     direction: Annotated[
-        Typed, numbers("1 1 1", XYZ, "Only where the tool points, in base axes; turning about that is free.")
+        Repeated, numbers("1 1 1", XYZ, "Only where the tool points, in base axes; turning about that is free.")
     ] = None
     axis: Annotated[
         Any, typed_option(_axis, AXIS, "The tool's axis that --direction points: x, -y, … or three numbers; unless "

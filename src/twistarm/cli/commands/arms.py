@@ -148,7 +148,11 @@ def version() -> str:
 
 def show_installation(out: Outputs) -> None:
     """The versions of twistarm and of what it needs. In JSON null means that a library is not installed."""
-    extras = _requirements()
+    extras: dict[str, str] = {}  # of each library; "" for the base install
+    for text in metadata.requires("twistarm") or ():
+        found = re.match(r"([\w.-]+)[^;]*(?:;.*extra == ['\"](\w+)['\"])?", text)
+        if found and found[1] != "twistarm" and found[2] not in ("dev", "all") and "python_version" not in text:
+            extras.setdefault(found[1], found[2] or "")
     libraries: dict[str, str | None] = dict.fromkeys(extras)
     for name in libraries:
         with suppress(metadata.PackageNotFoundError):
@@ -169,18 +173,6 @@ def show_installation(out: Outputs) -> None:
         missing = f"not installed: pip install 'twistarm[{extra}]'" if extra else "not installed"
         lines.append(f"  {name:<20} {libraries[name] or missing}")
     out.show(data, *lines, "an ARM's own: twistarm info ARM; the arms there are by name: twistarm arms")
-
-
-def _requirements() -> dict[str, str]:
-    """The requirements of the package by name, each with its extra, "" for the base install."""
-    pattern = re.compile(r"([\w.-]+)[^;]*(?:;.*extra == ['\"](\w+)['\"])?")
-    here = [text for text in metadata.requires("twistarm") or () if "python_version" not in text]
-    found = [match for text in here if (match := pattern.match(text))]
-    extras: dict[str, str] = {}
-    for match in found:
-        if match[1] != "twistarm" and match[2] not in ("dev", "all"):
-            extras.setdefault(match[1], match[2] or "")
-    return extras
 
 
 Motion = Annotated[

@@ -86,11 +86,6 @@ class CoreStep(NamedTuple):
     angle: float
     period: float
 
-    @property
-    def reason(self) -> ServoReason:
-        """Why the step did what it did."""
-        return REASON_OF_CAUSE[self.cause]
-
 
 class StepRequest(NamedTuple):
     """A command to an arm at theta (n,), and whether the arm stops where it cannot follow."""
@@ -205,7 +200,8 @@ class ServoOutput(Brief):
 
 def output_of(step: CoreStep, bounds: ServoBounds, asked: StepRequest, contact: Contact | None) -> ServoOutput:
     """The output for an answer of the compiled step, with `contact`, the pair of bodies that holds the arm."""
-    reason, near = step.reason, step.reason is ServoReason.COLLISION
+    reason = REASON_OF_CAUSE[step.cause]
+    near = reason is ServoReason.COLLISION
     names = asked.arm.joint_names if reason is ServoReason.SINGULARITY else bounds.motion.names
     joint = names[step.row] if step.row >= 0 and not near else None
     if reason is ServoReason.MOVING and step.lost_share >= NOTABLE_LOSS:

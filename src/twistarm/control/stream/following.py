@@ -192,7 +192,10 @@ class Following(Cycles[FollowCycle]):
 
     def _cycle(self, now: float) -> FollowCycle:
         theta, blind = self._measure(now)
-        self._require_patience(blind, now)
+        if not blind or self._seen == inf or now < self._seen:
+            self._seen = now
+        elif self.at_rest and now - self._seen >= PATIENCE:
+            raise StreamError(Ending.FEEDBACK_FAILED, blind)
         if self.state is None:
             return self._reported(now, None, None, blind)
         lag = None if theta is None else frozen(np.abs(theta - self.state.theta))
@@ -212,13 +215,6 @@ class Following(Cycles[FollowCycle]):
 
     def _failed(self, now: float, reason: str, ending: Ending) -> FollowCycle:
         return self._reported(now, None, None, reason, ending)
-
-    def _require_patience(self, blind: str, now: float) -> None:
-        """StreamError where an arm that stands has not been seen for too long."""
-        if not blind or self._seen == inf or now < self._seen:
-            self._seen = now
-        elif self.at_rest and now - self._seen >= PATIENCE:
-            raise StreamError(Ending.FEEDBACK_FAILED, blind)
 
     def _start(self, theta: Array, now: float) -> None:
         """Begin at the measured theta (n,), on the way to the start. Raises StreamError if it is too far."""
