@@ -174,10 +174,11 @@ def test_options_reach_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
     options += "--on-unreachable stop"
     udp = ("--udp", "127.0.0.1:9", "--listen", "127.0.0.1:0")
     assert run(["servo", "rr_planar", *options.split(), *udp, "--no-browser"]) == 1  # no robot is there
-    assert (given["command_timeout"], given["shared"].feedback_timeout) == (0.5, pytest.approx(0.3))
+    assert (given["shared"].command_timeout, given["shared"].feedback_timeout) == (0.5, pytest.approx(0.3))
     assert given["shared"].tolerance.tolist() == pytest.approx([0.1, 0.1])
     assert given["shared"].velocity_mode
-    assert (given["settings"]().position_margin, given["settings"]().on_unreachable) == (0.02, "stop")
+    settings = given["shared"].settings()
+    assert (settings.position_margin, settings.on_unreachable) == (0.02, "stop")
     assert given["source"].timeout == 0.5  # the page's commands hold as long
 
 

@@ -199,7 +199,7 @@ class Viewer(Closeable):
         return self._server.commands.inbox
 
     def servo_settings(self, settings: ServoSettings | None = None) -> Callable[[], ServoSettings]:
-        """`settings` with `on_unreachable` as the pages choose it, for `run(…, settings=view.servo_settings())`.
+        """`settings` with `on_unreachable` as the pages choose it, for `StreamOptions(settings=view.servo_settings())`.
 
         Pages may choose it from now on, beginning with that of `settings`, until `show_servo(None)`.
         """

@@ -47,13 +47,11 @@ class ServoNode(Node):
         """Connect everything: the arm is known. Limits that it lacks are the stream's usual ones, and are told."""
         self.inputs = Inputs(self, arm, self.p, self.switches)
         options = StreamOptions(
-            self.p.rate, self.p.feedback_timeout, self.p.tolerance, self.p.velocity_mode, self.interlock
-        )
-        self.streaming = Streaming(
-            arm, self.inputs.commands, Outputs(self, arm, self.p), self.inputs.states, options,
+            self.p.rate, self.p.feedback_timeout, self.p.tolerance, self.p.velocity_mode, self.interlock,
             command_timeout=self.p.incoming_command_timeout,
             settings=ServoSettings(position_margin=self.p.joint_limit_margin, on_unreachable=self.p.on_unreachable),
         )  # fmt: skip
+        self.streaming = Streaming(arm, self.inputs.commands, Outputs(self, arm, self.p), self.inputs.states, options)
         if self.streaming.assumed:
             self.get_logger().warning(self.streaming.assumed)
         self.diagnostics = Diagnostics(self, arm, self.p, self.streaming, self.switches)

@@ -219,9 +219,10 @@ def servo(
             keep(cycle)
 
         report = run(
-            driven, source_of_commands, sink, feedback, StreamOptions(**robot.options(rate, near)),
-            command_timeout=command_timeout, settings=viewer.servo_settings(settings), scene=scene, duration=duration,
-            on_cycle=each,
+            driven, source_of_commands, sink, feedback, StreamOptions(
+                **robot.options(rate, near), command_timeout=command_timeout, scene=scene,
+                settings=viewer.servo_settings(settings),
+            ), duration=duration, on_cycle=each,
         )  # fmt: skip
     out.show(_loop(arm, report), *out.lines(report.explain()), written=robot.written)
     return 0 if report.ok else 1

@@ -9,23 +9,23 @@ from .protocols import (
     Clock,
     Feedback,
     Interlock,
+    LoopOptions,
     Measured,
     MonotonicClock,
     Reading,
     Setpoint,
     Sink,
     Source,
-    StreamOptions,
     UndeliveredError,
 )
 from .report import Ending, StreamReport
 from .serial_link import SerialRobot, SerialSource
-from .streaming import Streaming, run
+from .streaming import Streaming, StreamOptions, run
 from .udp import Signer, UdpFeedback, UdpSink, UdpSource, Verifier, read_key
 
 __all__ = [
     "Clock", "Cycle", "Ending", "Feedback", "FollowControl", "FollowCycle", "FollowOptions", "FollowReport",
-    "Following", "Inbox", "Interlock", "Measured", "Metronome", "MonotonicClock", "Reading", "Recorder",
+    "Following", "Inbox", "Interlock", "LoopOptions", "Measured", "Metronome", "MonotonicClock", "Reading", "Recorder",
     "SerialRobot", "SerialSource", "Setpoint", "Signer", "SimulatedJoints", "Sink", "Source", "StateInbox",
     "StreamOptions", "StreamReport", "Streaming", "UdpFeedback", "UdpSink", "UdpSource", "UndeliveredError",
     "Verifier", "come_to_rest", "command_of", "follow", "parse_command", "parse_state", "read_key", "run",

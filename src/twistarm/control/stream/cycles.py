@@ -27,11 +27,11 @@ from .protocols import (
     Feedback,
     Interlock,
     Interlocked,
+    LoopOptions,
     MonotonicClock,
     Reading,
     Setpoint,
     Sink,
-    StreamOptions,
     UndeliveredError,
     require_time,
 )
@@ -98,10 +98,8 @@ class Cycles(ABC, Generic[C]):
     Finally call `halt` in any case. `arm` has assumed limits where the given one has none; `assumed` lists them.
     """
 
-    def __init__(
-        self, arm: Arm, sink: Sink, feedback: Feedback, options: StreamOptions, settings: ServoSettings
-    ) -> None:
-        require(options, StreamOptions, "options", "as StreamOptions() is")
+    def __init__(self, arm: Arm, sink: Sink, feedback: Feedback, options: LoopOptions, settings: ServoSettings) -> None:
+        require(options, LoopOptions, "options", "as StreamOptions() is")
         self.assumed = defaults_line(require_arm(arm))
         self.arm = usually_limited(arm)
         self.sink = require_method(sink, "sink", "write")

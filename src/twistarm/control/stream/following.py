@@ -20,7 +20,7 @@ from ...support.messages import Quantity, Text, joined
 from ..servo import ServoOutput, ServoReason, ServoSettings, ServoState
 from .cycles import Cycle, Cycles, StreamError, drive
 from .motion_clock import SLOPE, LimitedMotion, MotionClock, motion_of, way_there, why_elsewhere
-from .protocols import EMERGENCY_STOP, LONGEST_REASON, Clock, Feedback, Setpoint, Sink, StreamOptions, one_or_each
+from .protocols import EMERGENCY_STOP, LONGEST_REASON, Clock, Feedback, LoopOptions, Setpoint, Sink, one_or_each
 from .report import MOVED, Ending, StreamReport
 
 TRACKING_TOLERANCE = 0.1
@@ -92,8 +92,8 @@ class FollowControl:
 
 
 @dataclass(frozen=True, eq=False)
-class FollowOptions(StreamOptions):
-    """Options of `follow` and `Following`: those of `StreamOptions`, and these.
+class FollowOptions(LoopOptions):
+    """Options of `follow` and `Following`: those of `LoopOptions`, and these.
 
     tolerance [rad, m]: half of the servo's, because nobody corrects the arm by hand.
 

@@ -255,8 +255,8 @@ def one_or_each(given: ArrayLike, n: int, name: str) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class StreamOptions:
-    """Options of `run` and `Streaming`. `FollowOptions` has more.
+class LoopOptions:
+    """Options that all loops share. `StreamOptions` and `FollowOptions` have more.
 
     rate [Hz]: cycles per second. A period may not exceed the servo's longest step (`ServoSettings.max_dt`).
 
@@ -283,6 +283,3 @@ class StreamOptions:
         as_flag(self.velocity_mode, "velocity_mode")
         if self.interlock is not None:
             require(self.interlock, Interlock, "interlock", "as Interlock() is")
-
-
-USUAL = StreamOptions()

@@ -17,7 +17,7 @@ from ...support.display import told
 from ...support.errors import InputError
 from ...support.messages import Quantity, Text, joined
 from ..servo import ServoReason
-from .protocols import Measured, one_or_each
+from .protocols import TOLERANCE, Measured, one_or_each
 
 
 class Ending(Enum):
@@ -265,7 +265,8 @@ class FeedbackWatch:
         )
         if not (as_given > self._tolerance).any():
             return ""
-        in_degrees = not (as_degrees > self._tolerance).any()
+        far = (as_given > np.maximum(self._tolerance, TOLERANCE)).any()  # nearer, it is rather a zero that is off
+        in_degrees = far and not (as_degrees > self._tolerance).any()
         remedy = "in degrees it would be inside, so send radians" if in_degrees else "see its units and its zero"
         return self._worst(as_given, "joint {joint} is {away} beyond its limit (tolerance {tolerance}): " + remedy)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from inspect import signature
 from math import inf
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,7 @@ from ...support.checks import Array, as_positive, require, require_callback, req
 from ...support.errors import InputError, shown
 from ..servo import AnyCommand, ServoSettings, servo_step
 from .cycles import Cycle, Cycles, call_device, drive
-from .protocols import COMMAND_TIMEOUT, USUAL, Clock, Feedback, Reading, Setpoint, Sink, Source, StreamOptions
+from .protocols import COMMAND_TIMEOUT, Clock, Feedback, LoopOptions, Reading, Setpoint, Sink, Source
 from .report import Ending, StreamReport
 
 if TYPE_CHECKING:
@@ -23,30 +24,47 @@ if TYPE_CHECKING:
 RELEASE_FIRST = "release the controls first: they were held when the arm was enabled"
 
 
+@dataclass(frozen=True, eq=False)
+class StreamOptions(LoopOptions):
+    """Options of `run` and `Streaming`: those of `LoopOptions`, and these.
+
+    command_timeout [s]: greatest age of a command.
+
+    settings: those of the servo, or a function of nothing that returns them before every cycle. The stream ends where
+    it returns anything else. None: the usual ones.
+
+    scene: the bodies that the servo keeps apart, or None.
+
+    Raises InputError for a number that is not positive, or a value of another type.
+    """
+
+    command_timeout: float = COMMAND_TIMEOUT
+    settings: ServoSettings | Callable[[], ServoSettings] | None = None
+    scene: Scene | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "command_timeout", as_positive(self.command_timeout, "command_timeout"))
+
+
+USUAL = StreamOptions()
+
+
 class Streaming(Cycles[Cycle]):
     """A stream, cycle by cycle (see `Cycles`), for loops with a timer. The arguments are those of `run`."""
 
     def __init__(
-        self,
-        arm: Arm,
-        source: Source,
-        sink: Sink,
-        feedback: Feedback,
-        options: StreamOptions = USUAL,
-        *,
-        command_timeout: float = COMMAND_TIMEOUT,
-        settings: ServoSettings | Callable[[], ServoSettings] | None = None,
-        scene: Scene | None = None,
+        self, arm: Arm, source: Source, sink: Sink, feedback: Feedback, options: StreamOptions = USUAL
     ) -> None:
-        self._current = _current(settings)
+        require(options, StreamOptions, "options", "as StreamOptions() is")
+        self._current = _current(options.settings)
         super().__init__(arm, sink, feedback, options, self._current())
         self.source = require_method(source, "source", "read")
-        self.scene = scene
-        if scene is not None:
+        self.scene, self.command_timeout = options.scene, options.command_timeout
+        if self.scene is not None:
             from ...collision import require_scene
 
-            require_scene(scene, self.arm).near_pairs  # noqa: B018  (what takes long is done before the loop)
-        self.command_timeout = as_positive(command_timeout, "command_timeout")
+            require_scene(self.scene, self.arm).near_pairs  # noqa: B018  (what takes long is done before the loop)
         self._interlock(self.source)
         # A command from before the arm was enabled moves nothing until the controls were released once.
         self._await_release = not self.interlock.allows_motion
@@ -131,9 +149,6 @@ def run(
     feedback: Feedback,
     options: StreamOptions = USUAL,
     *,
-    command_timeout: float = COMMAND_TIMEOUT,
-    settings: ServoSettings | Callable[[], ServoSettings] | None = None,
-    scene: Scene | None = None,
     handle_signals: bool = True,
     duration: float | None = None,
     until: Callable[[], bool] | None = None,
@@ -170,11 +185,7 @@ def run(
         source: Where commands come from.
         sink: Where setpoints go.
         feedback: Where the joint state comes from.
-        options: Rate, timeout of the joint state, tolerance, velocity mode and interlock.
-        command_timeout: Greatest age of a command [s].
-        settings: Settings of the servo, or a function of nothing that returns them before every cycle, and ends the
-            stream where it returns anything else; None for the usual ones.
-        scene: The bodies that the servo keeps apart, or None.
+        options: Rate, timeouts, tolerance, velocity mode, interlock, the servo's settings and its scene.
         handle_signals: Whether SIGTERM and SIGHUP end the stream as Ctrl-C does. This works in the main thread, and if
             the program has no handler. On return the old effect is back.
         duration: Greatest duration [s]; None for no limit.
@@ -192,9 +203,7 @@ def run(
     require_callback(until, "until", "nothing")
     require_callback(on_cycle, "on_cycle", "a Cycle")
     longest = inf if duration is None else as_positive(duration, "duration")
-    streaming = Streaming(
-        arm, source, sink, feedback, options, command_timeout=command_timeout, settings=settings, scene=scene
-    )
+    streaming = Streaming(arm, source, sink, feedback, options)
     return drive(streaming, clock=clock, handle_signals=handle_signals, on_cycle=on_cycle, longest=longest, until=until)
 
 

@@ -15,7 +15,7 @@ from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line
 from ...control.servo import PoseCommand, ServoOutput, ServoSettings, ServoState
 from ...control.servo.settings import ON_UNREACHABLE, SLIDE
-from ...control.stream import Cycle, Ending, Inbox, Reading, SimulatedJoints, command_of, run
+from ...control.stream import Cycle, Ending, Inbox, Reading, SimulatedJoints, StreamOptions, command_of, run
 from ...support.checks import require
 from ...support.errors import InputError
 from ..messages import PageRequest
@@ -212,10 +212,8 @@ class Drive:
 
     def _run(self) -> None:
         try:
-            report = run(
-                self._arm, self, self._joints, self._joints, scene=self._scene, until=self._done, on_cycle=self._show,
-                settings=self._commands.servo_settings(ServoSettings()),
-            )  # fmt: skip
+            options = StreamOptions(scene=self._scene, settings=self._commands.servo_settings(ServoSettings()))
+            report = run(self._arm, self, self._joints, self._joints, options, until=self._done, on_cycle=self._show)
             if report.ending is not Ending.DONE:
                 self.problem = f"the drive has ended: {report.reason}"
         except Exception as error:
