@@ -36,7 +36,7 @@ def in_brief(value: Any) -> str:
     if isinstance(value, Enum):
         return value.name
     if isinstance(value, (float, np.floating)):
-        return _number(value, ZERO)
+        return _number(float(value), ZERO)
     if isinstance(value, np.ndarray):
         return _array(value) if value.ndim else in_brief(value.item())
     if isinstance(value, (list, tuple)):
