@@ -48,7 +48,7 @@ def free_path(scene: Scene, start: Array, goal: Array, limits: JointLimits, max_
     for theta, name in ((start, "start"), (goal, "goal")):
         contacts = scene.contacts(theta)
         if contacts:
-            raise PathError(f"the {name} collides: {contacts[0]}")
+            raise PathError(f"the {name} collides: {contacts[0]}", theta=theta)
     if scene.is_free(start, goal):
         return np.array([start, goal])
     ends = time.monotonic() + max_time
