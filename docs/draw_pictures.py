@@ -21,11 +21,13 @@ FLAGS = ("--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsa
 FRAMES, SIZE = 40, (648, 480)
 
 CONTROLS_KEY = "Controls"
-CONTROLS = """() => [...document.querySelectorAll("button, summary, input, select, textarea")].map((each) => [
+CONTROLS = """() => [...document.querySelectorAll("button, summary, input, select, textarea")].filter(
+  (each) => each.tagName !== "SUMMARY" || !/\\d/.test(each.textContent)
+).map((each) => [
   each.id || each.getAttribute("aria-label") || each.title || (each.labels?.[0] ?? each).textContent.trim(),
   each.checkVisibility({ visibilityProperty: true }),
 ])"""
-"""Names of all controls of the page, and whether each is seen."""
+"""Names of all controls of the page, and whether each is seen. A fold that tells numbers is no control."""
 
 
 def layers() -> str:
@@ -78,9 +80,9 @@ def animation(page: Page, viewer: Viewer, motion: Trajectory) -> None:
 
 
 def controls(page: Page, seen: bool = False) -> set[str]:
-    """Names of the page's controls, or of those that are seen; # stands for a number. "Planned: 2.5 s" is no name."""
+    """Names of the page's controls, or of those that are seen; # stands for a number."""
     named = ((re.sub(r"\d+", "#", name), shown) for name, shown in page.evaluate(CONTROLS))
-    return {name for name, shown in named if name and ":" not in name and (shown or not seen)}
+    return {name for name, shown in named if name and (shown or not seen)}
 
 
 def controls_in(path: Path) -> set[str]:
