@@ -169,7 +169,7 @@ guide.predict(
 # ## What each direction costs
 #
 # Some directions are cheap: a small turn of the joints moves the tip far. Others are dear. The **singular values** of $J$
-# are the prices. Let the pair of joint rates go round a circle of radius one. $J$ carries this circle to an ellipse of
+# tell which: a metre costs $1/\sigma$ radians. Let the pair of joint rates go round a circle of radius one. $J$ carries this circle to an ellipse of
 # tip velocities. The half-axes of the ellipse are the singular values $\sigma_1 \ge \sigma_2$: the most and the least that
 # joint rates of that size do. `np.linalg.svd` computes them.
 
