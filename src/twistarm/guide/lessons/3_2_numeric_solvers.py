@@ -168,10 +168,10 @@ guide.predict(
 # %% [markdown]
 # ## What each direction costs
 #
-# Some directions are cheap: a small turn of the joints moves the tip far. Others are dear. The **singular values** of $J$
-# tell which: a metre costs $1/\sigma$ radians. Let the pair of joint rates go round a circle of radius one. $J$ carries this circle to an ellipse of
-# tip velocities. The half-axes of the ellipse are the singular values $\sigma_1 \ge \sigma_2$: the most and the least that
-# joint rates of that size do. `np.linalg.svd` computes them.
+# Some directions are cheap: a small turn of the joints moves the tip far. Others are dear. The **singular values** of
+# $J$ tell which: a metre costs $1/\sigma$ radians. Let the pair of joint rates go round a circle of radius one. $J$
+# carries this circle to an ellipse of tip velocities. The half-axes of the ellipse are the singular values $\sigma_1
+# \ge \sigma_2$: the most and the least that joint rates of that size do. `np.linalg.svd` computes them.
 
 # %%
 stretched = np.radians([20.0, 2.0])
