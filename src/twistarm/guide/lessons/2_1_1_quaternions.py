@@ -34,8 +34,8 @@
 #
 # $$(0, p') = Q\,(0, p)\,Q^*$$
 #
-# Turns follow each other as matrices do: $Q_{sc} = Q_{st}\,Q_{tc}$ for a camera C on the tool. Source: Murray, Li and Sastry, *A Mathematical
-# Introduction to Robotic Manipulation* (MLS), section 2.2.3.
+# Turns follow each other as matrices do: $Q_{sc} = Q_{st}\,Q_{tc}$ for a camera C on the tool. Source: Murray, Li and
+# Sastry, *A Mathematical Introduction to Robotic Manipulation* (MLS), section 2.2.3.
 #
 # ## Your tool in four numbers
 #
