@@ -25,7 +25,7 @@ from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ...support.directions import value_in_words
 from ...support.errors import InputError
-from ..jobs import Job, Memo, Progress
+from ..jobs import Job, Memo, Progress, same
 from ..messages import Message
 from ..scene.kinematics import Placement, link_matrices
 from .arm_data import NO_PATH, drawn, tool_path
@@ -159,14 +159,13 @@ class Program(Part):
         return Job("plan", "planning the motion", work, partial(self._finish, show, asked, self._cause(show)))
 
     def _cause(self, show: Show) -> tuple[Any, ...]:
-        """What a plan follows from: the list, the obstacles and the tolerances."""
-        bodies = () if show.scene is None else tuple(map(id, show.scene.obstacles.values()))
-        return self.list.poses, bodies, show.tolerances
+        """What a plan follows from: the list, the tolerances and the obstacles."""
+        return self.list.poses, show.tolerances, *(() if show.scene is None else show.scene.obstacles.values())
 
     def _finish(self, show: Show, asked: MotionRequest, cause: tuple[Any, ...], result: Planned) -> None:
         poses, (planned, path) = cause[0], result
         if isinstance(planned, PathError):
-            show.draw_path(path, lambda: cause == self._cause(show))
+            show.draw_path(path, lambda: same(cause, self._cause(show)))
             end = _ends(poses)[-1 if planned.segment is None else planned.segment].name
             raise InputError(f"on the way to '{end}' {planned.detail}")
         if show.driven:
