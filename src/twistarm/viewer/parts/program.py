@@ -135,14 +135,13 @@ class Program(Part):
         current = ours and self._through == _listed(listed)
         poses = [{"id": pose.id, **pose.entry()} for pose in listed]
         asked = self._asked if ours else NO_REQUEST
-        through_joints = asked.through_joints(listed)
-        straight = STRAIGHT if through_joints and asked.stop else ""
+        straight = STRAIGHT if asked.stop and asked.through_joints(listed) else ""
         said = self._motion.notes if current and self._motion else ()
         arrivals = _elsewhere(self._arm, self._motion, listed) if current and self._motion else ()
-        words = [straight, *(_of_poses(note, listed) for note in said), *arrivals, self._usual]
+        words = [*arrivals, straight, *(_of_poses(note, listed) for note in said), self._usual]
         note = ("; ".join(filter(None, words)) if current else STALE) if ours else ""
-        settings = {**asked._asdict(), "kind": asked.kind or None}
-        return {"type": "program", "poses": poses, "planned": current, **settings, "note": note}
+        told = {"type": "program", "poses": poses, "planned": current, "note": note}
+        return {**told, **asked._asdict(), "kind": asked.kind or None}
 
     def _plan(self, show: Show, now: float, **fields: Any) -> Job:
         asked, poses = MotionRequest(**fields), self.list.poses
