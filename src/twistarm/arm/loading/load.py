@@ -23,7 +23,7 @@ from ...description.tree import Description, Semantics
 from ...description.urdf import build_description, read_description
 from ...limits.joint_limits import JointLimits
 from ...support.checks import require_mapping
-from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, shown
+from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, listed, shown
 from ...support.files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
 from ...support.messages import Argument, Text, plural
 from ..arm import Arm
@@ -347,6 +347,10 @@ def _with_what_is_said(
         given = {name: Argument(name, None) for name in ("tip", "srdf")}
         remedy = Text("{tip}, an arm.toml or another {srdf} win over it", **given)
         found = finding("srdf-found", Place(semantics.path.name), what, remedy)
+        if passive := [name for name in arm.joint_names if name in semantics.passive_joints]:
+            what = f"passive joints, which no motor drives, count as driven: {listed(passive)}"
+            remedy = Text("pass {locked}, or couple them by <mimic>", locked=Argument("locked_joints", None))
+            stating = [*stating, finding("companion-doubtful", Place(semantics.path.name), what, remedy)]
         findings = (*arm.findings, found, *stating)
         arm = replace(arm, named_states={**states, **poses}, disabled_collisions=pairs, findings=findings)
     name = arm.ready_name
