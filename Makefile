@@ -116,12 +116,12 @@ clean:
 # versions that fit, or fails, so it is brought up to date.
 $(VENV)/base: pyproject.toml $(CORE)
 	$(PYTHON) -m venv --upgrade-deps $(VENV)
-	$(BIN)/python -m pip install --quiet --editable '.[view,check,plan,guide]'
+	$(BIN)/python tools/install.py view,check,plan,obstacles,guide
 	@touch $@
 
 $(VENV)/dev: pyproject.toml $(CORE)
 	$(PYTHON) -m venv --upgrade-deps $(VENV)
-	$(BIN)/python -m pip install --quiet --editable '.[dev]'
+	$(BIN)/python tools/install.py dev
 	@touch $(VENV)/base $@
 
 # The linters of the page: eslint and tsc, and the Node.js that runs them. Nothing else needs it.

@@ -206,6 +206,36 @@ def test_nan_slows_it_to_rest_on_its_path_and_it_goes_on(rover, motion, robot, c
     assert off_path(motion, theta) < 1e-3
 
 
+@pytest.mark.parametrize("why", ["paused", "mute"])
+@pytest.mark.parametrize("on_the_way", [False, True])
+def test_a_motion_resumes_where_others_have_moved_the_resting_arm(rover, motion, clock, why, on_the_way):
+    """Moved by less than the tolerance: it returns to where it was on its path, without a jump, and arrives."""
+    robot, control, away, seen = Robot(rover.ready, clock), FollowControl(), 0.08 * np.eye(5)[1], []
+    robot.theta = robot.theta + 0.5 * np.eye(5)[4] * on_the_way
+    pause, move, resume = 100.2, 101.0, 101.5
+    robot.mute = lambda now: why == "mute" and pause < now < resume
+
+    def operate(cycle):
+        seen.append(cycle)
+        if pause < cycle.time < pause + 1.5 * PERIOD and why == "paused":
+            control.pause()
+        robot.deaf = lambda now: move < now < resume
+        if move < cycle.time < move + 1.5 * PERIOD:
+            robot.theta = seen[-2].setpoint.theta + away
+        if cycle.time > resume:
+            control.resume()
+
+    report = followed(rover, motion, robot, clock, control=control, approach=on_the_way, on_cycle=operate)
+    assert report.ok
+    k = next(k for k, cycle in enumerate(seen) if cycle.time > resume)
+    stood, back = seen[k - 2].at, [cycle for cycle in seen[k:] if cycle.setpoint is not None]
+    np.testing.assert_allclose(back[1].setpoint.theta, seen[k].theta, atol=0.002)
+    theta = np.array([back[0].theta, back[0].theta, *(cycle.setpoint.theta for cycle in back[1:])])
+    assert (np.abs(np.diff(theta, 2, axis=0)) <= rover.limits.acceleration * PERIOD**2 * EXACT).all()
+    assert on_the_way == (stood < 0.0)
+    assert on_the_way or np.abs(theta - motion(stood)).max(axis=1).min() < 1e-3
+
+
 def test_a_robot_that_is_gone_is_given_up(rover, motion, clock):
     robot = Robot(rover.ready, clock)
     robot.mute = lambda now: now > 100.5

@@ -23,6 +23,7 @@ from twistarm.control.stream import (
     Setpoint,
     Signer,
     SimulatedJoints,
+    StateInbox,
     UdpFeedback,
     UdpSink,
     UdpSource,
@@ -104,7 +105,9 @@ def test_a_flood_costs_a_bounded_time_per_cycle_and_the_latest_counts(rover, cli
 
 def test_joint_states_arrive_by_name(rover, client):
     with UdpFeedback(rover) as feedback:
-        assert feedback.read(1.0).theta is None
+        send(client, {"joint_names": rover.joint_names, "theta": [9] * 5}, feedback)  # of an unknown age
+        unread = feedback.read(1.0)
+        assert (unread.theta, unread.reason == StateInbox(rover).read(1.0).reason) == (None, False)
         names = list(reversed(rover.joint_names))
         send(client, {"joint_names": names, "theta": [5, 4, 3, 2, 1]}, feedback)
         measured = feedback.read(1.05)

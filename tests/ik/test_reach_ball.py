@@ -11,7 +11,7 @@ from catalogue import load
 from joint_arms import KINDS, by_hand, random_chain
 from twistarm import Approach, JointLimits, Pose, Position, arm_from_screws, joints
 from twistarm.arm.arm_data import Coupling
-from twistarm.ik.reach_ball import reach_ball
+from twistarm.ik.reached import reach_ball
 
 
 def farthest(arm, like, ball, seed):

@@ -7,7 +7,6 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import replace
-from functools import cached_property
 from itertools import combinations
 from math import isfinite
 from pathlib import Path
@@ -63,7 +62,8 @@ class Scene(Obstacles):
             arm: An arm with a description.
             margin: Distance [m] below which a pair collides: a number, or {link or obstacle: number}. The larger of
                 two margins counts for a pair.
-            exact: Check the triangles of meshes. It is slower, and an overlap has no depth.
+            exact: Check the triangles of meshes. It is slower, and surfaces that meet have no depth. A closed mesh is
+                solid: a body wholly inside collides, by its distance from the surface.
             progress: Called with the fraction done while allowed pairs are found.
 
         Raises:
@@ -187,9 +187,9 @@ class Scene(Obstacles):
 
     # -- what is in it -------------------------------------------------------------------------------------------
 
-    @cached_property
+    @property
     def findings(self) -> tuple[Finding, ...]:
-        """What shape each link has, and the meshes that could not be read."""
+        """What shape each link has, the meshes that could not be read, and those that are open."""
         place = self._description.place()
         found = [
             finding("collision-shapes", place, f"{kind}: {listed(names)}", "check them in the view, layer Collision")
@@ -202,6 +202,11 @@ class Scene(Obstacles):
         for why, names in self._unreadable.items():
             remedy = "mend the file, or give the link a box or cylinder as collision shape"
             found.append(finding("mesh-unreadable", place, f"{why}; left out of {listed(names)}", remedy))
+        bodies = (*self._links, *self._obstacles.values())
+        open_ones = dict.fromkeys(body.name for body in bodies if body.solid is not None and not body.solid.closed)
+        if open_ones:
+            what = f"the triangles are not closed, so what is wholly inside counts as free: {listed(open_ones)}"
+            found.append(finding("mesh-open", place, what, "close the holes of the mesh, or leave out exact"))
         return tuple(found)
 
     @property
@@ -334,7 +339,7 @@ class Scene(Obstacles):
     def leaving(self, theta: Array) -> Scene:
         """The scene for a motion from theta (n,): bodies that collide there count only if they come 0.5 mm nearer.
 
-        It is the same scene if nothing collides there.
+        It is the same scene if nothing collides there. Kept triangles have no depth, so they cannot be left.
         """
         q, checker = self._model.q(theta), self._checker
         hit = checker.overlapping(q)

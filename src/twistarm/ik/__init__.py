@@ -5,7 +5,7 @@ from .all_solutions import AllSolutions
 from .all_solutions_batch import AllSolutionsBatch, solve_ik_all_batch
 from .answer import StopReason
 from .batch import IKBatch, solve_ik_batch
-from .closed_form.report import ClosedFormReport, closed_form_of
+from .closed_form.methods import ClosedFormReport, closed_form_of
 from .reached import Reached, reachable
 from .request import POSTURES
 from .solution import IKResult

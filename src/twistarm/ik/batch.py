@@ -16,12 +16,10 @@ from ..support.checks import Array, RealArray, as_given, as_positive, as_whole, 
 from ..support.errors import InputError, shown
 from .answer import NOT_FINISHED, STOPS, Record, StopReason, record_type
 from .certainty import decide
-from .collision_free import collision_free
-from .deadline import Deadline
 from .ranges import joint_ranges
-from .request import Request, checked, named
+from .request import Deadline, Request, checked, named
 from .solution import IKResult
-from .solve import solve_ik
+from .solve import collision_free
 from .targets import AnyTarget, Pose, TargetLike, checked_target, shape_hint, target_for, target_of
 from .task_space import ORIENTATION_TOL, POSITION_TOL
 
@@ -204,7 +202,7 @@ def _free(batch: IKBatch, scene: Scene, deadline: Deadline, threads: int) -> IKB
     met = np.flatnonzero(batch.converged)
     contacts: dict[int, tuple[Contact, ...]] = {}
     for i in met[scene.collides(batch.theta[met], threads=threads)].tolist():
-        found = collision_free(scene, batch[i], solve_ik, deadline)
+        found = collision_free(scene, batch[i], deadline)
         if found.contacts:
             contacts[i] = found.contacts
         else:

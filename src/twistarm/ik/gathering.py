@@ -18,8 +18,8 @@ from .batch import Progress
 from .certainty import EXACT
 from .closed_form.methods import Method
 from .closed_form.roots import ROUNDED_LIMIT, Asked, Root, apart, copies_inside
-from .deadline import Deadline
 from .ranges import holding, joint_ranges
+from .request import Deadline
 from .searches import searched
 from .self_motions import SelfMotions
 from .solution import IKResult

@@ -1,10 +1,12 @@
-"""The arguments of a solver besides the target, checked before it begins."""
+"""The arguments of a solver besides the target, checked before it begins, and the deadline that follows from them."""
 
 from __future__ import annotations
 
 import math
+import time
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +15,8 @@ from ..arm.arm import Arm
 from ..support.checks import Array, as_floats, as_seed, as_whole, frozen
 from ..support.errors import InputError, listed, shown
 from .task_space import Tolerances
+
+T = TypeVar("T")
 
 LEAST_TOLERANCE = 1e-12
 """Smaller tolerances need more digits than forward kinematics has."""
@@ -142,3 +146,32 @@ def _seconds(value: float | None) -> float:
     if number.ndim or not number > 0:
         raise InputError(f"max_time must be a positive number of seconds, or None for no limit; got {shown(value)}")
     return float(number)
+
+
+@dataclass(frozen=True)
+class Deadline:
+    """A moment on the monotonic clock [s] after which no new work begins."""
+
+    moment: float = math.inf
+
+    @classmethod
+    def after(cls, seconds: float | None) -> Deadline:
+        """`seconds` from now; never for infinity and None."""
+        return cls(math.inf if seconds is None else time.monotonic() + seconds)
+
+    @property
+    def passed(self) -> bool:
+        """Whether the moment has come."""
+        return time.monotonic() >= self.moment
+
+    @property
+    def left(self) -> float | None:
+        """Seconds left, as a solver's `max_time`: at least a microsecond, None for infinity."""
+        return None if math.isinf(self.moment) else max(1e-6, self.moment - time.monotonic())
+
+    def until(self, items: Iterable[T]) -> Iterator[T]:
+        """The items, until the moment has come."""
+        for item in items:
+            if self.passed:
+                return
+            yield item

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..arm.arm import Arm
 from ..support.checks import Array
 from .batch import Progress, solve_ik_batch
-from .deadline import Deadline
+from .request import Deadline
 from .solve import solve_ik
 from .targets import AnyTarget
 from .task_space import USUAL, Tolerances

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..support.checks import Array
 from .closed_form.roots import DEPENDENT, Asked, apart
-from .deadline import Deadline
 from .ranges import TURN, joint_ranges
+from .request import Deadline
 
 STEP = 0.2
 """Along a self-motion, the norm over the joints [rad, m]."""

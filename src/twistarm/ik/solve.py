@@ -1,25 +1,32 @@
-"""`solve_ik`: an exact answer where there is one; else the nearest and the reason."""
+"""`solve_ik`: an exact answer where there is one; else the nearest and the reason. With a scene, a free one."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
+from ..support.checks import Array
 from . import textbook
 from .answer import record_type
 from .certainty import decide
-from .collision_free import collision_free
-from .deadline import Deadline
-from .request import checked, named
+from .ranges import joint_ranges
+from .request import Deadline, checked, named
 from .solution import IKResult
 from .targets import Pose, TargetLike, checked_target, target_for
 from .task_space import ORIENTATION_TOL, POSITION_TOL
 
 if TYPE_CHECKING:
     from ..collision import Scene
+
+SPREADS = (0.3, 1.0, np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
+"""Widths [rad, m] of the starts about theta0 in each round of searches; inf for the whole range."""
+
+SEARCHES = 64
+"""Searches of each round."""
 
 
 def solve_ik(
@@ -81,7 +88,7 @@ def solve_ik(
             max_time=max_time, rng=rng, posture=posture,
         )  # fmt: skip
         free = not first.converged or not scene.collides(first.theta)
-        return first if free else collision_free(scene, first, solve_ik, Deadline.after(max_time))
+        return first if free else collision_free(scene, first, Deadline.after(max_time))
     chain = (arm if type(arm) is Arm else require_arm(arm)).compiled
     if chain is None:
         asked = checked_target(arm, target)
@@ -104,3 +111,38 @@ def solve_ik(
     if stop != 0:
         decide(arm, found.target, np.ndarray((), record_type(arm.n), record), max_time is None)
     return found
+
+
+def collision_free(scene: Scene, first: IKResult, deadline: Deadline) -> IKResult:
+    """The nearest free configuration that meets the target of `first`, or `first` with its contacts.
+
+    `first` meets the target and collides. Searches start near theta0, then at random configurations.
+    """
+    arm, start, met = first.arm, first.record["theta0"], first.tolerances.keywords
+    for candidates in _rounds(arm, first, start):
+        near = candidates[np.argsort(np.linalg.norm(candidates - start, axis=1), kind="stable")]
+        for theta in near[~scene.collides(near)] if len(near) else ():
+            found = solve_ik(arm, first.target, theta, **met, max_time=deadline.left)
+            if found.converged and not scene.collides(found.theta):
+                found._avoided = f"the configuration nearest to theta0 collides: {scene.contacts(first.theta)[0]}"
+                return found
+        if deadline.passed:
+            break
+    first._contacts = scene.contacts(first.theta)
+    return first
+
+
+def _rounds(arm: Arm, first: IKResult, start: Array) -> Iterator[Array]:
+    """Configurations (k, n) that meet the target, several at a time."""
+    met, chain, target = first.tolerances, arm.require_core("solve_ik with a scene"), first.target
+    numbers = np.repeat(target.numbers[None], SEARCHES, axis=0)
+    rng, ranges = np.random.default_rng(0), joint_ranges(arm)
+    for spread in SPREADS:
+        starts = arm.random_theta(rng, SEARCHES)
+        if np.isfinite(spread):
+            starts = np.array([ranges.inside(start + rng.normal(0.0, spread, arm.n)) for _ in range(SEARCHES)])
+        found = np.empty(SEARCHES, record_type(arm.n))
+        how = met.position, met.orientation, 1, 0, None, None, 1, None
+        assert chain.solve_batch(target.kind, numbers, starts, *how, found), "the target and the starts are plain"
+        theta = found["theta"][found["stop"] == 0]
+        yield np.array([ranges.wrapped(each, start) for each in theta]).reshape(-1, arm.n)

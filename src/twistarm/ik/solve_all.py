@@ -18,10 +18,9 @@ from .answer import Configurations
 from .batch import Progress
 from .closed_form.methods import closest_miss_of, known_method, method_for
 from .closed_form.roots import Root
-from .deadline import Deadline
 from .gathering import Gathering, Members
 from .ranges import standing
-from .request import checked
+from .request import Deadline, checked
 from .targets import Approach, Pose, TargetLike, checked_target, target_for
 from .task_space import ORIENTATION_TOL, POSITION_TOL, Tolerances
 

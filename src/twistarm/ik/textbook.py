@@ -14,9 +14,8 @@ import numpy as np
 from ..arm.arm import Arm
 from ..support.checks import Array
 from .answer import STOPS, Record, StopReason, fill, record_type
-from .deadline import Deadline
 from .ranges import JointRanges, joint_ranges
-from .request import Request
+from .request import Deadline, Request
 from .targets import AnyTarget
 from .task_space import Tolerances, excess_rows
 

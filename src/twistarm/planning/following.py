@@ -77,11 +77,6 @@ def way(last: Node | None) -> list[Node]:
     return nodes[::-1]
 
 
-def cheapest_first(nodes: list[Node]) -> list[Node]:
-    """Sort nodes by joint motion, ignoring rounding."""
-    return sorted(nodes, key=lambda node: float(f"{node.cost:.6g}"))
-
-
 @dataclass(frozen=True, eq=False)
 class Blocked:
     """A curve that can be followed to `node`, but not to s = `ahead`. `leap`: only a leap would meet it there."""
@@ -96,20 +91,6 @@ class Blocked:
         return next(node.theta for node in way(self.node) if node.moving is self.node.moving)
 
 
-class Rungs:
-    """Places s (k + 1,) close enough for the curves of all nodes, and the poses there."""
-
-    def __init__(self, nodes: Sequence[Node], fewest: int) -> None:
-        movings = {id(node.moving): node.moving for node in nodes}
-        steps = max(max(each.curve.length / FIRST_STEP, each.angle / FIRST_TURN) for each in movings.values())
-        self.s = np.linspace(0.0, 1.0, int(np.clip(np.ceil(steps), fewest, MOST_RUNGS)) + 1)
-        self._poses = {key: each.curve(self.s) for key, each in movings.items()}
-
-    def poses(self, nodes: Sequence[Node], k: int) -> Array:
-        """The ideal poses (b, 4, 4) of each node's curve at rung k."""
-        return np.array([self._poses[id(node.moving)][k] for node in nodes])
-
-
 def efforts(start: Array, end: Array, velocity: Array) -> Array:
     """Return the least times (...) between configurations (..., n) at full velocity [s]."""
     return (np.abs(end - start) / velocity).max(axis=-1)
@@ -121,21 +102,25 @@ def climb(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | 
     Each rung is solved from every configuration at the one before, in one batch. The closed form does it if no joint is
     held. Where a joint would leap or there is no answer, a rung halfway comes first.
     """
-    climber = _Climber(arm, limits, Rungs(roots, MIN_RUNGS))
+    climber = _Climber(arm, limits, roots)
     nodes = list(roots)
-    for k in range(1, len(climber.rungs.s)):
-        nodes = climber.advance(nodes, float(climber.rungs.s[k]), k)
+    for k in range(1, len(climber.s)):
+        nodes = climber.advance(nodes, float(climber.s[k]), k)
     if nodes:
-        return cheapest_first(nodes)
+        return sorted(nodes, key=lambda node: float(f"{node.cost:.6g}"))  # by more than rounding
     assert climber.farthest is not None
     return climber.farthest
 
 
 class _Climber:
-    """One climb: the number of rungs left, and the farthest blocked node."""
+    """One climb: the rungs' places s (k + 1,) and poses, the number of rungs left, and the farthest blocked node."""
 
-    def __init__(self, arm: Arm, limits: JointLimits, rungs: Rungs) -> None:
-        self.arm, self.limits, self.rungs = arm, limits, rungs
+    def __init__(self, arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> None:
+        self.arm, self.limits = arm, limits
+        movings = {id(node.moving): node.moving for node in roots}
+        steps = max(max(each.curve.length / FIRST_STEP, each.angle / FIRST_TURN) for each in movings.values())
+        self.s = np.linspace(0.0, 1.0, int(np.clip(np.ceil(steps), MIN_RUNGS, MOST_RUNGS)) + 1)
+        self._poses = {key: each.curve(self.s) for key, each in movings.items()}
         self.left = MOST_HALVINGS
         self.farthest: Blocked | None = None
 
@@ -157,7 +142,7 @@ class _Climber:
         for i, node in enumerate(nodes):
             if met[i] and not leap[i]:
                 found.append(Node(node.moving, s, theta[i], node.cost + float(moved[i]), node))
-            elif self.left > 0 and step > (LEAST_DISTANCE if met[i] else self.rungs.s[1] / SMALLEST_STEP):
+            elif self.left > 0 and step > (LEAST_DISTANCE if met[i] else self.s[1] / SMALLEST_STEP):
                 self.left -= 1
                 halved.append(node)
             elif self.farthest is None or node.s > self.farthest.node.s:
@@ -166,9 +151,9 @@ class _Climber:
 
     def _solved(self, nodes: list[Node], s: float, k: int | None) -> Solutions:
         """Return answers (b, n) at s, near where each node is heading, and which exist."""
-        g = np.array([node.moving.curve(np.array(s)) for node in nodes]) if k is None else self.rungs.poses(nodes, k)
+        ideal = [node.moving.curve(np.array(s)) if k is None else self._poses[id(node.moving)][k] for node in nodes]
         near = np.clip([_ahead(node, s) for node in nodes], self.arm.limits.lower, self.arm.limits.upper)
-        return solve_near(self.arm, nodes[0].moving, g, near, self._by_closed_form)
+        return solve_near(self.arm, nodes[0].moving, np.array(ideal), near, self._by_closed_form)
 
     def _by_closed_form(self, moving: MovingTarget, ideal: Array, near: Array) -> Solutions | None:
         """Return the nearest answer to each target. The arm's family must give all of them and hold no joint."""

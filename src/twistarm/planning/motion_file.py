@@ -24,8 +24,8 @@ from ..theory.rotations import from_quaternion_wxyz, from_rpy
 from .motion import LAWS
 from .segments import ArcMove, Dwell, FreeMove, Goal, JointMove, LineMove, Move, ScrewMove, Segment
 
-STEP = 0.2
-"""How far the first motion moves a joint from the ready pose [rad, m], or as far as its limits allow."""
+STEP = {"rad": 0.2, "m": 0.05}
+"""How far the first motion moves a joint from the ready pose, or as far as its limits allow."""
 
 KINDS = {"joint": JointMove, "free": FreeMove, "line": LineMove, "screw": ScrewMove, "arc": ArcMove, "dwell": Dwell}
 
@@ -197,8 +197,9 @@ class _Reader:
 def draft_motion_file(arm: Arm) -> str:
     """Return the text of a motion.toml for this arm, with every kind of segment."""
     x, y, z = np.round(arm.fk(arm.ready)[:3, 3], 3).tolist()
-    moved = np.clip(arm.ready + STEP, arm.limits.lower, arm.limits.upper)
-    j = int(np.argmax(np.abs(moved - arm.ready)))
+    steps = np.array([STEP[unit] for unit in arm.units])
+    moved = np.clip(arm.ready + steps, arm.limits.lower, arm.limits.upper)
+    j = int(np.argmax(np.round((moved - arm.ready) / steps, 9)))  # the first that can take its step
     value = float(np.floor(1e3 * moved[j]) / 1e3)
     template = Path(__file__).parent / "files" / "motion.toml.in"
     return filled(template, arm=arm.name, joint=toml_key(arm.joint_names[j]), value=value, x=x, y=y, z=z)

@@ -15,7 +15,7 @@ from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, as_floats, as_number, frozen, require, require_names
 from ..support.display import in_brief
 from ..support.errors import InputError, listed, shown
-from .piecewise import derivative, evaluate, extremes
+from .piecewise import derivative, evaluate, largest
 
 Progress = Callable[[float], object]
 """Called with the fraction done, in (0, 1]."""
@@ -113,10 +113,10 @@ class Trajectory:
         return self._held(values, at, order).reshape(*times.shape, self.n)
 
     def peak(self, order: int) -> Array:
-        """Return the largest magnitude of that derivative (0 … 3) over the whole motion, (n,), exactly."""
+        """Return the largest magnitude of that derivative (0 … 3) over the whole motion, (n,), to 1e-10."""
         _check_order(order)
-        _, values = extremes(derivative(self.coefficients, order), np.diff(self.breakpoints))
-        return np.abs(values).max(axis=(0, 1))
+        rates, steps = derivative(self.coefficients, order), np.diff(self.breakpoints)
+        return np.array([largest(rates[:, :, j : j + 1], steps) for j in range(self.n)])
 
     def sample(self, dt: float) -> Samples:
         """Return position, velocity and acceleration every `dt` [s] from 0 on, and at `duration` exactly.

@@ -65,6 +65,9 @@ def as_waypoints(arm: Arm, waypoints: Waypoints, met: Tolerances, unwrap: bool) 
     """Return waypoints (k, n), k ≥ 1, from arrays, {joint: value} mappings, names and targets; and notes."""
     if isinstance(waypoints, str | Mapping) or not np.iterable(waypoints):
         raise InputError(f"waypoints must be a sequence of configurations; got {shown(waypoints)}")
+    rows = waypoints if isinstance(waypoints, np.ndarray) else np.zeros(0)
+    if rows.shape[1:] == (arm.n,) and len(rows) and (np.abs(np.diff(rows, axis=0)) <= HALF_TURN).all():
+        return np.array(arm.theta_from(rows, name="waypoints")), []  # there is nothing to solve or to unwrap
     points: list[Array] = []
     notes: list[str] = []
     for i, waypoint in enumerate(waypoints):

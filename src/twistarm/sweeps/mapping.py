@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..arm.arm import Arm, require_arm
 from ..arm.baking import text_of
 from ..ik import Approach, Position, reachable, solve_ik_batch
-from ..ik.reach_ball import reach_ball
+from ..ik.reached import reach_ball
 from ..support.checks import Array, as_direction, as_positive, as_whole, require_choice
 from ..support.errors import InputError
 from ..theory.manipulability import scaled_jacobian

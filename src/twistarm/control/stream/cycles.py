@@ -245,7 +245,12 @@ class Cycles(ABC, Generic[C]):
         """Begin at the measured theta (n,); StreamError where that is far beyond the position limits."""
         if beyond := self._watch.beyond_limits(theta):
             raise StreamError(Ending.BEYOND_LIMITS, beyond)
+        self._restart_at(theta, now)
+
+    def _restart_at(self, theta: Array, now: float) -> None:
+        """Begin anew at theta (n,), whatever was commanded before."""
         self._start_at(theta, now)
+        self._watch.forget()
 
     def _start_at(self, theta: Array, now: float) -> None:
         self.state = ServoState.at(self.arm, theta)

@@ -21,7 +21,7 @@ from ..servo import ServoOutput, ServoReason, ServoSettings, ServoState
 from .cycles import Cycle, Cycles, StreamError, drive
 from .motion_clock import SLOPE, LimitedMotion, MotionClock, motion_of, way_there, why_elsewhere
 from .protocols import EMERGENCY_STOP, LONGEST_REASON, Clock, Feedback, Setpoint, Sink, StreamOptions, one_or_each
-from .report import Ending, StreamReport
+from .report import MOVED, Ending, StreamReport
 
 TRACKING_TOLERANCE = 0.1
 """Allowed distance of a joint from the command [rad, m]. Nobody corrects it by hand, unlike with a servo."""
@@ -165,6 +165,7 @@ class Following(Cycles[FollowCycle]):
         self.largest_error, self.largest_lag = np.zeros(self.arm.n), np.zeros(self.arm.n)
         self._near = one_or_each(options.start_tolerance, self.arm.n, "start_tolerance")
         self._clock = MotionClock(0.0, 0.0)
+        self._joins = 0.0  # the motion's time where the way to it ends [s]
         self._astray = False
         self._seen = self._arrived = inf
         self._labels = deque(self.motion.labels)
@@ -172,7 +173,9 @@ class Following(Cycles[FollowCycle]):
     @property
     def at(self) -> float:
         """The motion's time [s], below 0 on the way to its start."""
-        return self._clock.time - (self._leg.motion.duration if self._before_start else 0.0)
+        if not self._on_the_way:
+            return self._clock.time
+        return self._joins or self._clock.time - self._leg.motion.duration
 
     @property
     def pace(self) -> float:
@@ -186,8 +189,8 @@ class Following(Cycles[FollowCycle]):
         return super().longest_braking + left + 1.0 / SLOPE
 
     @property
-    def _before_start(self) -> bool:
-        """Whether it is still to come to where the trajectory begins."""
+    def _on_the_way(self) -> bool:
+        """Whether it is still to come to where the trajectory begins, or goes on."""
         return self._leg is not self._main
 
     def _cycle(self, now: float) -> FollowCycle:
@@ -207,6 +210,8 @@ class Following(Cycles[FollowCycle]):
         paused = self.control.pause_reason or ("stopped" if self.control.stopped else "")
         self.tally.count(blind=blind, barred=barrier, uncommanded="" if barrier else paused)
         reason = strayed or barrier or blind or self._time_fault(now) or paused
+        if theta is not None and not strayed:
+            self._rejoin(theta, now, bool(reason))
         setpoint = self._braked(now, reason) if self._astray else self._along(now, reason)
         undelivered = self._send(setpoint)
         ending, why = self._ending(strayed, theta, now)
@@ -224,14 +229,30 @@ class Following(Cycles[FollowCycle]):
         if elsewhere and not self.approach:
             raise StreamError(Ending.ELSEWHERE, elsewhere)
         self._begin_at(theta, now)
-        self._leg = LimitedMotion.of(self._commanded_arm, way_there(self._commanded_arm, theta, self.motion))
-        self._clock = MotionClock(0.0, 0.0)
+        self._lead(theta)
+
+    def _lead(self, theta: Array) -> None:
+        """The next leg: from theta (n,) to where the motion is joined."""
+        way = way_there(self._commanded_arm, theta, self.motion(self._joins))
+        self._leg, self._clock = LimitedMotion.of(self._commanded_arm, way), MotionClock(0.0, 0.0)
+
+    def _rejoin(self, theta: Array, now: float, holds: bool) -> None:
+        """Where others have moved the resting arm, go on from where it is, by the straight way back to the path."""
+        assert self.state is not None
+        distance, rests = theta - self.state.theta, self.at_rest
+        unseen = self._watch.returned and rests and bool((np.abs(distance) > MOVED).any())
+        if unseen or (not holds and self._watch.moved_by_others(distance)):
+            self._joins = self._joins if self._on_the_way else self._clock.time
+            self._restart_at(theta, now)
+            self._lead(theta)
+            distance = np.zeros(self.arm.n)
+        self._watch.rest(distance if holds and rests else None, now)
 
     def _along(self, now: float, hold: str) -> Setpoint:
         """A step along the path: toward rest for a reason to `hold`, else toward the requested speed."""
         assert self.state is not None
-        if self._before_start and self._clock.time >= self._leg.motion.duration:
-            self._leg, self._clock = self._main, MotionClock(0.0, 0.0)
+        if self._on_the_way and self._clock.time >= self._leg.motion.duration:
+            self._leg, self._clock = self._main, MotionClock(self._joins, 0.0)
         rate, dt = 0.0 if hold else min(self.speed, self._leg.rate), self._elapsed(now)
         clock = self._clock
         if self._time_fault(now):  # who hears nothing for so long stands by now
@@ -264,7 +285,7 @@ class Following(Cycles[FollowCycle]):
             return None, ""
         if self.control.stopped:
             return Ending.STOPPED, self._where
-        if self._before_start or self._clock.time < self.motion.duration:
+        if self._on_the_way or self._clock.time < self.motion.duration:
             return None, ""
         self._arrived = min(self._arrived, now)
         there = theta is not None and bool((np.abs(theta - self.motion.waypoints[-1]) <= self._near).all())
@@ -272,7 +293,7 @@ class Following(Cycles[FollowCycle]):
 
     @property
     def _where(self) -> str:
-        if self._before_start:
+        if self._on_the_way and not self._joins:
             return "on the way to where it begins"
         return f"at {self.at:.2f} s of {self.motion.duration:.2f} s"
 
@@ -368,7 +389,8 @@ def follow(
     The motion's time s advances at the rate r = ds/dt of `speed`. It is less if a velocity or acceleration limit of the
     arm or its motors needs it. For a pause or stop r goes to 0 and the arm rests on its path. To resume, r rises again.
     |dr/dt| is at most 4 1/s, and keeps q' dr/dt + q'' r² within the acceleration limits. While a joint brakes at its
-    limit, the motion cannot be slowed further.
+    limit, the motion cannot be slowed further. Where others have moved the resting arm by more than 0.01 rad or m, the
+    motion goes on from there: straight in joint space to where it was on its path.
 
     A joint farther than `tolerance` from all setpoints of the last `feedback_timeout` ends the motion. So does an
     emergency stop of `interlock`. Each joint then brakes as fast as its limit allows, off the path. Other trouble

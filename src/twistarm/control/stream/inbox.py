@@ -68,8 +68,10 @@ class Latest:
         """What came from `sender`, if that is the last arrival or the one before from another."""
         return next((arrival for arrival in (self.last, self._rival) if arrival and arrival.sender == sender), None)
 
-    def fault(self, now: float, timeout: float, what: str) -> str:
-        """Why no value counts at `now` [s]; "" if that of the last arrival does."""
+    def fault(self, now: float, timeout: float, what: str, unread: float) -> str:
+        """Why no value counts at `now` [s]; "" if that of the last arrival does. unread: as in `Arrivals`."""
+        if unread > (-inf if self.last is None else self.last.time):
+            return f"a {what} arrived before it was looked for, so its age is unknown, and none has come since"
         if self.last is None:
             return f"no {what} has arrived"
         age = now - self.last.time
@@ -83,11 +85,12 @@ class Latest:
 class Arrivals:
     """What arrives from any thread, by name, each with the rules of `Latest`. Only the latest are kept.
 
-    what: the noun for messages. `note`: what a reason adds where nothing counts.
+    what: the noun for messages. `note`: what a reason adds where nothing counts. `unread` [s]: when values were last
+    dropped because they had waited for too long.
     """
 
     def __init__(self, timeout: float, what: str, names: Iterable[str]) -> None:
-        self.note = ""
+        self.note, self.unread = "", -inf
         self._what, self._lock = what, threading.Lock()
         self._parts = {name: Latest() for name in names}
         self.timeout = timeout
@@ -128,7 +131,7 @@ class Arrivals:
         faults: dict[str, list[str]] = {}
         with self._lock:
             for name, part in self._parts.items():
-                if fault := part.fault(now, self._timeout, self._what):
+                if fault := part.fault(now, self._timeout, self._what, self.unread):
                     faults.setdefault(fault, []).append(name)
             return {name: part.last for name, part in self._parts.items()}, faults
 
@@ -297,7 +300,10 @@ class MessageInput(ABC):
             texts.append(text)
             while len(texts) > 1 and sum(map(len, texts)) > LARGEST_MESSAGE:
                 texts.popleft()
-        for sender, texts in last.items() if not missed else ():
+        if missed:
+            self._inbox.unread = now if last else self._inbox.unread
+            return
+        for sender, texts in last.items():
             for text in texts:
                 self._put(sender, text, now)
 

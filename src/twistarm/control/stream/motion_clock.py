@@ -43,11 +43,10 @@ def motion_of(arm: Arm, trajectory: Trajectory) -> Trajectory:
     return motion
 
 
-def way_there(arm: Arm, theta: Array, motion: Trajectory) -> Trajectory:
-    """The straight joint move from the measured theta (n,) to the start. theta may be slightly beyond a limit."""
+def way_there(arm: Arm, theta: Array, goal: Array) -> Trajectory:
+    """The straight joint move from the measured theta (n,) to goal (n,). theta may be slightly beyond a limit."""
     lower, upper = np.minimum(arm.limits.lower, theta), np.maximum(arm.limits.upper, theta)
-    start = np.clip(motion.waypoints[0], lower, upper)
-    return plan_joint(arm, [theta, start], limits=replace(arm.limits, lower=lower, upper=upper))
+    return plan_joint(arm, [theta, np.clip(goal, lower, upper)], limits=replace(arm.limits, lower=lower, upper=upper))
 
 
 def why_elsewhere(arm: Arm, theta: Array, start: Array, near: Array) -> str:

@@ -37,6 +37,9 @@ class Ending(Enum):
     SERVO_FAILED = "the servo failed"
 
 
+MOVED = 0.01
+"""A resting joint that moves farther [rad, m] is moved by others. Noise and the last of a motion are below."""
+
 ON_REQUEST = (Ending.DURATION, Ending.DONE, Ending.INTERRUPTED, Ending.ARRIVED, Ending.STOPPED)
 
 
@@ -175,6 +178,8 @@ class FeedbackWatch:
         self._since = -inf
         self._now: tuple[Array, Array] | None = None
         self._before: tuple[Array, Array] | None = None
+        self._rest_began = inf
+        self._rest_distance: Array | None = None  # of the measured arm from its setpoint, once it rests
 
     def look(self, measured: Measured | None, now: float) -> tuple[Array | None, str]:
         """theta (n,) at `now` [s], or None and why the joint state cannot be used."""
@@ -202,6 +207,24 @@ class FeedbackWatch:
     def forget(self) -> None:
         """Forget all setpoints, because the servo restarts at the measured position."""
         self._before = self._now = None
+
+    def rest(self, distance: Array | None, now: float) -> bool:
+        """Note the distance (n,) of the resting arm from its setpoint; None: it moves. Whether it has settled.
+
+        Under a load an arm rests off its setpoint: the distance after a timeout at rest is the usual one.
+        """
+        if distance is None:
+            self._rest_began, self._rest_distance = inf, None
+            return False
+        self._rest_began = min(self._rest_began, now)
+        settled = now - self._rest_began >= self._timeout
+        if settled and self._rest_distance is None:
+            self._rest_distance = distance
+        return settled
+
+    def moved_by_others(self, distance: Array) -> bool:
+        """Whether others have moved the resting arm, which is now so far (n,) from its setpoint."""
+        return self._rest_distance is not None and bool((np.abs(distance - self._rest_distance) > MOVED).any())
 
     def follow(self, theta: Array, now: float) -> None:
         """Note where the commanded arm is. Two boxes are kept, each over a timeout: what comes and goes costs O(1)."""

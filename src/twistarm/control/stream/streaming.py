@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 
 RELEASE_FIRST = "release the controls first: they were held when the arm was enabled"
 
-MOVED = 0.01
-"""A resting joint that moves farther [rad, m] is moved by others. Noise and the last of a motion are below."""
-
 
 class Streaming(Cycles[Cycle]):
     """A stream, cycle by cycle (see `Cycles`), for loops with a timer. The arguments are those of `run`."""
@@ -51,8 +48,6 @@ class Streaming(Cycles[Cycle]):
             require_scene(scene, self.arm).near_pairs  # noqa: B018  (what takes long is done before the loop)
         self.command_timeout = as_positive(command_timeout, "command_timeout")
         self._interlock(self.source)
-        self._rest_began = inf
-        self._rest_distance: Array | None = None  # of the measured arm from its setpoint, once it rests
         # A command from before the arm was enabled moves nothing until the controls were released once.
         self._await_release = not self.interlock.allows_motion
 
@@ -76,7 +71,7 @@ class Streaming(Cycles[Cycle]):
         if theta is not None and not strayed and self.at_rest:
             self._while_at_rest(theta, now, command)
         else:
-            self._rest_began, self._rest_distance = inf, None
+            self._watch.rest(None, now)
         setpoint = self._step(command, now, reason)
         undelivered = self._send(setpoint)
         why = "; ".join(filter(None, (reason, undelivered)))
@@ -90,29 +85,20 @@ class Streaming(Cycles[Cycle]):
         """Start at the first theta, and at one that returns while the arm rests: it may have moved meanwhile."""
         if self.state is None or (self._watch.returned and self.at_rest):
             self._begin_at(theta, now)
-            self._watch.forget()
 
     def _while_at_rest(self, theta: Array, now: float, command: AnyCommand | None) -> None:
         """Where others have moved the resting arm, start the next motion where it is, so that it does not jump back.
 
-        Under a load an arm rests off its setpoint, so its distance counts against that after a feedback_timeout at
-        rest. In velocity mode an arm without a command always restarts: only motion needs corrections.
+        In velocity mode an arm without a command always restarts: only motion needs corrections.
         """
         assert self.state is not None
         distance = theta - self.state.theta
         if _asks_for_motion(command):
-            if self._rest_distance is not None and (np.abs(distance - self._rest_distance) > MOVED).any():
-                self._start_at(theta, now)
-                self._watch.forget()
-            self._rest_began, self._rest_distance = inf, None
-            return
-        self._rest_began = min(self._rest_began, now)
-        if now - self._rest_began < self.feedback_timeout:
-            return
-        if self._rest_distance is None:
-            self._rest_distance = distance
-        if self.velocity_mode and command is None:
-            self._start_at(theta, now)
+            if self._watch.moved_by_others(distance):
+                self._restart_at(theta, now)
+            self._watch.rest(None, now)
+        elif self._watch.rest(distance, now) and self.velocity_mode and command is None:
+            self._restart_at(theta, now)
             self._watch.follow(theta, now)
 
     def _command(self, reading: Reading) -> tuple[AnyCommand | None, str]:

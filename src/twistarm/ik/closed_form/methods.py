@@ -21,12 +21,20 @@ from ...support.checks import Array
 from ...support.errors import InputError
 from ...theory.screws import inverse
 from ..ranges import standing
-from ..targets import AnyTarget, Approach, Pose, Position
+from ..targets import AnyTarget, Approach, Pose, Position, TargetLike, checked_target
 from . import elimination
 from .chain import MOST_JOINTS, Chain, JointAxis, Plane, Point, chain_for, goal
 from .elimination import Rooted, eliminated
-from .families import EXACT, Family, closest_miss, families
-from .in_words import family_in_words, missed_in_words, off_in_words
+from .families import (
+    EXACT,
+    NEARLY,
+    Family,
+    closest_miss,
+    families,
+    family_in_words,
+    missed_in_words,
+    off_in_words,
+)  # fmt: skip
 
 if TYPE_CHECKING:
     from ..._core import ClosedForm
@@ -104,6 +112,9 @@ SLACK_NEARLY = 0.05
 
 MOST_WAYS = 1000
 """Most choices of held joints to try. Ten joints have 210 for a pose, twenty some 39,000."""
+
+FITS_APPROACH = 5
+"""Joints that an `Approach` determines."""
 
 CLOSED_FORM, ELIMINATION, SEARCH = "closed form", "elimination", "search from many starts"
 
@@ -323,3 +334,45 @@ def _closest(arm: Arm, chain: Chain, held: tuple[int, ...], family: Family | Non
     if miss is None:
         return None
     return miss.off_share(arm.reach), missed_in_words(arm, miss, axes, chain.left(held))
+
+
+@dataclass(frozen=True)
+class ClosedFormReport:
+    """How `solve_ik_all` finds every configuration of an arm, for one kind of `target`.
+
+    method: "closed form", "elimination" or "search from many starts". family: the family in words; for a search, why
+    the axes have none. exact: whether every configuration is found, with the joints `held` at their values. held:
+    joints that the target does not determine, base to tip. miss: which axes miss a family by least, and by how much; ""
+    if none do. nearly: whether that is so little that it looks like rounding.
+    """
+
+    target: str
+    method: str
+    family: str
+    exact: bool
+    held: tuple[str, ...] = ()
+    miss: str = ""
+    nearly: bool = False
+
+    def __str__(self) -> str:
+        held = f", for each value of {' and '.join(self.held)}" if self.held else ""
+        miss = f"; {self.miss}" if self.method == ELIMINATION and self.miss else ""
+        return f"{self.method}, {self.family}{held}{miss}"
+
+
+def closed_form_of(arm: Arm, like: TargetLike | None = None) -> ClosedFormReport:
+    """The report for targets like this one. By default an approach for five joints, else a pose."""
+    target = _usual(arm) if like is None else checked_target(arm, like)
+    method = method_for(arm, target)
+    off, miss = closest_miss_of(arm, method)
+    held = tuple(arm.joint_names[i] for i in method.swept)
+    return ClosedFormReport(
+        type(target).__name__, method.name, method.in_words(arm), method.exact, held, miss,
+        nearly=bool(miss) and off <= NEARLY,
+    )  # fmt: skip
+
+
+def _usual(arm: Arm) -> AnyTarget:
+    g = arm.home
+    approach = Approach(g[:3, 3], g[:3, :3] @ arm.tool_axis, arm.tool_axis)
+    return approach if arm.n == FITS_APPROACH and not method_for(arm, approach).swept else Pose(g)

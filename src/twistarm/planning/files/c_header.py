@@ -19,11 +19,10 @@ FOLDER = Path(__file__).parent
 NOTHING = 1e-15
 """Share of the greatest position, velocity or acceleration that is rounding."""
 
-
 MOST_NUMBERS = 7500
 """60 kB in double: a longer table is refitted."""
 
-OFF, RATES_OFF = 1e-6, (1e-3, 1e-2)
+OFF, RATES_OFF = 5e-7, (1e-3, 1e-2)
 """How far [rad, m] the refitted motion may be off, and by what share of the greatest rate: the second if need be."""
 
 LOOKS: Array = np.array([0.0, 0.5, 1.0])
@@ -126,8 +125,10 @@ def _fit(planned: Trajectory, fitted: Trajectory) -> str:
     """Tell how far the refitted motion is off, and how its greatest rates compare with those that were planned."""
     t = (planned.breakpoints[:-1, None] + np.diff(planned.breakpoints)[:, None] * np.linspace(0.0, 1.0, 8)).ravel()
     off = float(np.abs(planned(t) - fitted(t)).max())
-    moves = planned.peak(1) > 0.0
-    shares = [float((fitted.peak(order) / planned.peak(order))[moves].max()) for order in (1, 2, 3)]
+    shares = []
+    for order in (1, 2, 3):
+        peak, greatest = planned.peak(order), fitted.peak(order)
+        shares.append(np.divide(greatest, peak, out=np.ones_like(peak), where=peak > 0.0).max())
     return (
         f"\n * It is fitted to {len(planned.breakpoints) - 1} planned pieces, and off by at most {off:.1e} rad or m.\n"
         " * The greatest velocities, accelerations and jerks are at most {:.4f}, {:.4f} and {:.4f} of the planned ones."

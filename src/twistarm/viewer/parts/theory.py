@@ -53,7 +53,10 @@ class Theory(Part):
         if self._before is not None and not np.array_equal(theta, self._before):
             self._moved = most_moved(show.arm, theta - self._before)
         self._before = theta
-        return {"type": "theory", "moved": self._moved, **numbers(show.arm, theta, _rates(show))}
+        at, rates = show.playback, None
+        if at is not None and (at.running or np.array_equal(at.theta(), theta)):
+            rates = at.trajectory(at.time, 1)  # of the trajectory, where the arm is on it
+        return {"type": "theory", "moved": self._moved, **numbers(show.arm, theta, rates)}
 
 
 def most_moved(arm: Arm, change: Array) -> int:
@@ -84,14 +87,6 @@ def axes(arm: Arm) -> dict[str, Any]:
         "length": arm.reach,
         "size": size,
     }
-
-
-def _rates(show: Show) -> Array | None:
-    """The rates (n,) of the configuration on show on the trajectory, if it plays."""
-    playback = show.playback
-    if playback is None or not (playback.running or np.array_equal(playback.theta(), show.theta)):
-        return None
-    return playback.trajectory(playback.time, 1)
 
 
 def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any]:

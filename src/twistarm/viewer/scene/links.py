@@ -11,7 +11,6 @@ import numpy as np
 
 from ...description.meshes import REMEDY, Part, read_mesh
 from ...description.tree import Description, Geometry, Link
-from ...support.checks import Array
 from ...support.errors import TwistarmError, listed, one_line
 from ...support.files import stamp
 from . import drawing
@@ -182,13 +181,8 @@ def shape(path: str, geometry: Geometry, colour: Colour) -> list[bytes]:
         return [drawing.sphere(path, size[0], colour, g)]
     if geometry.shape == "cylinder":
         return [drawing.cylinder(path, size[0], size[1], colour, g)]
-    return _capsule(path, size[0], size[1], colour, g) if geometry.shape == "capsule" else []
-
-
-def _capsule(path: str, radius: float, length: float, colour: Colour, g: Array) -> list[bytes]:
-    drawn = [drawing.cylinder(f"{path}/side", radius, length, colour, g)]
-    for name, z in (("bottom", -length / 2), ("top", length / 2)):
-        end = g.copy()
-        end[:3, 3] += z * g[:3, 2]
-        drawn.append(drawing.sphere(f"{path}/{name}", radius, colour, end))
-    return drawn
+    if geometry.shape != "capsule":
+        return []
+    (radius, length), side = size[:2], drawing.cylinder(f"{path}/side", size[0], size[1], colour, g)
+    ends = {name: g @ drawing.at(np.array([0.0, 0.0, z])) for name, z in (("bottom", -length / 2), ("top", length / 2))}
+    return [side, *(drawing.sphere(f"{path}/{name}", radius, colour, end) for name, end in ends.items())]

@@ -348,10 +348,9 @@ def bind(host: str, port: int) -> list[socket]:
     try:
         return bind_sockets(port, host or None)
     except (OSError, UnicodeError) as error:
-        free, remedy = "--port 0 (port=0) for a free one", "use 127.0.0.1, or an address of this machine"
         why = {
-            EADDRINUSE: f"port {port} is in use on {host}; take another, or {free}",
-            EACCES: f"port {port} needs more rights than this user has; take one above 1023, or {free}",
+            EADDRINUSE: f"port {port} is in use on {host}; take another, or --port 0 (port=0) for a free one",
+            EACCES: f"port {port} needs more rights than this user has; take one above 1023",
         }
-        other = f"cannot listen on host {host!r}: {error}; {remedy}"
+        other = f"cannot listen on host {host!r}: {error}; use 127.0.0.1, or an address of this machine"
         raise InputError(why.get(getattr(error, "errno", 0), other)) from error

@@ -98,8 +98,7 @@ class Watch(Closeable):
 
     def _tell(self, words: str, wrong: bool) -> None:
         if not self._closed.is_set():
-            text = without_places(words, *self._stamps)
-            self._server.notify(f"{time.strftime('%H:%M:%S')} {text}", wrong)
+            self._server.notify(f"{time.strftime('%H:%M:%S')} {without_places(words, *self._stamps)}", wrong)
             self._say(words)
 
 
