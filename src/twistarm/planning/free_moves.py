@@ -54,7 +54,7 @@ def free_path(
     for theta, name in ((start, "start"), (goal, "goal")):
         contacts = scene.contacts(theta)
         if contacts:
-            raise PathError(f"the {name} collides: {contacts[0]}")
+            raise PathError(f"the {name} collides: {contacts[0]}", theta=theta)
     if scene.is_free(start, goal):
         return np.array([start, goal])
     began, worked = time.monotonic(), time.process_time()
