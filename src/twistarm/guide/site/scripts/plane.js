@@ -6,7 +6,7 @@
   const { RAD, apply, text, matrix, wrapped } = helpers;
   const { cos, sin, acos, atan2, hypot, abs, max, min, sqrt, PI } = Math;
 
-  const HINT = [[82, 123], "drag the elbow or the tool", "grey"];
+  const HINT = [[110, 123], "drag the dots", "grey"];
 
   function links(bench, n) {
     bench.scale = 115 / (n.l1 + n.l2);
