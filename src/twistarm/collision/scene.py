@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from copy import copy
 from dataclasses import replace
 from itertools import combinations
@@ -19,7 +19,7 @@ from ..arm.arm import Arm, require_arm
 from ..arm.bodies import Body, Pair, Shapes, in_words, sorted_pair
 from ..arm.checker import Checker
 from ..arm.pinocchio_model import import_pinocchio
-from ..description.findings import Finding, finding
+from ..description.findings import Finding, Place, finding
 from ..support.checks import Array, Given, as_floats, as_number, as_whole, require, require_callback, require_mapping
 from ..support.errors import InputError, TwistarmError, listed
 from ..support.files import as_path, writable, write_whole
@@ -207,6 +207,10 @@ class Scene(Obstacles):
         if open_ones:
             what = f"the triangles are not closed, so what is wholly inside counts as free: {listed(open_ones)}"
             found.append(finding("mesh-open", place, what, "close the holes of the mesh, or leave out exact"))
+        if absent := self._loaded.absent:
+            what = f"the scene has no such link or object, so what may touch them is left out: {listed(absent)}"
+            remedy = "check that the scene is of this robot"
+            found.append(finding("scene-names", Place(str(self.file or "")), what, remedy))
         return tuple(found)
 
     @property
@@ -372,18 +376,29 @@ class Scene(Obstacles):
 
     def _fill(self, content: SceneFile) -> None:
         """Add what a file holds."""
-        self._loaded = replace(content, entries=())
+        known = {*self._description.links, *(entry.name for entry in content.entries)}
+        absent = list(content.absent)
+
+        def there(names: Iterable[str]) -> bool:
+            """Whether the robot or the file has all of these, or must have."""
+            missing = [name for name in names if content.foreign and name not in known]
+            absent.extend(missing)
+            return not missing
+
         for entry in content.entries:
             try:
                 self._add(entry.name, entry.kind, entry.size, entry.pose, entry.mesh, self._fixed(entry.frame))
             except InputError as error:
                 raise InputError(f"{entry.kind} {entry.name!r}: {error}") from error
             if entry.on:
-                self._hold(entry.name, self._description.require_link(entry.on, "link"), entry.pose, entry.touching)
+                touching = [link for link in entry.touching if there([link])]
+                self._hold(entry.name, self._description.require_link(entry.on, "link"), entry.pose, touching)
         if content.matrix:
             self._found_pairs = {}
-        for first, second in content.allowed:
-            self.allow(first, second, "File")
+        for pair in content.allowed:
+            if there(pair):
+                self.allow(*pair, "File")
+        self._loaded = replace(content, entries=(), foreign=False, absent=tuple(dict.fromkeys(absent)))
 
     def _fixed(self, frame: str | None) -> str:
         """The link in whose frame a file gives a pose: the base for None, the root for "" and "world"."""

@@ -51,6 +51,7 @@ export class View {
     this.dark.addEventListener("change", () => this.furnish());
     this.taken = null; // of the picture, by what stands over it and by handles, then by text
     this.gizmos = []; // each with square(), what its handles take of the picture
+    this.held = false; // by a film, for which the camera stays
     this.widened = false; // the picture shows a target away from the arm
     this.afterRender(() => (this.taken = null));
     this.floor = new Floor(this);
@@ -112,7 +113,7 @@ export class View {
   settle() {
     clearTimeout(this.resting);
     this.resting = setTimeout(() => {
-      if (this.radius === undefined || this.turned || !this.viewer.controls.enabled) return;
+      if (this.radius === undefined || this.turned || this.held || !this.viewer.controls.enabled) return;
       const left = this.widened && this.wanted === null;
       if (left || !this.standing().every((point) => this.within(point, 1))) this.reframe();
     }, REST);

@@ -25,7 +25,7 @@ from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ...support.directions import value_in_words
 from ...support.errors import InputError
-from ..jobs import Job, Memo, Progress
+from ..jobs import Job, Memo, Progress, same
 from ..messages import Message
 from ..scene.kinematics import Placement, link_matrices
 from .arm_data import NO_PATH, drawn, tool_path
@@ -135,14 +135,13 @@ class Program(Part):
         current = ours and self._through == _listed(listed)
         poses = [{"id": pose.id, **pose.entry()} for pose in listed]
         asked = self._asked if ours else NO_REQUEST
-        through_joints = asked.through_joints(listed)
-        straight = STRAIGHT if through_joints and asked.stop else ""
+        straight = STRAIGHT if asked.stop and asked.through_joints(listed) else ""
         said = self._motion.notes if current and self._motion else ()
         arrivals = _elsewhere(self._arm, self._motion, listed) if current and self._motion else ()
-        words = [straight, *(_of_poses(note, listed) for note in said), *arrivals, self._usual]
+        words = [*arrivals, straight, *(_of_poses(note, listed) for note in said), self._usual]
         note = ("; ".join(filter(None, words)) if current else STALE) if ours else ""
-        settings = {**asked._asdict(), "kind": asked.kind or None}
-        return {"type": "program", "poses": poses, "planned": current, **settings, "note": note}
+        told = {"type": "program", "poses": poses, "planned": current, "note": note}
+        return {**told, **asked._asdict(), "kind": asked.kind or None}
 
     def _plan(self, show: Show, now: float, **fields: Any) -> Job:
         asked, poses = MotionRequest(**fields), self.list.poses
@@ -159,14 +158,13 @@ class Program(Part):
         return Job("plan", "planning the motion", work, partial(self._finish, show, asked, self._cause(show)))
 
     def _cause(self, show: Show) -> tuple[Any, ...]:
-        """What a plan follows from: the list, the obstacles and the tolerances."""
-        bodies = () if show.scene is None else tuple(map(id, show.scene.obstacles.values()))
-        return self.list.poses, bodies, show.tolerances
+        """What a plan follows from: the list, the tolerances and the obstacles."""
+        return self.list.poses, show.tolerances, *(() if show.scene is None else show.scene.obstacles.values())
 
     def _finish(self, show: Show, asked: MotionRequest, cause: tuple[Any, ...], result: Planned) -> None:
         poses, (planned, path) = cause[0], result
         if isinstance(planned, PathError):
-            show.draw_path(path, lambda: cause == self._cause(show))
+            show.draw_path(path, lambda: same(cause, self._cause(show)))
             end = _ends(poses)[-1 if planned.segment is None else planned.segment].name
             raise InputError(f"on the way to '{end}' {planned.detail}")
         if show.driven:

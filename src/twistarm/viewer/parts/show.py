@@ -166,14 +166,12 @@ class Show:
 
     def draw_path(self, path: Mapping[str, Any], holds: Callable[[], bool] | None = None) -> None:
         """Draw this path of the tool: points and radius. With `holds`, only while that is true, over the others."""
-        others = [] if holds is None else self._paths
-        self._paths = [*(each for each in others if each[1]()), ({"type": "path", **path}, holds or (lambda: True))]
+        self._paths = [*(self._paths if holds else ()), ({"type": "path", **path}, holds or (lambda: True))]
 
     @property
     def path(self) -> Message:
         """The path that was drawn last, of those that still hold."""
-        while not self._paths[-1][1]():
-            self._paths.pop()
+        self._paths = [each for each in self._paths if each[1]()]
         return self._paths[-1][0]
 
     def require_free(self) -> None:
