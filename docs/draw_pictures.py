@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import io
+import re
 import runpy
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PIL import Image
+from PIL import Image, PngImagePlugin
 from playwright.sync_api import Page, sync_playwright
 
 from twistarm import Approach, Arm, FreeMove, LineMove, Scene, Trajectory, Viewer, load_arm, plan, reach_map, save_png
@@ -18,6 +19,15 @@ DOCS = Path(__file__).parent
 PICTURES = DOCS / "pictures"
 FLAGS = ("--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 FRAMES, SIZE = 40, (648, 480)
+
+CONTROLS_KEY = "Controls"
+CONTROLS = """() => [...document.querySelectorAll("button, summary, input, select, textarea")].filter(
+  (each) => each.tagName !== "SUMMARY" || !/\\d/.test(each.textContent)
+).map((each) => [
+  each.id || each.getAttribute("aria-label") || each.title || (each.labels?.[0] ?? each).textContent.trim(),
+  each.checkVisibility({ visibilityProperty: true }),
+])"""
+"""Names of all controls of the page, and whether each is seen. A fold that tells numbers is no control."""
 
 
 def layers() -> str:
@@ -69,10 +79,24 @@ def animation(page: Page, viewer: Viewer, motion: Trajectory) -> None:
     frames[0].save(DOCS / "motion.webp", save_all=True, append_images=frames[1:], duration=duration, loop=0, quality=60)
 
 
+def controls(page: Page, seen: bool = False) -> set[str]:
+    """Names of the page's controls, or of those that are seen; # stands for a number."""
+    named = ((re.sub(r"\d+", "#", name), shown) for name, shown in page.evaluate(CONTROLS))
+    return {name for name, shown in named if name and (shown or not seen)}
+
+
+def controls_in(path: Path) -> set[str]:
+    """Names of the controls that a picture of the page shows."""
+    with Image.open(path) as picture:
+        return set(picture.info[CONTROLS_KEY].split("\n"))
+
+
 def screenshot(page: Page, path: Path) -> None:
-    """The page in 256 colours, which halves the file."""
+    """The page in 256 colours, which halves the file, with the names of the controls that it shows."""
+    told = PngImagePlugin.PngInfo()
+    told.add_itxt(CONTROLS_KEY, "\n".join(sorted(controls(page, seen=True))))
     picture = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
-    picture.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
+    picture.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True, pnginfo=told)
 
 
 def recorded(page: Page, viewer: Viewer, motion: Trajectory) -> None:

@@ -121,6 +121,12 @@ def follower(mimic: str, limit: str = '<limit lower="-1" upper="1" velocity="1" 
     return robot(joint("a", "base_link", "upper"), joint("b", "upper", "tool0", inside=mimic + limit))
 
 
+def controlled(inside: str) -> str:
+    """A two-joint arm with a command of position for joint a."""
+    command = f'<joint name="a"><command_interface name="position">{inside}</command_interface></joint>'
+    return two_joints().replace("</robot>", f'<ros2_control name="c" type="system">{command}</ros2_control></robot>')
+
+
 CASES: dict[str, Case] = {
     # the file
     "file-unreadable: none": Case({"arm.toml": 'source = "gone.urdf"'}),
@@ -135,6 +141,12 @@ CASES: dict[str, Case] = {
     "mjcf-part-not-read": mjcf('<composite prefix="rope" type="cable" count="3 1 1"/>'),
     "mjcf-gravity": mjcf("", '<option gravity="0 -9.81 0"/>'),
     "mjcf-loop-open": mjcf("", '<equality><connect body1="upper" body2="tool0" anchor="0 0 0"/></equality>'),
+    "xml-malformed: a comment first": urdf('<!-- mine --><?xml version="1.0"?><robot name="r"/>'),
+    "xml-malformed: a digit after the colon": xacro("<xacro:2dof_control/>"),
+    "unit-doubtful: MJCF, ranges": Case({"arm.xml": mjcf("").files["arm.xml"].replace("-1 1", "-2.9 2.9")}),
+    "unit-doubtful: MJCF, euler": Case(
+        {"arm.xml": mjcf("").files["arm.xml"].replace("-1 1", "-90 90").replace('pos="', 'euler="1.57 0 0" pos="')}
+    ),
     # the tree
     "word-unread: a version": urdf(two_joints().replace('<robot ', '<robot version="3.0" ')),
     "name-unusable: none": urdf(two_joints().replace('<link name="upper"/>', '<link name="upper"/><link/>')),
@@ -207,6 +219,9 @@ CASES: dict[str, Case] = {
         srdf(STATES.replace('"s"', '"Home"') + '<joint name="a" value="0"/><joint name="b" value="0"/></group_state>'),
     ),
     "companion-doubtful: SRDF, other robot": beside("arm.srdf", srdf(name="other"), srdf="arm.srdf"),
+    "companion-doubtful: SRDF, passive": beside("arm.srdf", srdf('<passive_joint name="a"/>')),
+    "companion-doubtful: ros2_control": urdf(controlled('<param name="max">0.5</param>')),
+    "companion-doubtful: ros2_control, off": urdf(controlled('<limits enable="false"/>')),
     "companion-doubtful: SRDF, unknown name": beside(
         "arm.srdf", srdf('<group name="g"><joint name="zz"/></group>'), srdf="arm.srdf"
     ),
@@ -245,6 +260,11 @@ CASES: dict[str, Case] = {
     "bad-geometry: two colours": urdf(coloured('name="m"', "1 0 0 1", "0 0 1 1")),
     "bad-geometry: colour": urdf(coloured('name="m"', "255 128 0 1")),
     "inertial-unusable": with_body(mass="1kg"),
+    "inertial-unusable: an entry": Case({"arm.urdf": with_body().files["arm.urdf"].replace(' iyy="0.01"', "")}),
+    "word-unread: of a link": Case({"arm.urdf": with_body().files["arm.urdf"].replace("iyy=", "yy=")}),
+    "word-unread: two of one": Case({"arm.urdf": with_body().files["arm.urdf"].replace("<mass", "<mass/><mass")}),
+    "word-unread: a material": urdf(coloured("", "1 0 0 1")),
+    "word-unread: no prefix": xacro('<xacro:macro name="hand"><gazebo/></xacro:macro><hand/>'),
     # packages and xacro
     "package-not-found": xacro('<gazebo file="$(find nowhere)/x"/>'),
     "package-without-manifest": xacro('<gazebo file="$(find copied)/x"/>', files={"copied/urdf/x.urdf": ""}),
@@ -322,6 +342,11 @@ CASES: dict[str, Case] = {
     "unit-doubtful: large mesh": with_mesh(triangle(300.0)),
     "unit-doubtful: small mesh": with_mesh(triangle(0.3), scale="0.001 0.001 0.001"),
     "mesh-unreadable: LFS pointer": with_mesh(POINTER),
+    "mesh-missing: elsewhere": Case(
+        {name: text.replace("part.stl", "/elsewhere/part.stl") for name, text in with_mesh(triangle(0.3)).files.items()}
+    ),
+    "mesh-unreadable: a page": with_mesh("<!DOCTYPE html><html></html>" + " " * 200),
+    "mesh-unreadable: commas": with_mesh(triangle(0.3).replace(".", ",")),
     "mesh-unreadable": with_mesh("solid nothing\nendsolid nothing\n"),
 }  # fmt: skip
 """By the code, and a word where several inputs raise it."""

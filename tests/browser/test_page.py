@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import io
+import runpy
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +16,7 @@ from PIL import Image
 from scipy.spatial import KDTree
 
 from arms import ARMS, assert_drawn, load
-from twistarm import Arm
+from twistarm import Arm, Scene
 from twistarm.planning.joint_space import plan_joint
 from twistarm.viewer import Viewer
 from waiting import after_frames, draw, settled, until
@@ -232,3 +234,23 @@ def test_a_slider_a_button_a_text_and_a_box(page: Any, viewer: Viewer) -> None:
     until(page, "document.getElementById('drawn-text').textContent === ''")
     page.get_by_role("button", name="Fit view").click()
     assert all(map(np.isfinite, page.evaluate("twistarm.view.viewer.camera.position.toArray()")))
+
+
+def test_the_pictures_of_readme_and_docs_show_controls_that_the_page_has(page: Any, arm: Arm) -> None:
+    """Where it fails, `make pictures` draws them anew."""
+    docs = Path(__file__).parents[2] / "docs"
+    pictures = runpy.run_path(str(docs / "draw_pictures.py"))
+    scene = Scene(arm)
+    scene.add_box("table", (0.4, 1.0, 0.04), (0.8, 0.0, 0.35))
+    with Viewer(arm, scene=scene, open_browser=False) as viewer:
+        settled(page, viewer.url)
+        page.click("#tab-program")
+        page.click("#record")
+        page.get_by_role("button", name="Delete pose 1").wait_for()
+        page.click("#tab-scene")
+        page.get_by_role("button", name="Remove table").wait_for()
+        there = pictures["controls"](page)
+    for name in ("view.png", "pictures/theory.png", "pictures/free_move.png", "pictures/in_the_table.png"):
+        drawn = pictures["controls_in"](docs / name)
+        assert len(drawn) > 20, name
+        assert drawn <= there, name

@@ -242,6 +242,14 @@ def assert_at_hand_on_a_phone(page: Any) -> None:
     """At 390 × 844 all of it is on the screen, and large enough for a finger."""
     page.set_viewport_size({"width": 390, "height": 844})
     page.get_by_role("checkbox", name="Plots").check()
+    bar, (scrub, told) = page.locator("#switches"), (page.locator(each).bounding_box() for each in ("#scrub", "#time"))
+    assert bar.bounding_box()["height"] < 1.5 * page.locator("#fit").bounding_box()["height"]
+    assert scrub["x"] + scrub["width"] <= told["x"]
+    page.locator("#sight summary").click()
+    assert page.get_by_role("checkbox", name="Screws").is_visible()
+    boxes = page.locator("input[type=checkbox]:visible").all()
+    assert len(boxes) > 5
+    assert all(min(box.bounding_box()[side] for side in ("width", "height")) >= 24 for box in boxes)
     page.locator("#share summary").click()
     for part in ("#plots", "#share-menu", "#player", "#switches"):
         box = page.locator(part).bounding_box()
@@ -250,9 +258,6 @@ def assert_at_hand_on_a_phone(page: Any) -> None:
         assert 0 <= box["y"] < box["y"] + box["height"] <= 844, part
     assert page.locator("#scrub").bounding_box()["width"] >= 150
     assert all(plot.bounding_box()["width"] > 150 for plot in page.locator(".plot").all())
-    boxes = page.locator("input[type=checkbox]:visible").all()
-    assert len(boxes) > 5
-    assert all(min(box.bounding_box()[side] for side in ("width", "height")) >= 24 for box in boxes)
     assert page.evaluate("document.documentElement.scrollWidth <= 390 && panel.scrollWidth <= panel.clientWidth")
 
 

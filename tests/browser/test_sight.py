@@ -266,8 +266,11 @@ def test_the_whole_view_holds_a_target_that_is_far_away(page: Any) -> None:
     until(page, "twistarm.parts.target.given?.position[0] === 3")
     page.get_by_role("button", name="Fit view", exact=True).click()
     assert outside(page, far) < 0
-    release(page)
-    page.get_by_role("button", name="Fit view", exact=True).click()
+    away = "twistarm.view.viewer.camera.position.distanceTo(twistarm.view.viewer.controls.target)"
+    wide = page.evaluate(away)
+    page.get_by_role("button", name="ready", exact=True).click()
+    until(page, f"twistarm.parts.target.given === null && {away} < {0.7 * wide}")
+    assert all(outside(page, point) < 0 for point in ([0, 0, 0], ARM.fk(ARM.ready)[:3, 3].tolist()))
 
 
 DRAWN = """() => {

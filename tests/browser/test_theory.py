@@ -165,7 +165,7 @@ def assert_labels(drawn: dict[str, Any], arm: Arm, theta: Matrix) -> int:
         assert 0 <= top < bottom <= height
         across, down = 0.5 * (1 + x / w) * width, 0.5 * (1 - y / w) * height
         assert left - 30 < across < right + 30, text
-        assert top - 80 < down < bottom + 80, text
+        assert top - 100 < down < bottom + 100, text  # beside the rings of the handles, whose radius is 64
         assert all(left >= box[2] or right <= box[0] or top >= box[3] or bottom <= box[1] for box in boxes), text
         boxes.append((left, top, right, bottom))
     return len(boxes)

@@ -55,6 +55,16 @@ def test_a_tool_given_in_the_arm_toml_is_a_tool(tmp_path: Path) -> None:
     assert "tool-frame-missing" not in codes(tmp_path / "arm.toml")
 
 
+@pytest.mark.parametrize(("z", "end"), [(-0.02, "-0.04"), (0.02, "0.04"), (0.001, "0.1")])
+def test_the_tool_is_put_at_the_end_of_the_last_links_shapes(z: float, end: str, tmp_path: Path) -> None:
+    body = f'<visual><origin xyz="0 0 {z}"/><geometry><cylinder radius="0.02" length="0.04"/></geometry></visual>'
+    text = (
+        two_joints().replace("tool0", "flange").replace('<link name="flange"/>', f'<link name="flange">{body}</link>')
+    )
+    (said,) = [one for one in diagnose(write(tmp_path, text)) if one.code == "tool-frame-missing"]
+    assert f"{end}]" in said.remedy
+
+
 def test_a_slide_at_the_end_has_its_tool(tmp_path: Path) -> None:
     """Its frame moves along the axis, not on it: where the arm grips is no less said than with a tool."""
     for kind, told in ("revolute", True), ("prismatic", False):

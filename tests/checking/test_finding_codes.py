@@ -37,7 +37,7 @@ def found(case: Case, folder: Path) -> tuple[Finding, ...]:
     return diagnose(lay(case, folder), **keywords(case, folder))
 
 
-SCENES = {"collision-shapes"}
+SCENES = {"collision-shapes", "mesh-open", "scene-names"}
 """Codes of a `Scene`, which tests/collision raises."""
 
 

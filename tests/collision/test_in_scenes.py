@@ -259,3 +259,27 @@ def test_a_free_move_without_a_way_ends_in_time(tmp_path: Path) -> None:
         plan(arm, FreeMove([1.0, 0.0]), start=[-1.0, 0.0], scene=scene, max_time=0.5)
     with pytest.raises(InputError, match="scene="):
         plan(arm, FreeMove([1.0, 0.0]), start=[-1.0, 0.0])
+
+
+def test_a_free_move_takes_a_gap_narrower_than_its_clearance(tmp_path: Path) -> None:
+    """A sphere of radius 0.1 between two blocks, with 3 mm at each side."""
+    pytest.importorskip("ompl")
+    arm = slider(tmp_path, SHAPES["sphere"])
+    scene = Scene(arm)
+    for side in (1.0, -1.0):
+        scene.add_box(f"block {side}", (0.2, 2.0, 2.4), (0.0, 0.0, side * 1.303))
+    motion = plan(arm, FreeMove([0.6, -0.3]), start=[-0.6, 0.5], scene=scene, max_time=60.0)
+    way = motion(np.linspace(0.0, motion.duration, 3000))
+    assert not scene.collides(way).any()
+    with pytest.raises(InputError, match="clearance"):
+        plan(arm, FreeMove([0.6, -0.3]), scene=scene, clearance=-1.0)
+
+
+@pytest.mark.parametrize("beyond", [1e-12, 2.65e-6])
+def test_a_free_move_begins_beyond_a_limit_by_rounding(tmp_path: Path, beyond: float) -> None:
+    pytest.importorskip("ompl")
+    arm = slider(tmp_path, SHAPES["sphere"])
+    scene = Scene(arm)
+    scene.add_box("wall", (0.2, 2.0, 2.0))
+    motion = plan(arm, FreeMove([1.0, 0.0]), start=[-2.0 - beyond, 0.0], scene=scene)
+    assert not scene.collides(motion(np.linspace(0.0, motion.duration, 1000))).any()

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from twistarm import Arm, InputError, TwistarmError, UnknownNameError, arm_from_screws, load_arm
+from twistarm.arm.solid import Solid
 from twistarm.collision import Scene
 from twistarm.collision.survey import srdf_text, survey
 from twistarm.description.companions.srdf import read_srdf
@@ -215,6 +216,54 @@ def test_links_without_shapes_get_capsules_and_meshes_their_hulls(tmp_path: Path
     warned = [finding.what for finding in scene.findings if finding.code == "mesh-unreadable"]
     assert [("'base'" in what, "'arm', 'tip'" in what) for what in warned] == [(True, False), (False, True)]
     assert {body.name: body.kind for body in scene.links} == {"base": "capsule", "arm": "capsule"}
+
+
+@pytest.mark.parametrize("shape", [*SHAPES, "ball.stl"])
+def test_a_closed_mesh_is_solid_and_an_open_one_is_told(tmp_path: Path, shape: str) -> None:
+    """A body slides through a cube with sides of 1 m, by Coal's box as judge. Its half-width along x is 0.1 m."""
+    trimesh = pytest.importorskip("trimesh")
+    trimesh.creation.icosphere(1, 0.1).export(tmp_path / "ball.stl")
+    cube = trimesh.creation.box((1.0, 1.0, 1.0))
+    cube.export(tmp_path / "cube.stl")
+    arm = slider(tmp_path, SHAPES.get(shape, f'<mesh filename="{shape}"/>'))
+    scenes = Scene(arm, exact=True), Scene(arm)
+    for scene in scenes:
+        scene.add_mesh("cube", tmp_path / "cube.stl")
+    at = np.array([[x, 0.0] for x in (0.0, 0.2, 0.55, 0.61, 0.7)])
+    assert scenes[0].collides(at).tolist() == scenes[1].collides(at).tolist() == [True, True, True, False, False]
+    assert scenes[0].collides(at[1])
+    depth = -0.2 if shape == "capsule" else -0.3  # it is 0.6 m long
+    assert scenes[0].distance([0.1, 0.0]).metres == pytest.approx(depth, abs=1e-6)
+    assert [contact.links for contact in scenes[0].contacts([0.1, 0.0])] == [("hand", "cube")]
+    assert not scenes[0].is_free([0.1, 0.0], [0.12, 0.0])
+    near = scenes[0].near_pairs.measured(np.array([0.1, 0.0]), np.array([0]))
+    assert near.distances == pytest.approx([depth], abs=1e-6)
+    assert scenes[0].leaving(np.array([0.3, 0.0])).collides([0.3, 0.0])  # triangles have no depth to leave
+    cube.update_faces(np.arange(len(cube.faces)) > 0)
+    cube.export(tmp_path / "open.stl")
+    scenes[0].add_mesh("open", tmp_path / "open.stl", [5.0, 0.0, 0.0])
+    assert ["'open'" in each.what for each in scenes[0].findings if each.code == "mesh-open"] == [True]
+
+
+def test_points_are_inside_a_solid_as_trimesh_says(tmp_path: Path) -> None:
+    """Faces turned inside out, in part, twice or with corners of their own; a cavity is outside."""
+    trimesh = pytest.importorskip("trimesh")
+    outer, inner = trimesh.creation.icosphere(2, 0.1), trimesh.creation.icosphere(2, 0.05)
+    inner.invert()
+    hollow = trimesh.util.concatenate([outer, inner])
+    points, faces = np.array(hollow.vertices), np.array(hollow.faces, dtype=np.int64)
+    mixed = faces.copy()
+    mixed[::3] = mixed[::3, ::-1]
+    ways = [faces, faces[:, ::-1], mixed, np.concatenate([faces, faces[:, ::-1]])]
+    solids = [Solid(points, each) for each in ways]
+    solids.append(Solid(points[faces].reshape(-1, 3), np.arange(faces.size).reshape(-1, 3)))
+    asked = np.random.default_rng(0).uniform(-0.12, 0.12, (100, 3))
+    expected = hollow.contains(asked)
+    for solid in solids:
+        assert solid.closed
+        assert len(solid.samples) == 2
+        assert [solid.contains(point[None]) for point in asked] == expected.tolist()
+    assert not Solid(points, faces[1:]).closed
 
 
 def test_meshes_whose_hull_is_hard_to_compute(tmp_path: Path) -> None:

@@ -231,3 +231,32 @@ def test_no_other_file_is_lost_to_a_scene(tmp_path: Path) -> None:
         with pytest.raises(InputError, match=words):
             scene.save(tmp_path / name)
     assert (tmp_path / "arm.toml").read_text().startswith("[arm]")
+
+
+ABSENT = """
+world:
+  collision_objects:
+    - {id: box, primitives: [{type: 1, dimensions: [0.1, 0.1, 0.1]}]}
+    - {id: gone, primitives: [{type: 1, dimensions: [0.1, 0.1, 0.1]}], operation: 0}
+    - {id: gone, operation: REMOVE}
+    - {id: box, operation: 1}
+    - {id: stone, primitives: [{type: 2, dimensions: [0.1]}], operation: ADD}
+allowed_collision_matrix:
+  entry_names: [base, hand, box_link, stone]
+  entry_values: [[1, 1, 1, 0], [1, 1, 1, 1], [1, 1, 1, 1], [0, 1, 1, 1]]
+"""
+
+
+def test_a_planning_scene_leaves_out_what_it_removes_and_names_what_is_absent(tmp_path: Path) -> None:
+    (tmp_path / "scene.yaml").write_text(ABSENT)
+    scene = Scene.load(slider(tmp_path, SHAPES["sphere"]), tmp_path / "scene.yaml")
+    assert set(scene.obstacles) == {"stone"}
+    assert set(scene.allowed) == {("base", "hand"), ("hand", "stone")}
+    (found,) = (each for each in scene.findings if each.code == "scene-names")
+    assert "'box_link'" in found.what
+    for operation in ("MOVE", "weird"):
+        (tmp_path / "scene.yaml").write_text(
+            ABSENT.replace("id: box, operation: 1", f"id: box, operation: {operation}")
+        )
+        with pytest.raises(InputError, match="'box'"):
+            Scene.load(scene.arm, tmp_path / "scene.yaml")

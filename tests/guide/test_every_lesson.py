@@ -63,6 +63,11 @@ def test_the_lesson_holds(lesson: str) -> None:
     assert "twistarm guide check" in said[-1], "it ends with its exercises"
 
 
+@pytest.mark.parametrize("lesson", LESSONS)
+def test_a_program_that_is_not_folded_fits_a_glance(lesson: str) -> None:
+    assert all(cell.source.count("\n") < 20 for cell in cells_of(lesson_file(lesson)) if cell.shown)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("lesson", LESSONS)
 @pytest.mark.parametrize(

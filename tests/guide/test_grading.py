@@ -192,4 +192,4 @@ def test_a_changed_argument_is_named(rover: Arm) -> None:
     answers = [ReturnValue(case.expected.value, changed=(1,)) for case in cases]
     verdict = judged(exercise, cases, answers)
     assert (verdict.state, verdict.slip) == ("wrong", "argument changed")
-    assert "points_b is another after the call" in verdict.words
+    assert "points_t is another after the call" in verdict.words

@@ -283,6 +283,31 @@ def test_the_two_link_arm_and_its_other_solution(bench: Any) -> None:
     assert np.allclose(tip(first, second), [x, y], atol=3e-3)
 
 
+@pytest.mark.parametrize("name", ["two_link", "ellipsoid"])
+def test_the_elbow_and_the_tool_are_dragged(name: str, bench: Any) -> None:
+    page = bench(name, l1=0.4, l2=0.3, theta1=0, theta2=90)
+
+    def angles() -> list[float]:
+        return [float(page.locator("input[type=range]").nth(k).input_value()) for k in range(2)]
+
+    def drag(handle: str, x: float, y: float) -> None:
+        """To a point of the drawing [m]."""
+        page.locator(f"[data-handle={handle}]").hover()
+        page.mouse.down()
+        scale = 115 / 0.7
+        page.mouse.move(*page.evaluate(
+            "([x, y]) => { const at = new DOMPoint(x, y).matrixTransform(document.querySelector('.bench svg')"
+            ".getScreenCTM()); return [at.x, at.y]; }", [scale * x, -scale * y]))  # fmt: skip
+        page.mouse.up()
+
+    drag("elbow", 0.0, 0.2)
+    assert angles() == [90, 90]
+    drag("tool", 0.4, 0.3)
+    assert np.allclose(angles(), [0, 90], atol=0.6), "the elbow stays on its side"
+    drag("tool", -2.0, 0.0)
+    assert np.allclose(np.abs(angles()), [180, 0], atol=0.6), "out of reach it stretches"
+
+
 @pytest.mark.parametrize(("kind", "freedoms"), [("revolute", 1), ("helical", 1), ("cylindrical", 2), ("planar", 3)])
 def test_a_joint_takes_away_what_it_does_not_leave(kind: str, freedoms: int, bench: Any) -> None:
     page = bench("joint")

@@ -37,6 +37,13 @@ def test_a_function_and_its_power_are_one() -> None:
         assert "<mspace" not in formula(text).partition("</msup>" if "^" in text else "<mi>")[0]
 
 
+def test_an_exponent_stands_beside_the_letter_below_a_dot() -> None:
+    for text in (r"\dot\theta^2", r"\dot\theta_1^2", r"{\dot s}^2", r"\hat V^s"):
+        html = formula(text)
+        assert html.count('<mover accent="true">') == html.count("<mover") == 1
+        assert re.search(r'<msu(?:p|bsup)>(?:<mrow>)?<mpadded height="[\d.]+em"><mover', html), text
+
+
 def test_punctuation_stays_with_its_formula() -> None:
     html = block("Be $a$ a number ($b$), and $c$.")
     together = re.findall(r'<span class="together">(.)?.*?</math></span>(.*?)</span>', html)
@@ -113,7 +120,8 @@ def test_a_program_is_folded_below_its_output_unless_it_is_tagged(ran: Ran) -> N
     cell = "# %%{}\nx = 7\nguide.say('seven')\n"
     folded, shown = (ran(HEAD + silent + cell.format(tag))["body"] for tag in ("", ' tags=["shown"]'))
     assert folded.index("seven</p>") < folded.index("<details") < folded.index(">y</span>") < folded.index(">x</span>")
-    assert folded.count("<details") == 1, "with the program before it that shows nothing"
+    assert folded.index("<details") < folded.index("# A section") < folded.index(">y</span>"), "told where it belongs"
+    assert ran(HEAD + cell.format("") + cell.format(""))["body"].count("<details") == 1, "one a page"
     assert "<details" not in ran(HEAD + silent.replace("%%", '%% tags=["shown"]') + "# %%\nguide.say('a')\n")["body"]
     assert shown.index(">x</span>") < shown.index("seven</p>") < shown.index("<details") < shown.index(">y</span>")
 

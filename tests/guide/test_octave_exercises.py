@@ -59,7 +59,7 @@ def test_slips_are_named(tmp_path: Path, rover: Arm) -> None:
         rotation_z=("[c, -s, 0; s, c, 0;", "[c, s, 0; -s, c, 0;"),
         zyz=("turn_z(alpha) * turn_y(beta) * turn_z(gamma)", "turn_z(gamma) * turn_y(beta) * turn_z(alpha)"),
         rodrigues=("W * W", "W .* W"),
-        change_frame=("R_ab * R_bc * q_c", "undefined_here"),
+        change_frame=("R_st * R_tc * q_c", "undefined_here"),
     )
     report = check_file(results, rover)
     assert [each.slip for each in report.verdicts] == ["transposed", "fixed for moved axes", "number by number", ""]

@@ -15,6 +15,7 @@ from joint_space_cases import ARM, LAWS, PASSES, PATH, RATES, WAYS, make_arm
 from twistarm import (
     Approach,
     ArmBuilder,
+    Dwell,
     JointLimits,
     JointMove,
     LineMove,
@@ -95,6 +96,32 @@ def test_a_waypoint_outside_the_limits_is_named():
     with pytest.raises(LimitError, match=r"'slide' at -0.51 m, 0.01 m beyond its lower limit -0.5 m"):
         plan_joint(ARM, [[0, 0, 0], [-0.51, 0, 0]], limits=RATES)
     plan_joint(ARM, [[0, 0, 0], [0, 2.3, 0]], limits=RATES | {"upper": {"shoulder": 2.5}})
+
+
+@pytest.mark.parametrize("beyond", [5e-7, 2.65e-6, 0.19])
+@pytest.mark.parametrize("options", [{}, {"kind": "time_optimal"}, {"times": [0.0, 9.0, 20.0]}])
+def test_a_measured_start_beyond_a_limit_only_returns(beyond, options):
+    """From there on, no joint is farther beyond than before."""
+    given = np.array([[0.02, 2.0 + beyond, -0.5], [0.0, 1.5, 0.0], [0.1, 1.0, 0.2]])
+    for motion in (
+        plan_joint(ARM, given, limits=RATES, **options),
+        plan(ARM, [JointMove(given[1]), JointMove(given[2])], start=given[0], limits=RATES),
+        plan(ARM, [Dwell(0.1), JointMove(given[2])], start=given[0], limits=RATES),
+    ):
+        theta = motion(np.linspace(0.0, motion.duration, 2000))[:, 1]
+        assert theta[0] == pytest.approx(2.0 + beyond, abs=1e-6)
+        assert (np.diff(np.maximum(theta - 2.0, 0.0)) <= 1e-9).all()
+        assert motion(motion.duration) == pytest.approx(given[2])
+        assert any("'shoulder'" in str(note) or "shoulder by" in str(note) for note in motion.notes) == (beyond > 1e-6)
+
+
+def test_a_start_too_far_beyond_a_limit_is_refused():
+    for start in ([0.0, 2.21, 0.0], [-0.521, 0.0, 0.0]):
+        with pytest.raises(LimitError, match="^the start puts"):
+            plan_joint(ARM, [start, [0.0, 0.0, 0.0]], limits=RATES)
+        with pytest.raises(LimitError, match="^the start puts"):
+            plan(ARM, JointMove([0.0, 0.0, 0.0]), start=start, limits=RATES)
+    assert plan_joint(ARM, [[-0.519, 0.0, 0.0], [0.0, 0.0, 0.0]], limits=RATES).waypoints[0, 0] == -0.519
 
 
 def test_targets_are_waypoints_and_the_motion_stays_near():

@@ -47,6 +47,7 @@ def test_every_object_fits_three_lines_of_a_terminal() -> None:
 
 def test_numbers_have_four_digits() -> None:
     assert repr(Position([1.23456789, 1e-17, -2])) == "Position(p=[1.235, 0, -2])"
+    assert "pitch=0," in repr(screws.to_screw([0.4, 0, 4.6e-23, 0, 0, 1])), "a number alone, as those in a row"
     g = screws.exp([0.5, 0, 0, 0, 0, 0]) @ screws.exp([0, 0, 0, 0, 0, np.pi / 3])
     assert repr(Pose(g)) == "Pose(g=at [0.5, 0, 0] turned 60°)"
 

@@ -191,15 +191,27 @@ def test_a_motion_of_the_page_is_refused_or_goes_round() -> None:
         ask(stage, "record", name="")
     between = ARM.fk(0.5 * (stage.poses.poses[0].theta + stage.poses.poses[1].theta))[:3, 3]
     put(stage, "post", "cylinder", [0.02, 0.2], between)
+    beside = stage.path
     for kind, stop in (("time_optimal", True), ("s_curve", False)):  # a spline, and segments
         with pytest.raises(InputError, match="on the way to 'pose 2' it collides .* post"):
             done(ask(stage, "plan", kind=kind, stop=stop, corner=0.02))
         assert stage.path["stopped"]["words"] == "collides"
+    scene.move("post", scene.obstacles["post"].pose)  # what was refused may be free now
+    assert stage.path is beside
     ask(stage, "move", id=stage.poses.poses[1].id, by="free")
     done(ask(stage, "plan", kind="s_curve", stop=False, corner=0.02))
     assert stage.playback is not None
     motion = stage.playback.trajectory
     assert not scene.collides(motion(np.linspace(0.0, motion.duration, 500))).any()
+    planned = stage.path
+    end = stage.poses.poses[1]
+    put(stage, "goal", "sphere", [0.05], ARM.fk(end.theta)[:3, 3])
+    with pytest.raises(InputError, match="on the way to 'pose 2' the goal collides"):
+        done(ask(stage, "plan", kind="s_curve", stop=False, corner=0.02))
+    assert stage.path["stopped"]["words"] == "collides"
+    assert_allclose(stage.path["stopped"]["position"], ARM.fk(end.theta)[:3, 3], atol=1e-6)
+    ask(stage, "remove_obstacle", name="goal")
+    assert stage.path is planned
     bare = Stage(ARM)
     ask(bare, "poses", joints=list(ARM.joint_names), poses=[pose.entry() for pose in stage.poses.poses])
     with pytest.raises(InputError, match="switch the layer Collision on"):

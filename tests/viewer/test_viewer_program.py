@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from catalogue import load
 from recorded_poses import HOME, LEFT, REACH, ask, done, names, said
-from twistarm import Position, Trajectory, solve_ik
+from twistarm import Pose, Position, Trajectory, load_arm, solve_ik, solve_ik_all
 from twistarm.planning.joint_space import plan_joint
 from twistarm.support.errors import InputError, LimitError, TwistarmError
 from twistarm.support.strict_json import LARGEST_MESSAGE, encode
@@ -301,6 +301,23 @@ def test_where_a_line_cannot_be_followed_is_drawn_and_named() -> None:
     assert off_line(np.array(path["ideal"]), a, b).max() < 1e-6
     assert set(path["stopped"]["arm"]) == set(path["waypoints"][0])
     assert stage.playback is None
+
+
+def test_a_line_that_ends_in_another_configuration_is_told() -> None:
+    arm = load_arm("ur5")
+    flipped = solve_ik_all(arm, Pose(arm.fk(arm.ready)), arm.ready).theta[-1]
+    stage, away = Stage(arm, arm.ready), arm.ready.copy()
+    away[0] += 0.1
+    for theta in (away, flipped, arm.ready):
+        stage.show(theta)
+        ask(stage, "record", name="")
+    for pose, by in zip(stage.poses.poses[1:], ("screw", "joint"), strict=True):
+        ask(stage, "move", id=pose.id, by=by)
+    motion = planned(stage)
+    j = int(np.abs(flipped - motion.waypoints[1]).argmax())
+    assert abs(flipped[j] - motion.waypoints[1, j]) > 0.5
+    told = re.findall(r"'(pose \d)' is met in another configuration .*?: (\w+) by", said(stage, "program")["note"])
+    assert told == [("pose 2", arm.joint_names[j])]
 
 
 def test_how_the_arm_moves_is_saved_undone_and_checked() -> None:

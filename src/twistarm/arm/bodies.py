@@ -15,6 +15,7 @@ from ..description.meshes import extreme_points, read_mesh
 from ..description.tree import Description, Geometry, Link
 from ..support.checks import Array
 from ..support.errors import InputError, TwistarmError
+from .solid import Solid
 
 THICK, STOUT = 0.025, 0.3
 """Radius of a link's capsule: in reaches of the arm, and at most in lengths of the link."""
@@ -59,6 +60,20 @@ class Body:
 
     def __post_init__(self) -> None:
         self.shape.computeLocalAABB()  # GJK starts from its centre, and its radius bounds the speeds
+
+    @property
+    def solid(self) -> Solid | None:
+        """The triangles that are kept of a mesh; None for a convex shape."""
+        return getattr(self.shape, "solid", None)
+
+    @property
+    def samples(self) -> Array:
+        """A point (k, 3) of each connected part, in the frame of the shape; none of a plane."""
+        if self.solid is not None:
+            return self.solid.samples
+        if hasattr(self.shape, "points"):
+            return np.array(self.shape.points()[:1])
+        return np.zeros((0 if self.kind == "plane" else 1, 3))
 
 
 class Shapes:
@@ -159,6 +174,7 @@ class Shapes:
         model.addVertices(points)
         model.addTriangles(faces)
         model.endModel()
+        model.solid = Solid(points, faces)  # it goes where the shape goes
         return model
 
 

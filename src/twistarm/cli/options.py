@@ -13,10 +13,25 @@ import numpy as np
 from ..arm.arm import Arm
 from ..arm.loading.load import load_arm, read, specify
 from ..description.catalog import model_arms, own_arms
+from ..description.planar import free_name
 from ..limits.joint_limits import slides
+from ..support.checks import Array
 from ..support.errors import InputError
 from .command import Command, Group, Shared, params_of
-from .numbers import ANGLE, LENGTH, SUCH_AS, VALUES, JointValues, argument, joint_values, option, switch, typed_number
+from .numbers import (
+    ANGLE,
+    LENGTH,
+    SUCH_AS,
+    VALUES,
+    XYZ,
+    JointValues,
+    argument,
+    joint_values,
+    numbers,
+    option,
+    switch,
+    typed_number,
+)
 from .output import Kinds, Outputs, progress_bar
 from .wording import OPTIONS
 
@@ -103,10 +118,22 @@ class Source:
 
     name: str
     keywords: dict[str, Any] = field(default_factory=dict)
+    tool: Array | None = None
 
     def load(self) -> Arm:
-        """The arm."""
-        return load_arm(self.name, **self.keywords)
+        """The arm, with the typed tool beyond its tip."""
+        arm = load_arm(self.name, **self.keywords)
+        if self.tool is None:
+            return arm
+        g = np.eye(4)
+        g[:3, 3] = self.tool
+        return arm.with_tool(g, free_name("tool", {*arm.frame_names}))
+
+    def without_tool(self, where: str) -> dict[str, Any]:
+        """The keywords of `load_arm`. InputError for a typed tool, which goes to `where`."""
+        if self.tool is not None:
+            raise InputError(f"--tool is no part of this: write [tool] into {where}")
+        return self.keywords
 
 
 def arms_like(typed: str) -> list[str]:
@@ -133,12 +160,13 @@ ArmOption = Annotated[
 
 def _loading(name: str, told: str) -> Any:
     typed, metavar = OPTIONS[name]
-    return option(metavar, told, typed, rich_help_panel="Loading the arm")
+    return option(metavar, told, typed)
 
 
 def _keywords(
     base: Annotated[str | None, _loading("base", "Base link, instead of the root.")] = None,
     tip: Annotated[str | None, _loading("tip", "Tip link, instead of the one found by its name.")] = None,
+    tool: Annotated[Any, numbers("m m m", XYZ, "Where the tool is, seen from the tip [m].", "--tool")] = None,
     package_dirs: Annotated[
         list[Path] | None, _loading("package_dirs", "A folder that holds packages; may be repeated.")
     ] = None,
@@ -160,7 +188,7 @@ def _keywords(
         _loading("locked_joints", "A joint that stands still, in degrees, or metres for a slide; may be repeated."),
     ] = None,
 ) -> dict[str, Any]:
-    """What was typed, as keywords of `load_arm`."""
+    """What was typed, as keywords of `load_arm`, but the tool."""
     arguments: dict[str, str] = {}
     for pair in xacro_args or ():
         name, separator, value = pair.partition(":=")
@@ -196,6 +224,8 @@ def _locked(source: Source, pairs: list[str], radians: bool) -> dict[str, float]
 
 
 LOADING = params_of(_keywords)
+for each in LOADING:
+    each.rich_help_panel = "Loading the arm"
 
 
 class _Loading:
@@ -218,7 +248,9 @@ class _Loading:
         ]
         if any(typed.values()) and not sources:
             raise InputError("give an ARM: the other options are about one")
+        tool = typed["tool"]
         for source in sources:
+            source.tool = None if tool is None else tool.read(tool.text, "--tool", bool(ctx.params.get("rad")))
             source.keywords = _keywords(**typed)
             if pairs := source.keywords.pop("locked_joints", None):
                 source.keywords["locked_joints"] = _locked(source, pairs, bool(ctx.params.get("rad")))

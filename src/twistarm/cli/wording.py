@@ -27,6 +27,7 @@ OPTIONS = {
     "unwrap": ("--unwrap", ""),
     "scene": ("--avoid", "SCENE"),
     "max_time": ("--max-time", "S"),
+    "clearance": ("--clearance", "M"),
     "position_tol": ("--position-tol", "M"),
     "orientation_tol": ("--orientation-tol", "ANGLE"),
 }

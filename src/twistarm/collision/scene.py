@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from copy import copy
 from dataclasses import replace
-from functools import cached_property
 from itertools import combinations
 from math import isfinite
 from pathlib import Path
@@ -20,7 +19,7 @@ from ..arm.arm import Arm, require_arm
 from ..arm.bodies import Body, Pair, Shapes, in_words, sorted_pair
 from ..arm.checker import Checker
 from ..arm.pinocchio_model import import_pinocchio
-from ..description.findings import Finding, finding
+from ..description.findings import Finding, Place, finding
 from ..support.checks import Array, Given, as_floats, as_number, as_whole, require, require_callback, require_mapping
 from ..support.errors import InputError, TwistarmError, listed
 from ..support.files import as_path, writable, write_whole
@@ -63,7 +62,8 @@ class Scene(Obstacles):
             arm: An arm with a description.
             margin: Distance [m] below which a pair collides: a number, or {link or obstacle: number}. The larger of
                 two margins counts for a pair.
-            exact: Check the triangles of meshes. It is slower, and an overlap has no depth.
+            exact: Check the triangles of meshes. It is slower, and surfaces that meet have no depth. A closed mesh is
+                solid: a body wholly inside collides, by its distance from the surface.
             progress: Called with the fraction done while allowed pairs are found.
 
         Raises:
@@ -187,9 +187,9 @@ class Scene(Obstacles):
 
     # -- what is in it -------------------------------------------------------------------------------------------
 
-    @cached_property
+    @property
     def findings(self) -> tuple[Finding, ...]:
-        """What shape each link has, and the meshes that could not be read."""
+        """What shape each link has, the meshes that could not be read, and those that are open."""
         place = self._description.place()
         found = [
             finding("collision-shapes", place, f"{kind}: {listed(names)}", "check them in the view, layer Collision")
@@ -202,6 +202,15 @@ class Scene(Obstacles):
         for why, names in self._unreadable.items():
             remedy = "mend the file, or give the link a box or cylinder as collision shape"
             found.append(finding("mesh-unreadable", place, f"{why}; left out of {listed(names)}", remedy))
+        bodies = (*self._links, *self._obstacles.values())
+        open_ones = dict.fromkeys(body.name for body in bodies if body.solid is not None and not body.solid.closed)
+        if open_ones:
+            what = f"the triangles are not closed, so what is wholly inside counts as free: {listed(open_ones)}"
+            found.append(finding("mesh-open", place, what, "close the holes of the mesh, or leave out exact"))
+        if absent := self._loaded.absent:
+            what = f"the scene has no such link or object, so what may touch them is left out: {listed(absent)}"
+            remedy = "check that the scene is of this robot"
+            found.append(finding("scene-names", Place(str(self.file or "")), what, remedy))
         return tuple(found)
 
     @property
@@ -334,7 +343,7 @@ class Scene(Obstacles):
     def leaving(self, theta: Array) -> Scene:
         """The scene for a motion from theta (n,): bodies that collide there count only if they come 0.5 mm nearer.
 
-        It is the same scene if nothing collides there.
+        It is the same scene if nothing collides there. Kept triangles have no depth, so they cannot be left.
         """
         q, checker = self._model.q(theta), self._checker
         hit = checker.overlapping(q)
@@ -367,18 +376,29 @@ class Scene(Obstacles):
 
     def _fill(self, content: SceneFile) -> None:
         """Add what a file holds."""
-        self._loaded = replace(content, entries=())
+        known = {*self._description.links, *(entry.name for entry in content.entries)}
+        absent = list(content.absent)
+
+        def there(names: Iterable[str]) -> bool:
+            """Whether the robot or the file has all of these, or must have."""
+            missing = [name for name in names if content.foreign and name not in known]
+            absent.extend(missing)
+            return not missing
+
         for entry in content.entries:
             try:
                 self._add(entry.name, entry.kind, entry.size, entry.pose, entry.mesh, self._fixed(entry.frame))
             except InputError as error:
                 raise InputError(f"{entry.kind} {entry.name!r}: {error}") from error
             if entry.on:
-                self._hold(entry.name, self._description.require_link(entry.on, "link"), entry.pose, entry.touching)
+                touching = [link for link in entry.touching if there([link])]
+                self._hold(entry.name, self._description.require_link(entry.on, "link"), entry.pose, touching)
         if content.matrix:
             self._found_pairs = {}
-        for first, second in content.allowed:
-            self.allow(first, second, "File")
+        for pair in content.allowed:
+            if there(pair):
+                self.allow(*pair, "File")
+        self._loaded = replace(content, entries=(), foreign=False, absent=tuple(dict.fromkeys(absent)))
 
     def _fixed(self, frame: str | None) -> str:
         """The link in whose frame a file gives a pose: the base for None, the root for "" and "world"."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import product, zip_longest
+from itertools import combinations, product, zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from ..arm.bodies import Triangles, along
 from ..description.companions.data_files import parse_toml, parse_yaml, toml_key, toml_text
 from ..description.document import read_text
 from ..support.checks import Array, Given, as_flag, as_floats, as_number, as_vector
-from ..support.errors import InputError, TwistarmError, listed
+from ..support.errors import InputError, TwistarmError, listed, shown
 from ..support.fields import Check, anything, fields, inside, list_of, table_of, text, vector, word
 from ..support.files import read_bounded
 from ..theory.rotations import from_quaternion_wxyz, from_rpy, from_xyzw, to_rpy
@@ -81,7 +81,8 @@ class Entry:
 class SceneFile:
     """The content of a scene file: the arm's name if given, obstacles, pairs that need no check, and the margin [m].
 
-    `matrix` tells that `allowed` are all pairs of the robot that need no check.
+    `matrix` tells that `allowed` are all pairs of the robot that need no check. `foreign`: names that the robot lacks
+    are left out, as MoveIt does; `absent` are these.
     """
 
     arm: str
@@ -89,6 +90,8 @@ class SceneFile:
     allowed: tuple[tuple[str, str], ...] = ()
     margin: float | Mapping[str, float] | None = None
     matrix: bool = False
+    foreign: bool = False
+    absent: tuple[str, ...] = ()
 
 
 def read_scene(path: Path) -> SceneFile:
@@ -219,9 +222,12 @@ def _planning_scene(path: Path) -> SceneFile:
         if (octomap.get("octomap") or octomap).get("data"):
             raise InputError("it has an octomap, which is not read: write its occupied parts as boxes")
         held = (scene.get("robot_state") or {}).get("attached_collision_objects") or ()
-        free = [{"object": each} for each in world.get("collision_objects") or ()]
-        objects = [(f"collision object {i + 1}", each) for i, each in enumerate(free)]
-        objects += [(f"attached object {i + 1}", {"link_name": None, **each}) for i, each in enumerate(held)]
+        free = [
+            ({"object": each}, f"collision object {i + 1}")
+            for i, each in enumerate(world.get("collision_objects") or ())
+        ]
+        held = [({"link_name": None, **each}, f"attached object {i + 1}") for i, each in enumerate(held)]
+    objects = [(place, item) for each in (free, held) for item, place in _left(path, each)]
     entries: list[Entry] = []
     parts: dict[str, list[str]] = {}
     for place, item in objects:
@@ -236,7 +242,33 @@ def _planning_scene(path: Path) -> SceneFile:
             entries += found
     with _at(path, "allowed_collision_matrix"):
         pairs = tuple(_matrix_pairs(matrix, parts))
-    return SceneFile("", tuple(entries), pairs, matrix=bool(matrix))
+        names = zip(matrix.get("default_entry_names") or (), matrix.get("default_entry_values") or (), strict=False)
+        unread = tuple(f"default of {name}" for name, allowed in names if allowed)  # its pairs stay checked
+    named = bool(matrix.get("entry_names"))  # an empty matrix says nothing
+    return SceneFile("", tuple(entries), pairs, matrix=named, foreign=True, absent=unread)
+
+
+OPERATIONS = "ADD", "REMOVE", "APPEND", "MOVE"
+"""moveit_msgs/CollisionObject.operation by its number."""
+
+
+def _left(path: Path, objects: list[tuple[Any, str]]) -> Iterator[tuple[Any, str]]:
+    """The objects that are left once each operation is done in its turn, as MoveIt does; an empty id removes all."""
+    left: dict[str, tuple[Any, str]] = {}
+    for item, place in objects:
+        with _at(path, place):
+            name, given = str(item["object"].get("id", "")), item["object"].get("operation", 0)
+            text_of = str(given).removeprefix("CollisionObject.")
+            number = ord(given[:1] or "\0") if isinstance(given, (str, bytes)) and len(given) < 2 else given
+            done = OPERATIONS[number] if number in (0, 1, 2, 3) else text_of.strip().upper()
+            if done == "REMOVE":
+                left = {other: each for other, each in left.items() if name and other != name}
+            elif done == "ADD" or (done == "APPEND" and name not in left):
+                left[name] = item, place
+            else:
+                what = f"operation {shown(given)} of {name!r} is not read; write the object whole, with operation ADD"
+                raise InputError(what)
+    yield from left.values()
 
 
 SOLIDS = {1: "box", 2: "sphere", 3: "cylinder"}
@@ -308,10 +340,9 @@ def _matrix_pairs(matrix: Mapping[str, Any], parts: Mapping[str, list[str]]) -> 
     rows = [row["enabled"] if isinstance(row, dict) else row for row in matrix.get("entry_values") or ()]
     if {len(rows), *map(len, rows)} - {len(names)}:
         raise InputError(f"allowed_collision_matrix has {len(names)} names, but not as many rows and columns")
-    for i, row in enumerate(rows):
-        for j in range(i):
-            if row[j] and ["<octomap>"] not in (names[i], names[j]):
-                yield from product(names[i], names[j])
+    for i, j in combinations(range(len(rows)), 2):
+        if rows[i][j] and ["<octomap>"] not in (names[i], names[j]):
+            yield from product(names[i], names[j])
 
 
 def _scene_text(path: Path) -> SceneFile:

@@ -219,7 +219,10 @@ class NearPairs(Checker):
         pin.updateGeometryPlacements(
             self._model.model, self._model.data, self._geometry, geometry, self._model.q(theta)
         )
-        return [pin.computeDistance(self._geometry, geometry, k).min_distance for k in pairs.tolist()]
+        inside = {*self.enclosed(geometry, pairs)}
+        signs = [-1.0 if k in inside else 1.0 for k in pairs.tolist()]
+        found = (pin.computeDistance(self._geometry, geometry, k).min_distance for k in pairs.tolist())
+        return [sign * metres for sign, metres in zip(signs, found, strict=True)]
 
     def _placed(self, theta: Array) -> Any:
         """Pinocchio's data at theta, with the Jacobians and all bodies in their places."""
@@ -230,10 +233,12 @@ class NearPairs(Checker):
 
     def _measured(self, data: Any, pairs: Indices) -> Near:
         geometry, distances, wrenches = self._own()[1], [], []
+        inside = {*self.enclosed(geometry, pairs)}
         for k in pairs.tolist():
             found = self._pin.computeDistance(self._geometry, geometry, k)
-            (a, b, c), (x, y, z) = found.normal.tolist(), found.getNearestPoint1().tolist()
-            distances.append(found.min_distance)
+            sign = -1.0 if k in inside else 1.0
+            (a, b, c), (x, y, z) = (sign * found.normal).tolist(), found.getNearestPoint1().tolist()
+            distances.append(sign * found.min_distance)
             wrench = (a, b, c, y * c - z * b, z * a - x * c, x * b - y * a)
             # Overlapping triangles have no depth and no direction.
             wrenches.append(wrench if isfinite(sum(wrench)) else (0.0,) * 6)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 
 import numpy as np
 
 from ..support.checks import Array, number_in
+from ..support.errors import InputError, listed
 from .document import Reading, floats
 from .tree import Joint
 
@@ -22,6 +24,9 @@ WIDE = 1e9
 
 LIMIT_NAMES = ("lower", "upper", "velocity", "effort")
 SOFT_NAMES = ("soft_lower_limit", "soft_upper_limit")
+
+ROUNDED = 0.01
+"""[rad, m]: a limit in another file that is rounded differs by less."""
 
 MOST_SHOWN = 12
 """Joints in one finding."""
@@ -109,6 +114,30 @@ def note_softened(joints: Iterable[Joint], reading: Reading) -> None:
         more = f" and {len(narrower) - MOST_SHOWN} more" if len(narrower) > MOST_SHOWN else ""
         what = f"the soft limits of <safety_controller> are kept, inside those of <limit>: {', '.join(shown)}{more}"
         reading.note("limits-adjusted", None, what, "give lower and upper in arm.toml for other limits")
+
+
+def note_commanded(robot: ET.Element, joints: Mapping[str, Joint], reading: Reading) -> None:
+    """Note limits of `<ros2_control>` that are narrower than the joint's, or off. They are not used."""
+    odd: dict[str, None] = {}
+    for element in robot.findall("ros2_control/joint"):
+        joint = joints.get(element.get("name", ""))
+        if joint is None or not joint.scalar:
+            continue
+        rates = {"velocity": joint.velocity, "effort": joint.effort}
+        bounds = {"position": (joint.lower, joint.upper)} | {name: (-most, most) for name, most in rates.items()}
+        if any(each.get("enable", "").lower() in ("false", "0") for each in element.iter("limits")):
+            odd[f"{joint.name} off"] = None
+        for interface in element.findall("command_interface"):
+            written = {each.get("name"): each.text or "" for each in interface.findall("param")}
+            lower, upper = bounds.get(name := interface.get("name", ""), (np.inf, -np.inf))
+            with suppress(InputError):
+                least = number_in(written.get("min", "-inf"), name, -np.inf, np.inf)
+                most = number_in(written.get("max", "inf"), name, -np.inf, np.inf)
+                if least > lower + ROUNDED or most < upper - ROUNDED:
+                    odd[f"{joint.name} {name} [{least:g}, {most:g}]"] = None
+    if odd:
+        what = f"<ros2_control> has other limits, which are not used here: {listed(odd, MOST_SHOWN)}"
+        reading.note("companion-doubtful", None, what, "write those that the robot keeps in <limit>, or in an arm.toml")
 
 
 def rate(value: float | None) -> float:

@@ -12,6 +12,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from xml.parsers import expat
+from xml.parsers.expat import errors
 
 from ..support.checks import number_in
 from ..support.errors import DescriptionError, InputError
@@ -25,6 +26,13 @@ LARGEST = 1e9
 
 MAX_BYTES = 20_000_000
 """A whole humanoid's URDF has some 200 kB, a robot cell's a few MB."""
+
+MALFORMED = {
+    errors.codes[errors.XML_ERROR_MISPLACED_XML_PI]: "begin the file with <?xml …?>, before comments and spaces",
+    errors.codes[errors.XML_ERROR_JUNK_AFTER_DOC_ELEMENT]: "keep one root element: <robot> or <mujoco>",
+    errors.codes[errors.XML_ERROR_INVALID_TOKEN]: "write &amp; for & and &lt; for < in texts, and quotes round values",
+}
+"""Remedies for broken XML, by expat's code."""
 
 MAX_NESTING = 100
 """No description nests deeper. Python's XML writer recurses."""
@@ -182,7 +190,8 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
     except expat.ExpatError as error:
         what = f"not well-formed XML: {expat.ErrorString(error.code)}" if text.strip() else "the file is empty"
         place = replace(reading.whole, line=error.lineno if reading.show_lines else None)
-        raise refusal("xml-malformed", place, what, "is it a URDF, xacro or MJCF file, and whole?") from error
+        remedy = MALFORMED.get(error.code, "is it a URDF, xacro or MJCF file, and whole?")
+        raise refusal("xml-malformed", place, what, remedy) from error
     return builder.close()
 
 

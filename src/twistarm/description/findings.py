@@ -57,7 +57,7 @@ CODES: dict[str, Code] = {
     "companion-unusable": Code("error", "an entry of an arm.toml, DH table, SRDF or file of limits cannot be used"),
     "srdf-found": Code("info", "an SRDF says more about the robot than its description"),
     "companion-doubtful": Code(
-        "warning", "an SRDF, a file of limits or a named pose does not fit the arm, at least in part"
+        "warning", "an SRDF, limits or a pose beside the joints do not fit the arm, at least in part"
     ),
     "companion-not-used": Code("info", "an SRDF or a file of limits is not used: several fit, or it gives too little"),
     # packages and xacro
@@ -77,8 +77,10 @@ CODES: dict[str, Code] = {
     "links-collide": Code("warning", "links collide at the ready pose or nearly always; no SRDF exempts them"),
     "mesh-missing": Code("warning", "mesh files were not found; simple shapes are drawn instead"),
     "mesh-unreadable": Code("warning", "a mesh file is damaged or a Git LFS pointer; other shapes stand for it"),
+    "mesh-open": Code("warning", "the triangles of a mesh are not closed; a body inside it counts as free"),
+    "scene-names": Code("warning", "a planning scene names links or objects that are not there; they are left out"),
     "bad-geometry": Code("warning", "a shape has no usable size, place or colour"),
-    "inertial-unusable": Code("warning", "a mass or inertia cannot be read; the link counts as massless"),
+    "inertial-unusable": Code("warning", "a mass or inertia, or an entry of it, cannot be read and counts as 0"),
     "mass-missing": Code("info", "links have shapes and no mass, almost no mass, or all the same"),
     "inertia-implausible": Code("warning", "no link has such a mass, centre or inertia; its unit may be another"),
     # what the doctor sees beyond the reading

@@ -14,6 +14,7 @@ from ..support.messages import plural
 from ..theory.rotations import from_rpy, from_xyzw
 from .document import Reading, floats
 from .packages import resolve_uri, why_missing
+from .structure import ATTRIBUTES
 from .tree import Description, Geometry
 
 Colour = tuple[float, float, float, float]
@@ -32,6 +33,7 @@ class Geometries:
         self._colours: dict[str, Colour] = {}
         self._twice: dict[str, None] = {}
         self._odd: dict[str, None] = {}
+        self._unnamed: dict[str, None] = {}
         for material in robot.findall("material"):
             self._colour(material)
 
@@ -45,6 +47,9 @@ class Geometries:
             names = listed(self._twice, 3)
             what = f"{plural(len(self._twice), 'material')} with several colours: {names}; the first of a name counts"
             self._reading.note("bad-geometry", None, what, "give each colour a name of its own")
+        if self._unnamed:
+            what = f"a <material> without a name, for which other readers drop all shapes of {listed(self._unnamed, 3)}"
+            self._reading.note("word-unread", None, what, 'write <material name="…">')
         for rgba in self._odd:
             what = f"the colour rgba={rgba[:60]!r} is not four numbers from 0 to 1; the nearest colour is drawn, if any"
             self._reading.note("bad-geometry", None, what, 'write rgba="RED GREEN BLUE ALPHA"')
@@ -84,6 +89,8 @@ class Geometries:
         if geometry is None or len(geometry) == 0:
             return None
         shape, material = geometry[0], element.find("material") if element.tag == "visual" else None
+        if material is not None and "name" not in material.attrib:
+            self._unnamed[link.get("name", "")] = None
         try:
             origin, size, colour = read_origin(element), _size(shape), self._colour(material)
         except ValueError:
@@ -149,7 +156,8 @@ class Body:
     inertia: Array
 
 
-INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+INERTIA = ATTRIBUTES["inertia"]
+INERTIAL_REMEDY = "write mass in kg and the six inertias in kg m² as plain numbers"
 
 
 def bodies(description: Description) -> dict[str, Body]:
@@ -177,8 +185,10 @@ def drop_unusable_inertials(robot: ET.Element, reading: Reading) -> None:
         if first is not None and (problem := inertial_problem(first)):
             link.remove(first)
             what = f"its <inertial> {problem}; the link counts as massless"
-            remedy = "write mass in kg and the six inertias in kg m² as plain numbers"
-            reading.note("inertial-unusable", link, what, remedy)
+            reading.note("inertial-unusable", link, what, INERTIAL_REMEDY)
+        elif first is not None and (lacking := [name for name in INERTIA if name not in first.find("inertia").attrib]):  # type: ignore[union-attr]
+            what = f"its <inertia> has no {', '.join(lacking)}: read as 0, and other readers refuse the link"
+            reading.note("inertial-unusable", link, what, INERTIAL_REMEDY)
 
 
 def inertial_problem(inertial: ET.Element) -> str:

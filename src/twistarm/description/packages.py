@@ -302,6 +302,9 @@ def resolve_uri(uri: str, packages: PackageIndex) -> Path | None:
 def why_missing(uri: str, packages: PackageIndex) -> tuple[str, str]:
     """Why there is no file at a URI, and the remedy. Both are equal for files with one remedy."""
     package, folders, files = _places(uri, packages)
+    parts = re.split(r"[/\\]+", uri.strip())
+    if package and uri.strip().endswith(f"//{package}"):
+        return "package:// goes before a package's name and a path in it", "write package://PACKAGE/PATH, or the path"
     if not folders:
         near = closest(package, packages.names())
         correct = f"correct the name{near}, or " if near else ""
@@ -310,6 +313,12 @@ def why_missing(uri: str, packages: PackageIndex) -> tuple[str, str]:
     if files:
         remedy = Text("pass {folder}", folder=package_folder("them"))
         return "they lie outside the description's package", remedy
+    tails = ["/".join(parts[i:]) for i in range(1, len(parts))]
+    named = (folder / tail for tail in tails for folder in packages.file.parents[:NEAR])
+    here = next((file for file in named if is_file(file) and packages.allows(Path(os.path.realpath(file)))), None)
+    if here and not package:
+        path = os.path.relpath(here.with_stem("NAME"), packages.file.parent)
+        return "their paths are those of another place, and files of these names are here", f'write filename="{path}"'
     where = f"in package {package!r}" if package else "where the description looks for them"
     return f"no such file stands {where}", "correct the paths, or put the files there"
 

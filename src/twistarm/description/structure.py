@@ -38,8 +38,19 @@ ATTRIBUTES = {
     "mimic": ("joint", "multiplier", "offset"),
     "parent": ("link",),
     "child": ("link",),
+    "mass": ("value",),
+    "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
 }
-"""Elements of a joint that the kinematics depends on, with their attributes."""
+"""Elements that kinematics, masses and shapes depend on, with their attributes."""
+
+CONTENTS = {
+    "joint": ("origin", "axis", "limit", "mimic", "parent", "child"),
+    "link": ("inertial", "visual", "collision"),
+    "inertial": ("origin", "mass", "inertia"),
+    "visual": ("origin", "geometry", "material"),
+    "collision": ("origin", "geometry"),
+}
+"""Elements with the elements in them that are read. All but shapes may stand there once."""
 
 SIMILAR = 0.75
 """Similarity of a word and its misspelling: `orgin` is one, `physics` belongs to another tool."""
@@ -135,9 +146,9 @@ def _check_connected(robot: ET.Element, reading: Reading) -> None:
 
 
 def note_unread_words(robot: ET.Element, reading: Reading) -> None:
-    """Note words that no reader of URDF reads in a joint's origin, axis, limits and mimic.
+    """Note words that no reader of URDF reads in joints, and in masses and shapes of links.
 
-    These are unknown attributes, elements with nearly a name of `ATTRIBUTES`, second elements of a kind (the first
+    These are unknown attributes, elements with nearly a name of `CONTENTS`, second elements of a kind (the first
     counts), an `<axis>` without numbers, which is then x, and attributes that the robot's version does not have. The
     latter are removed, and the version itself if Pinocchio does not need it. An unknown version is read as the newest.
     """
@@ -156,19 +167,27 @@ def note_unread_words(robot: ET.Element, reading: Reading) -> None:
                 del element.attrib[name]
         elif those and tag == "origin":
             robot.set("version", since)
-    for joint in robot.findall("joint"):
-        tags = [element.tag for element in joint]
-        for tag in dict.fromkeys(tags):
-            if tag in ATTRIBUTES and tags.count(tag) > 1:
-                what = f"it has {tags.count(tag)} <{tag}> elements; only the first is read"
-                reading.note("word-unread", joint, what, "keep the one that is meant")
-            elif tag not in ATTRIBUTES and get_close_matches(tag.casefold(), ATTRIBUTES, 1, SIMILAR):
-                remedy = f"correct the name{closest(tag, ATTRIBUTES)}"
-                reading.note("word-unread", joint, f"its <{tag}> means nothing and is not read", remedy)
-        for element in joint:
-            known = ATTRIBUTES.get(element.tag, ())
-            for name in (name for name in element.attrib if known and name not in known and ":" not in name):
-                what = f"{name}= in its <{element.tag}> means nothing and is not read"
-                reading.note("word-unread", joint, what, f"its attributes are {listed(known)}{closest(name, known)}")
-            if element.tag == "axis" and "xyz" not in element.attrib and joint.get("type") not in ("fixed", "floating"):
-                reading.note("word-unread", joint, "its <axis> has no xyz=; taken as 1 0 0", 'write <axis xyz="…"/>')
+    for part in (*robot.findall("joint"), *robot.findall("link")):
+        _note_words_in(part, part, reading)
+
+
+def _note_words_in(part: ET.Element, element: ET.Element, reading: Reading) -> None:
+    """Note the words in an `element` of a joint or link, the `part`."""
+    known, tags = CONTENTS[element.tag], [child.tag for child in element]
+    it = "it" if element is part else f"its <{element.tag}>"
+    for tag in dict.fromkeys(tags):
+        if tag in known and tags.count(tag) > 1 and tag not in ("visual", "collision"):
+            what = f"{it} has {tags.count(tag)} <{tag}> elements; only the first is read"
+            reading.note("word-unread", part, what, "keep the one that is meant")
+        elif tag not in known and get_close_matches(tag.casefold(), known, 1, SIMILAR):
+            remedy = f"correct the name{closest(tag, known)}"
+            reading.note("word-unread", part, f"its <{tag}> means nothing and is not read", remedy)
+    for child in element:
+        allowed = ATTRIBUTES.get(child.tag, ())
+        for name in (name for name in child.attrib if allowed and name not in allowed and ":" not in name):
+            what = f"{name}= in its <{child.tag}> means nothing and is not read"
+            reading.note("word-unread", part, what, f"its attributes are {listed(allowed)}{closest(name, allowed)}")
+        if child.tag == "axis" and "xyz" not in child.attrib and part.get("type") not in ("fixed", "floating"):
+            reading.note("word-unread", part, "its <axis> has no xyz=; taken as 1 0 0", 'write <axis xyz="…"/>')
+        if element is part and child.tag in CONTENTS:
+            _note_words_in(part, child, reading)

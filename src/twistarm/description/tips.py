@@ -448,8 +448,8 @@ def _unclear(
     likely = {link: end for end in ends for link in _tips(description, end)[1]}
     if len(likely) < 2:
         what = f"nothing that is an arm in it, only {'too short a chain' if ends else 'wheels, legs or heads'}"
-        first = next(iter([*likely, *_leaves(description, found)]))
-        remedy = Text("to take one of its chains all the same, pass {tip}", tip=Argument("tip", first))
+        moved = (link for link, body in _leaves(description, found).items() if body.joint and body.part != "locomotion")
+        remedy = Text("to take one of its chains all the same, pass {tip}", tip=Argument("tip", *[*likely, *moved][:1]))
         return refusal("no-tip", description.place(), what, remedy)
     shown = [f"{listed([link])} ({plural(end.depth, 'joint')})" for link, end in likely.items()]
     what = f"several links could be the tip: {', '.join(shown[:SHOWN])}"
@@ -457,4 +457,9 @@ def _unclear(
         what += f", … ({len(likely)} in all)"
     if offered := ", ".join(groups):
         what += f"; so could the groups of its SRDF: {offered}"
-    return refusal("no-tip", description.place(), what, Text("pass {tip}", tip=Argument("tip", next(iter(likely)))))
+    return refusal(
+        "no-tip",
+        description.place(),
+        what,
+        Text("pass {tip}, or another of them; each is an arm of its own", tip=Argument("tip", next(iter(likely)))),
+    )

@@ -14,7 +14,7 @@ import numpy as np
 from ..support.checks import frozen
 from ..support.errors import DescriptionError, closest, listed
 from ..support.messages import Text, package_folder
-from .bounds import WIDE, limit_numbers, note_softened, rate, read_axis, read_bounds, softened
+from .bounds import WIDE, limit_numbers, note_commanded, note_softened, rate, read_axis, read_bounds, softened
 from .catalog import models_share
 from .document import Reading, existing_file, floats, parse_xml, read_text
 from .expansion.expand import expand_xacro, is_xacro
@@ -111,6 +111,7 @@ def build_description(text: str, reading: Reading) -> Description:
     joints = {joint.name: joint for joint in read if joint is not None}
     joints |= {name: replace(joints[name], part_of=whole) for name, whole in parts.items()}
     note_softened(joints.values(), reading)
+    note_commanded(robot, joints, reading)
     _note_missing_rates(joints.values(), rates, reading)
     drop_unusable_inertials(robot, reading)
     return Description(

@@ -14,7 +14,7 @@ from ..collision import Scene, require_scene
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.errors import missing_extra
-from ..support.messages import Argument, Text
+from ..support.messages import Argument, Quantity, Text
 from .refusal import PathError
 from .trajectory import Trajectory
 
@@ -23,6 +23,9 @@ CLEARANCE = 0.004
 
 STEPS = (0.1, 0.05, 0.02, 0.01, 0.005)
 """Distance [rad, m] of the checked states of a path, for one attempt after the other."""
+
+LAST_SHARE, LAST_TIME, LAST_STEPS = 0.05, 0.5, (0.02, 0.01, 0.005)
+"""For the last tries: the share of the clearance that states keep, that of the time, and the distances of states."""
 
 UNLIMITED = 2.0 * np.pi
 """How far joints without limits may go beyond start and goal."""
@@ -34,37 +37,56 @@ SHORTCUTS = 50
 """Random shortcuts that are tried on a path."""
 
 
-def free_path(scene: Scene, start: Array, goal: Array, limits: JointLimits, max_time: float, seed: int = 0) -> Array:
+def free_path(
+    scene: Scene, start: Array, goal: Array, limits: JointLimits, max_time: float, clearance: float = CLEARANCE,
+    seed: int = 0,
+) -> Array:  # fmt: skip
     """Waypoints (k, n) of a collision-free path from start to goal (n,), straight between them.
 
     A free straight path is taken. Otherwise RRT-Connect (Kuffner & LaValle, ICRA 2000) plans on states with a
-    clearance. OMPL's simplifier shortens the path. `Scene.is_free` then proves it. If that fails, the search is
-    repeated with smaller steps.
+    `clearance` [m]. OMPL's simplifier shortens the path. `Scene.is_free` then proves it. If that fails, the search is
+    repeated with smaller steps. Half of the time is kept for last tries with a twentieth of the clearance.
 
     Raises:
-        PathError: Start or goal collides, or no way was found in `max_time` [s].
+        PathError: Start or goal collides, or no way was found in `max_time` [s] of wall time.
         MissingExtraError: OMPL is not installed.
     """
     for theta, name in ((start, "start"), (goal, "goal")):
         contacts = scene.contacts(theta)
         if contacts:
-            raise PathError(f"the {name} collides: {contacts[0]}")
+            raise PathError(f"the {name} collides: {contacts[0]}", theta=theta)
     if scene.is_free(start, goal):
         return np.array([start, goal])
-    ends = time.monotonic() + max_time
+    began, worked = time.monotonic(), time.process_time()
     near = min(scene.distance(start).metres, scene.distance(goal).metres) - scene.largest_margin
     lower, upper = np.minimum(start, goal) - UNLIMITED, np.maximum(start, goal) + UNLIMITED
-    lower = np.where(np.isfinite(limits.lower), limits.lower, lower)
-    upper = np.where(np.isfinite(limits.upper), limits.upper, upper)
-    is_free = scene.checks(min(CLEARANCE, 0.5 * max(near, 0.0)))
-    for step in STEPS:
-        path = _searched(is_free, start, goal, lower, upper, step, ends - time.monotonic(), seed)
-        if path is None:
-            break
-        if all(scene.is_free(one, other) for one, other in pairwise(path)):
-            return path
-    what = "no way round was found in {time:g} s; give another goal, or a longer {max_time}"
-    raise PathError(Text(what, time=max_time, max_time=Argument("max_time")))
+    # A curve may end beyond a limit by rounding, which OMPL would refuse.
+    lower = np.where(np.isfinite(limits.lower), np.minimum(limits.lower, np.minimum(start, goal)), lower)
+    upper = np.where(np.isfinite(limits.upper), np.maximum(limits.upper, np.maximum(start, goal)), upper)
+    kept = min(clearance, 0.5 * max(near, 0.0))
+    tries = (kept, STEPS, 1.0 - LAST_TIME), (LAST_SHARE * kept, LAST_STEPS, 1.0)
+    for apart, steps, share in tries:
+        is_free, ends = scene.checks(apart), began + share * max_time
+        for step in steps:
+            path = _searched(is_free, start, goal, lower, upper, step, ends - time.monotonic(), seed)
+            if path is None:
+                break
+            if all(scene.is_free(one, other) for one, other in pairwise(path)):
+                return path
+    raise PathError(
+        Text(
+            "no way round was found in {time:g} s of wall time ({spent:.2g} s spent, {worked:.2g} s of the processor), "
+            "with {kept} of clearance and at last {last}; give another goal, a longer {max_time}, or a smaller "
+            "{clearance}",
+            spent=time.monotonic() - began,
+            time=max_time,
+            worked=time.process_time() - worked,
+            kept=Quantity(kept, "m"),
+            last=Quantity(LAST_SHARE * kept, "m"),
+            max_time=Argument("max_time"),
+            clearance=Argument("clearance"),
+        )
+    )
 
 
 def _searched(

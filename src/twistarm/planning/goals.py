@@ -21,7 +21,7 @@ from ..theory import rotations, screws
 from .curves import Curve, MovingTarget, arc, line, screw
 from .segments import CONSTRAINED, ArcMove, Constrained, JointMove, LineMove, ScrewMove
 from .waypoints import as_tolerances
-from .within import require_waypoints
+from .within import on_limits
 
 Curved = LineMove | ScrewMove | ArcMove
 CURVED = (LineMove, ScrewMove, ArcMove)
@@ -61,8 +61,8 @@ class Goals:
             raise type(error)(joined("", [f"{where}: ", error.message, shape_hint(goal)])) from error
         if end.ndim != 1:
             raise InputError(f"{where}: a goal must be one configuration ({self.arm.n},); got {end.shape}")
-        require_waypoints(end[None], self.limits, self.arm.joint_names, self.arm.units, where)
-        return end
+        inside: Array = on_limits(end[None], self.limits, self.arm.joint_names, self.arm.units, where)[0]
+        return inside
 
     def moving(self, move: Curved, start: Array, where: str) -> list[MovingTarget]:
         """Return what to follow from start (n,), best first; nothing if the move ends there."""

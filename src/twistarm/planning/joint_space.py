@@ -15,6 +15,7 @@ from ..arm.usual_limits import defaults_line, with_defaults
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, as_flag, as_positive, require_callback, require_choice
 from ..support.errors import InputError, shown
+from ..support.messages import Text
 from . import spline
 from .piecewise import JointPath, bernstein, side_by_side
 from .s_curve import double_s, double_s_durations, s_curve
@@ -22,7 +23,7 @@ from .time_law import PathBounds
 from .time_optimal import line_durations, time_optimal
 from .trajectory import Progress, Trajectory
 from .waypoints import Waypoints, as_times, as_tolerances, as_waypoints, distinct, smoothed
-from .within import require_rates, require_span, require_waypoints
+from .within import inside_from, on_limits, require_rates, require_span, returning
 
 if TYPE_CHECKING:
     from ..collision import Scene
@@ -147,7 +148,7 @@ def plan_joint(
 
     Raises:
         LimitError: A waypoint lies outside the position limits, or the times are too short. The message gives joint,
-            limit, value and place.
+            limit, value and place. From a start up to 0.2 rad or 20 mm outside, the motion returns inside.
         InputError: An argument does not fit the arm, or the kind does not go with `times`.
         UnknownNameError: No such pose or joint.
         NotConvergedError: A target is not met; the message names the waypoint and explains why.
@@ -159,7 +160,10 @@ def plan_joint(
     as_flag(unwrap, "unwrap")
     points, said = as_waypoints(require_arm(arm), waypoints, as_tolerances(position_tol, orientation_tol), unwrap)
     bounds, notes = completed(arm, limits) if times is None else (as_limits(arm, limits), ())
-    require_waypoints(points, bounds, arm.joint_names, arm.units)
+    start, back = points[0].copy(), list[Text]()
+    if len(points) > 1:
+        points[0], back = inside_from(start, bounds, arm.joint_names, arm.units)
+    points = on_limits(points, bounds, arm.joint_names, arm.units)
     if smooth is not None:
         points = smoothed(points, as_positive(smooth, "smooth"), bounds)
     inside = PathBounds(bounds, arm.actuators)
@@ -168,11 +172,18 @@ def plan_joint(
         knots, owner, merged = distinct(points)
         said += merged
         timed = shortest_motion(knots, chosen, inside, stop=stop_at_waypoints, progress=progress)
-        ends, breakpoints, coefficients = np.append(0.0, timed.ends)[owner], timed.breakpoints, timed.coefficients
+        ends = np.append(0.0, timed.ends)
+        if back:
+            there = shortest_motion(np.array([start, points[0]]), chosen, inside)
+            ends, timed = ends + there.duration, joined([there, timed])
+        ends, breakpoints, coefficients = ends[owner], timed.breakpoints, timed.coefficients
     elif len(ends := as_times(times, len(points))) > 1:
+        points[0] = start if back else points[0]
         fit = FITS[chosen, stop_at_waypoints](points, ends)
-        breakpoints, coefficients = spline.pulled_in(fit, ends, points, bounds)
-    notes = (*notes, *said)
+        breakpoints, coefficients = spline.pulled_in(fit, ends, points, returning(bounds, points[0], arm.units))
+    if back:
+        points[0], ends[0] = start, 0.0
+    notes = (*notes, *said, *back)
     motion = Trajectory(
         arm.joint_names, arm.units, points, ends, breakpoints, coefficients, arm.actuators, notes=notes, limits=bounds
     )

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arm.arm import Arm, require_arm
 from ..limits.joint_limits import JointLimits
-from ..support.checks import Array, Row, as_flag, as_positive, require_callback, require_choice
+from ..support.checks import Array, Row, as_flag, as_number, as_positive, require_callback, require_choice
 from ..support.errors import InputError, NotConvergedError
 from ..support.messages import Argument, Text
 from .goals import Goals
@@ -22,12 +22,12 @@ from .piecewise import JointPath
 from .refusal import PathError
 from .route import PathPart, Router
 from .s_curve import double_s, s_curve
-from .segments import Dwell, FreeMove, Segment, as_segments, place
+from .segments import Dwell, FreeMove, JointMove, Segment, as_segments, place
 from .stretches import Corner, path_along, runs
 from .time_law import PathBounds, TimeLaw, quintic
 from .time_optimal import time_optimal
 from .trajectory import Progress, Trajectory
-from .within import require_waypoints
+from .within import inside_from
 
 if TYPE_CHECKING:
     from ..collision import Scene
@@ -54,6 +54,7 @@ def plan(
     unwrap: bool = False,
     scene: Scene | None = None,
     max_time: float = 5.0,
+    clearance: float = 0.004,
     progress: Progress | None = None,
 ) -> Trajectory:
     """Plan a rest-to-rest motion through `segments`, inside the limits of joints and motors.
@@ -73,7 +74,8 @@ def plan(
     Args:
         arm: The arm.
         segments: `JointMove`, `FreeMove`, `LineMove`, `ScrewMove`, `ArcMove` and `Dwell`, one or more.
-        start: Configuration (n,) [rad, m], {joint: value} or the name of one; by default `arm.ready`.
+        start: Configuration (n,) [rad, m], {joint: value} or the name of one; by default `arm.ready`. A measured one
+            may be up to 0.2 rad or 20 mm beyond the limits. The motion then first returns inside, with a note.
         limits: By default those of the arm. Or a `JointLimits`, or changes such as {"acceleration": 3.0}.
         kind: "s_curve", "time_optimal" or "quintic".
         linear_speed: Greatest speed of the tool's origin [m/s] where a segment gives none.
@@ -83,7 +85,9 @@ def plan(
         unwrap: Whether joints that can turn by 2π go to configurations by the shorter way, from 3.1 to −3.1 by 0.08
             rad. To targets they always do.
         scene: A `Scene` of the arm, or None. The motion is then proven free without gaps, and a `FreeMove` goes round.
-        max_time: Greatest time [s] for the way of one `FreeMove`.
+        max_time: Greatest wall time [s] for the way of one `FreeMove`; a busy computer searches less in it.
+        clearance: How far [m] the states of a `FreeMove` keep from everything; less near its start and goal. A
+            twentieth of it in the second half of `max_time`, for narrow gaps.
         progress: Called with the fraction done, in (0, 1], or None.
 
     Returns:
@@ -108,17 +112,23 @@ def plan(
     origin = ranged.ready if start is None else ranged.theta_from(start, name="start")
     if origin.shape != (arm.n,):
         raise InputError(f"start must be one configuration ({arm.n},); got {origin.shape}")
-    require_waypoints(origin[None], bounds, arm.joint_names, arm.units, "start")
-    around, free_path = _obstacles(arm, moves, origin, bounds, scene, as_positive(max_time, "max_time"))
+    inside, back = inside_from(origin, bounds, arm.joint_names, arm.units)
+    how = {"max_time": as_positive(max_time, "max_time"), "clearance": as_number(clearance, "clearance", 0.0)}
+    around, free_path = _obstacles(arm, moves, origin, scene, {"limits": bounds, **how})
     tell = progress or (lambda _: None)
     goals = Goals(ranged, bounds, as_flag(unwrap, "unwrap"))
     parts, said = _route(
-        Router(ranged, moves, goals, lambda done: tell(0.9 * done / len(moves)), around, free_path), origin
+        Router(ranged, moves, goals, lambda done: tell(0.9 * done / len(moves)), around, free_path), inside
     )
-    motion = _in_time(ranged, origin, parts, bounds, kind, (*notes, *said))
+    notes = (*notes, *back, *said)
+    if back:
+        parts.insert(0, PathPart(0, JointMove(inside), inside, JointPath.straight(origin, inside), last=False))
+    else:
+        origin = inside
+    motion = _in_time(ranged, origin, parts, bounds, kind, notes)
     if around is not None:
         sharp = [part if part.last else replace(part, blend=0.0) for part in parts]
-        again = partial(_in_time, ranged, origin, sharp, bounds, kind, (*notes, *said))
+        again = partial(_in_time, ranged, origin, sharp, bounds, kind, notes)
         motion = _free(around, motion, again, moves)
         if scene is not None and around is not scene and (contacts := scene.contacts(motion.waypoints[-1])):
             raise PathError(f"the motion ends in collision, as it began: {contacts[0]}", reason="collision")
@@ -140,7 +150,7 @@ def _route(router: Router, origin: Array) -> tuple[list[PathPart], list[str]]:
 
 
 def _obstacles(
-    arm: Arm, moves: list[Segment], origin: Array, bounds: JointLimits, scene: Scene | None, max_time: float
+    arm: Arm, moves: list[Segment], origin: Array, scene: Scene | None, how: Mapping[str, Any]
 ) -> tuple[Scene | None, Callable[[Array, Array], Array] | None]:
     """Return the scene and the search for paths in it. A start in collision may be left: its pairs come no nearer."""
     if scene is None:
@@ -152,7 +162,7 @@ def _obstacles(
     from .free_moves import free_path
 
     around = require_scene(scene, arm).leaving(origin)
-    return around, partial(free_path, around, limits=bounds, max_time=max_time)
+    return around, partial(free_path, around, **how)
 
 
 def _free(around: Scene, motion: Trajectory, sharp: Callable[[], Trajectory], moves: list[Segment]) -> Trajectory:

@@ -151,7 +151,8 @@ class Router:
             nearer = unwrapped(self.arm, goal, theta, "", asked=True)[0]
             hint = Text("; {unwrap} takes a nearer turn of the goal", unwrap=UNWRAP)
             what = error.message if (nearer == goal).all() else joined("", [error.message, hint])
-            raise PathError(what, theta=theta, reason="collision", segment=i, place=self._place(i)) from error
+            at = theta if error.theta is None else error.theta
+            raise PathError(what, theta=at, reason="collision", segment=i, place=self._place(i)) from error
         steps = np.linalg.norm(np.diff(self.arm.fk(corners)[:, :3, 3], axis=0), axis=1)
         radii = np.minimum(CORNER_SHARE * np.minimum(steps[:-1], steps[1:]), LARGEST_CORNER * self.arm.reach)
         parts = [self._straight(i, *ends) for ends in pairwise(corners)]

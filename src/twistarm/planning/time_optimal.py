@@ -43,6 +43,9 @@ MAX_INTERVALS = 5000
 LEAST_DEGREE = 2
 """A straight line counts as a parabola: its curvature is a polynomial too."""
 
+WITHOUT_CORE = " (not kind='quintic', straight joint moves from rest to rest, or splines at given times)"
+"""The kinds of motion that need no core."""
+
 
 def time_optimal(path: JointPath, bounds: PathBounds) -> TimeLaw:
     """The shortest law from rest to rest that keeps velocity, acceleration, motors and ceiling.
@@ -139,7 +142,7 @@ def path_velocity(path: LimitedPath, grid: Array) -> Profile:
     among those. Every interval's region of (x0, x1) is convex and holds (0, 0), so neither pass can fail. Raises
     TwistarmError without the compiled core, InputError for more joints and motors than it takes.
     """
-    core = engine.need("the shortest motion along a path")
+    core = engine.need(f"the shortest motion along a path{WITHOUT_CORE}")
     found = core.path_velocity(*vars(path).values(), grid, greatest_rate(path))
     if found is None:
         count, most = len(path.velocity), 2 * engine.MOST_JOINTS

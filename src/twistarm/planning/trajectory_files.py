@@ -23,7 +23,7 @@ from .files.joint_trajectory import json_text, read_message
 from .files.mcap_file import mcap_bytes, read_mcap
 from .piecewise import through
 from .trajectory import Points, Trajectory
-from .within import farthest_outside, require_positions
+from .within import farthest_outside, require_positions, returning
 
 
 class Writing(NamedTuple):
@@ -76,9 +76,6 @@ DISAGREES, COMPARED, FEWEST, TINY = 5.0, 0.1, 3, 1e-300
 SWING = 1e-4
 """A polynomial between two points may leave a position limit by so much [rad, m], as that of a coarse file does."""
 
-BEYOND_LIMIT = 1e-6
-"""Beyond a position limit by less [rad, m] is rounding of the file."""
-
 
 def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
     """Read a motion of `arm` from a file of `save_trajectory` or another program.
@@ -119,8 +116,9 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
         raise InputError(f"{file} holds no point of a motion")
     _require_usual(points)
     _require_agreement(points)
-    (k, j), off, _ = farthest_outside(points.theta, arm.limits)
-    if off > BEYOND_LIMIT:
+    allowed = returning(arm.limits, points.theta[0], arm.units)
+    (k, j), off, _ = farthest_outside(points.theta, allowed)
+    if off > 0.0:
         what = "{place}: joint {joint!r} at {value} is {beyond} beyond its limit; record a motion within the limits"
         value, beyond = Quantity(points.theta[k, j], arm.units[j]), Quantity(off, arm.units[j], 3)
         raise LimitError(Text(what, place=points.place(k), joint=arm.joint_names[j], value=value, beyond=beyond))
@@ -134,7 +132,7 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
         motion = Trajectory(
             arm.joint_names, arm.units, theta, t, breakpoints, coefficients, arm.actuators, labels, limits=points.limits
         )
-        require_positions(motion, arm.limits, "check the times and rates of the file", SWING)
+        require_positions(motion, allowed, "check the times and rates of the file", SWING)
     except (InputError, LimitError) as error:
         raise type(error)(joined(": ", [str(file), error.message])) from error
     return motion

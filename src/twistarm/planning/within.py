@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.errors import InputError, LimitError
-from ..support.messages import Argument, Quantity, Text
+from ..support.messages import Argument, Quantity, Text, joined
 from ..support.units import theta_hint
 from .piecewise import derivative, extremes, largest
 from .trajectory import RATE_UNITS, Trajectory
 
 POSITION_TOL = 1e-9
 """Excess over a position limit [rad, m] that is rounding of a motion that ends on the limit."""
+
+GIVEN_TOL = 1e-6
+"""How far beyond a position limit [rad, m] a given configuration, or that of a file, counts as on the limit."""
+
+RETURN = {"rad": 0.2, "m": 0.02}
+"""How far beyond its limits a measured start may be. The motion then returns inside first."""
 
 RATE_TOL = 1e-9
 """Relative excess over a rate limit that is rounding of a motion timed to meet it exactly."""
@@ -127,25 +134,69 @@ def require_rates(trajectory: Trajectory, limits: JointLimits, moved: str = "joi
         )
 
 
-def require_waypoints(
+def on_limits(
     waypoints: Array, limits: JointLimits, names: Sequence[str], units: Sequence[str], what: str = ""
-) -> None:
-    """Raise LimitError with waypoint (or `what`), joint and limit, where one is outside."""
+) -> Array:
+    """Return waypoints (k, n), on the limit where they are beyond it by rounding.
+
+    Raises LimitError with waypoint (or `what`), joint and limit, where one is outside.
+    """
     (i, j), beyond, side = farthest_outside(waypoints, limits)
-    if beyond <= POSITION_TOL:
-        return
-    unit = units[j]
-    hint = theta_hint(waypoints, units, limits.lower, limits.upper)
-    raise LimitError(
+    if beyond > GIVEN_TOL:
+        remedy = "move the waypoint"
+        where = what or f"waypoint {i} (counted from 0)"
+        raise _beyond(waypoints[i], j, side, limits, names, units, where, remedy)
+    return np.clip(waypoints, limits.lower, limits.upper)
+
+
+def inside_from(
+    start: Array, limits: JointLimits, names: Sequence[str], units: Sequence[str]
+) -> tuple[Array, list[Text]]:
+    """Return where a motion from a measured start (n,) is inside the limits, and a note if it must return there.
+
+    Raises LimitError if a joint is farther beyond its limit than `RETURN`.
+    """
+    inside = np.clip(start, limits.lower, limits.upper)
+    beyond = np.abs(start - inside)
+    allowed = np.array([RETURN[unit] for unit in units])
+    j = int(np.argmax(beyond / allowed))
+    if beyond[j] > allowed[j]:
+        most, side = Quantity(RETURN[units[j]], units[j]), "lower" if start[j] < inside[j] else "upper"
+        remedy = Text(
+            "a motion returns by itself from at most {most} beyond; bring the joint nearer by hand", most=most
+        )
+        raise _beyond(start, j, side, limits, names, units, "the start", remedy)
+    out = np.flatnonzero(beyond > GIVEN_TOL).tolist()
+    said = [Text("{joint} by {beyond}", joint=names[k], beyond=Quantity(float(beyond[k]), units[k])) for k in out]
+    template = "the start is beyond the limits, {said}: the motion first returns inside, straight in joint space"
+    return inside, [Text(template, said=joined(", ", said))] if said else []
+
+
+def returning(limits: JointLimits, start: Array, units: Sequence[str]) -> JointLimits:
+    """Return the limits of positions that a motion from `start` (n,) keeps to: from beyond it may return."""
+    near = np.array([RETURN[unit] for unit in units])
+    lower = np.minimum(limits.lower, np.maximum(start, limits.lower - near)) - GIVEN_TOL
+    upper = np.maximum(limits.upper, np.minimum(start, limits.upper + near)) + GIVEN_TOL
+    return replace(limits, lower=lower, upper=upper)
+
+
+def _beyond(
+    theta: Array, j: int, side: str, limits: JointLimits, names: Sequence[str], units: Sequence[str], what: str,
+    remedy: str | Text,
+) -> LimitError:  # fmt: skip
+    """The error for joint j of theta (n,), which is beyond its limit on this side."""
+    limit, hint = getattr(limits, side)[j], theta_hint(theta[None], units, limits.lower, limits.upper)
+    return LimitError(
         Text(
-            "{what} puts joint {joint!r} at {value}, {beyond} beyond its {side} limit {limit}: move the waypoint, or "
+            "{what} puts joint {joint!r} at {value}, {beyond} beyond its {side} limit {limit}: {remedy}, or "
             "change the limit by {limits}{hint}",
-            what=what or f"waypoint {i} (counted from 0)",
+            what=what,
             joint=names[j],
-            value=Quantity(waypoints[i, j], unit),
-            beyond=Quantity(beyond, unit),
+            value=Quantity(theta[j], units[j]),
+            beyond=Quantity(abs(float(theta[j] - limit)), units[j]),
             side=side,
-            limit=Quantity(getattr(limits, side)[j], unit),
+            limit=Quantity(limit, units[j]),
+            remedy=remedy,
             limits=Argument("limits"),
             hint=Text(" ({hint})", hint=hint) if hint else "",
         )

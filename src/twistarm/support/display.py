@@ -14,6 +14,9 @@ from .errors import shown
 LONGEST_ROW = 8
 """Numbers in a row before the shape alone is told."""
 
+ZERO = 1e-12
+"""Smaller numbers are the rounding of a zero."""
+
 
 class Brief:
     """A dataclass with a short repr: four digits, and shapes for large arrays."""
@@ -33,7 +36,7 @@ def in_brief(value: Any) -> str:
     if isinstance(value, Enum):
         return value.name
     if isinstance(value, (float, np.floating)):
-        return f"{value:.4g}"
+        return _number(float(value), ZERO)
     if isinstance(value, np.ndarray):
         return _array(value) if value.ndim else in_brief(value.item())
     if isinstance(value, (list, tuple)):
@@ -48,7 +51,11 @@ def _array(array: np.ndarray[Any, Any]) -> str:
         turned = math.degrees(math.acos(min(max((float(np.trace(array)) - 2.0) / 2.0, -1.0), 1.0)))
         return f"at {_array(array[:3, 3])} turned {turned:.4g}°"
     if array.ndim == 1 and len(array) <= LONGEST_ROW and array.dtype.kind in "iuf":
-        # What is below 1e-12, or far below the four digits of the largest, is the rounding of a zero.
-        zero = max(1e-12, 1e-6 * float(np.abs(array).max(initial=0.0)))
-        return f"[{', '.join('0' if abs(value) < zero else f'{value:.4g}' for value in array.tolist())}]"
+        # What is far below the four digits of the largest is the rounding of a zero too.
+        zero = max(ZERO, 1e-6 * float(np.abs(array).max(initial=0.0)))
+        return f"[{', '.join(_number(value, zero) for value in array.tolist())}]"
     return f"array of shape {array.shape}"
+
+
+def _number(value: float, zero: float) -> str:
+    return "0" if abs(value) < zero else f"{value:.4g}"

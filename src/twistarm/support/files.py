@@ -19,7 +19,7 @@ WRITTEN_YAML = "# written by twistarm"
 WRITTEN_XML = "<!-- written by twistarm -->"
 """What YAML of ours begins with, and URDF ends with: it is no team's own text and may be replaced."""
 
-NO_SUCH_FILE = "no such file"
+NO_SUCH_FILE, FOLDER = "no such file", "a folder"
 
 READING = sum(getattr(os, name, 0) for name in ("O_RDONLY", "O_NONBLOCK", "O_NOCTTY", "O_CLOEXEC", "O_BINARY"))
 """How a file is opened to read, without waiting for a writer. A system has only some of these flags."""
@@ -45,7 +45,7 @@ def why_no_file(path: Path) -> str:
     except OSError as error:
         nothing = error.errno in (errno.ENOENT, errno.ENOTDIR)
         return NO_SUCH_FILE if nothing else f"no usable path ({error.strerror or error})"
-    return "a folder" if stat.S_ISDIR(mode) else "" if stat.S_ISREG(mode) else "not a regular file"
+    return FOLDER if stat.S_ISDIR(mode) else "" if stat.S_ISREG(mode) else "not a regular file"
 
 
 def open_regular(path: str | os.PathLike[str]) -> BinaryIO:

@@ -7,9 +7,25 @@ for i, step in enumerate(h * np.eye(arm.n)):
     column = screws.log(motion) / (2 * h)
     assert np.allclose(column, arm.body_jacobian(arm.ready)[:, i], atol=1e-5)
 
+# ## The gap, in six numbers
+import pinocchio as pin
+
+way = pin.log6(pin.SE3(np.linalg.solve(arm.fk(start), g_d))).vector
+assert np.allclose(gap, way, atol=1e-9)
+assert abs(foretold - 1000 * l2 * np.radians(1.0)) < 1e-9  # the elbow's circle
+assert abs(made - 2000 * l2 * np.sin(np.radians(0.5))) < 1e-9  # its chord
+
+# ## The nearest step, and the shortest
+assert np.allclose(one_slide, [30])
+assert np.allclose(two_slides, [15, 15])
+
 # ## Newton's step
 assert size(arm, gaps)[-1] < 1e-9, "Newton arrives"
 assert np.allclose(arm.fk(reached), g_d, atol=1e-8)
+
+# ## What each direction costs
+assert np.isclose(sigma[0] * sigma[1], abs(np.linalg.det(tip_jacobian(stretched))))
+assert np.isclose(np.hypot(*sigma), np.linalg.norm(tip_jacobian(stretched)))
 
 # ## How it breaks
 straight = np.radians([20.0, 0.0])

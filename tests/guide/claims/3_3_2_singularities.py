@@ -5,6 +5,14 @@ assert np.allclose(np.linalg.det(J), l1 * l2 * np.sin(bends))
 r = np.sqrt(l1**2 + l2**2 + 2 * l1 * l2 * np.cos(nearly))
 assert np.allclose(rates, np.degrees(r * outward / (l1 * l2 * np.sin(nearly))))
 
+# ## Rates that cancel
+assert np.allclose(null, np.array([-l2, l1 + l2]) / np.hypot(l2, l1 + l2))  # by the lever arms
+assert np.allclose(J @ null, 0, atol=1e-12)
+
+# ## A force that no motor feels
+assert np.allclose(J.T @ along, 0, atol=1e-12)
+assert np.allclose(J.T @ across, 10 * np.array([l1 + l2, l2]))
+
 # ## The worst configuration inside your limits
 assert np.allclose(sigma, arm.manipulability(beside).singular_values)
 felt = J.T @ lost

@@ -32,6 +32,7 @@ from ...limits.joint_limits import JointLimits
 from ...support.checks import Array, as_number, require_choice
 from ...support.csv_lines import csv_text
 from ...support.errors import InputError, shown
+from ...support.messages import Argument, Text
 from ...theory.joints import plane_axes
 from ...theory.rotations import to_euler
 from ...theory.screws import inverse, to_screw
@@ -46,6 +47,13 @@ MOST_PARALLEL = 0.1
 
 EXACT = 1e-14
 """A smaller number of a row is rounding."""
+
+OF_COUPLED = Text(
+    "Its screws and coupling are in arm.screws and arm.coupling, and `twistarm bake` writes them; with the joints that "
+    "lead others in {locked} there is a table of the rest",
+    locked=Argument("locked_joints", None),
+)
+"""What to do instead of a table."""
 
 SAMPLES = 20
 """Random configurations at which a table is compared with its arm."""
@@ -126,7 +134,8 @@ def to_dh(arm: Arm, convention: str = "standard", parallel: float = PARALLEL) ->
     A, screws = arm.coupling.A[moving], to_screw(arm.screws[:, moving].T)
     slides = np.isinf(screws.pitch)
     if not np.array_equal(A, np.eye(arm.n)):
-        raise InputError(f"{arm.name} has coupled joints; a DH table has one independent joint in each row")
+        what = "{arm} has coupled joints; a DH table has one independent joint in each row. {how}"
+        raise InputError(Text(what, arm=arm.name, how=OF_COUPLED))
     if (np.abs(screws.magnitude - 1.0) > UNIT).any() or (np.abs(screws.pitch[~slides]) > UNIT * arm.reach).any():
         raise InputError(f"{arm.name} has joints with a pitch or a rate; a DH table has only turns and slides")
     axes = np.vstack([screws.axis, arm.home[:3, 2]])

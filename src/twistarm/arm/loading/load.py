@@ -23,14 +23,17 @@ from ...description.tree import Description, Semantics
 from ...description.urdf import build_description, read_description
 from ...limits.joint_limits import JointLimits
 from ...support.checks import require_mapping
-from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, shown
-from ...support.files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
+from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, listed, shown
+from ...support.files import FOLDER, NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
 from ...support.messages import Argument, Text, plural
 from ..arm import Arm
 from ..arm_data import Coupling, Proof
 from ..baking import BAKED, SUFFIX, fields_of, unsealed
 from ..pinocchio_model import why_no_pinocchio
 from .overrides import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
+
+DESCRIPTIONS = (".urdf", ".xacro", ".xml", "arm.toml")
+"""How the names of files end that a folder is given for."""
 
 PROOF_SAMPLES = 5
 PROOF_TOL = 1e-9
@@ -251,6 +254,15 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
         return ArmSpecification(entry.file, text, name=text, base=base, tip=tip, package_dirs=folders)
     why, near = why_no_file(path), ""
     if why != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
+        if why == FOLDER:
+            files = [str(each.relative_to(path)) for deep in ("*", "*/*", "*/*/*") for each in sorted(path.glob(deep))]
+            there = [file for file in files if file.endswith(DESCRIPTIONS) and not file.endswith("package.xml")]
+            raise refusal(
+                "file-unreadable",
+                Place(text[:200]),
+                why,
+                f"give a file in it: {listed(there) or 'none is a description'}",
+            )
         with suppress(OSError, ValueError):
             near = closest(path.name, [each.name for each in path.parent.iterdir()])
         remedy = f"give a URDF, xacro or MJCF file, a DH table, an arm.toml or an arm of the catalogue{near}"
@@ -347,6 +359,10 @@ def _with_what_is_said(
         given = {name: Argument(name, None) for name in ("tip", "srdf")}
         remedy = Text("{tip}, an arm.toml or another {srdf} win over it", **given)
         found = finding("srdf-found", Place(semantics.path.name), what, remedy)
+        if passive := [name for name in arm.joint_names if name in semantics.passive_joints]:
+            what = f"passive joints, which no motor drives, count as driven: {listed(passive)}"
+            remedy = Text("pass {locked}, or couple them by <mimic>", locked=Argument("locked_joints", None))
+            stating = [*stating, finding("companion-doubtful", Place(semantics.path.name), what, remedy)]
         findings = (*arm.findings, found, *stating)
         arm = replace(arm, named_states={**states, **poses}, disabled_collisions=pairs, findings=findings)
     name = arm.ready_name

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 
@@ -16,14 +18,15 @@ from ...collision.allowed_pairs import ALWAYS
 from ...collision.survey import collision_shares
 from ...description.companions.data_files import toml_key
 from ...description.findings import Finding, Place, finding
+from ...description.meshes import read_mesh
 from ...description.source_text import SourceText
 from ...description.tips import tool_rank
-from ...description.tree import Description
+from ...description.tree import Description, Geometry, Link
 from ...ik import closed_form_of
 from ...limits.joint_limits import slides
 from ...support.checks import Array
 from ...support.directions import axis_in_words, direction_in_words
-from ...support.errors import listed, one_line
+from ...support.errors import TwistarmError, listed, one_line
 from ...support.messages import Argument, Text, plural
 from ...theory.manipulability import scaled_jacobian
 from .numbers import LONGEST_REACH, OTHER, SHOWN, grouped
@@ -41,7 +44,10 @@ ABOUT = 1.0 - 1e-6
 """Cosine from which on a rotation is about an axis."""
 
 OUT = 0.1
-"""How far out [m] the tool of the snippet is."""
+"""How far out [m] the tool of the snippet is, where no shape tells."""
+
+SIDED = 3.0
+"""How many times as far as to the other side the shapes of a link reach to the tool."""
 
 SAMPLES, OFTEN = 100, 0.8
 """Random configurations, and the share of them in which a pair collides by its drawing and not by the motion."""
@@ -203,16 +209,40 @@ def check_tool(arm: Arm, description: Description) -> Iterator[Finding]:
     last = description.chain(arm.base, arm.tip_link)[-1]
     named = tool_rank(arm.tip_link) is not None
     if last.moving and not slides(last.type) and not named and np.array_equal(arm.tool, np.eye(4)):
-        xyz = ", ".join(f"{value + 0.0:.6g}" for value in OUT * arm.tool_axis)
+        end = _end_of(description.links[arm.tip_link], arm.tool_axis)
+        xyz = ", ".join(f"{value + 0.0:.6g}" for value in (end or OUT) * arm.tool_axis)
+        guess = f"which no shape tells, so measure it; {OUT:g} m along {direction_in_words(arm.tool_axis, 'tool')} is"
         yield finding(
             "tool-frame-missing",
             description.place(description.links[arm.tip_link]),
             f"the tool is the frame of {last.name} itself: its origin lies on that joint's axis, "
             "and nothing says where the arm grips",
             f"say in arm.toml where the tool is, seen from {one_line(arm.tip_link)} [m, rad], "
-            f"for one {OUT:g} m along {direction_in_words(arm.tool_axis, 'tool')}:\n"
+            f"{'for the end of its shapes' if end else guess}:\n"
             f'[tool]\nname = "tool"\nxyz = [{xyz}]\nrpy = [0.0, 0.0, 0.0]',
         )
+
+
+def _end_of(link: Link, axis: Array) -> float | None:
+    """Where [m] the shapes of a link end along an axis (3,) through its origin. None if they reach to both sides."""
+    along = [0.0]
+    for shape in (*link.visuals, *link.collisions):
+        along += ((_points_of(shape) @ shape.origin[:3, :3].T + shape.origin[:3, 3]) @ axis).tolist()
+    low, high = min(along), max(along)
+    end = high if high > -low else low
+    return end if abs(end) > SIDED * min(-low, high) else None
+
+
+def _points_of(shape: Geometry) -> Array:
+    """Points (N, 3) on all sides of a shape, in its frame. None of an unreadable mesh."""
+    if shape.shape == "mesh":
+        with suppress(TwistarmError):
+            pieces = read_mesh(shape.mesh or Path()).pieces
+            return np.concatenate([piece.corners.reshape(-1, 3) for piece in pieces]) * shape.size
+        return np.zeros((0, 3))
+    wide, long = 2 * shape.size[0], shape.size[-1] if len(shape.size) > 1 else 2 * shape.size[0]
+    size = shape.size if shape.shape == "box" else (wide, wide, long + wide * (shape.shape == "capsule"))
+    return np.array(size) * (np.array([*np.ndindex(2, 2, 2)]) - 0.5)
 
 
 # -- axes --------------------------------------------------------------------------------------------------------------

@@ -207,7 +207,7 @@ def init(source: File, outputs: Written, motion: Motion = False) -> None:
     for name in ("limits", "locked_joints"):
         if name in source.keywords:
             raise InputError(f"{'--limits' if name == 'limits' else '--locked-joint'} goes into the arm.toml by hand")
-    draft = draft_arm_file(source.name, Path(os.path.realpath(output)).parent, **source.keywords)
+    draft = draft_arm_file(source.name, Path(os.path.realpath(output)).parent, **source.without_tool("the arm.toml"))
     outputs.write({"toml": lambda: draft})
     if output != STDOUT:
         arm = load_arm(output, env_vars=source.keywords["env_vars"])

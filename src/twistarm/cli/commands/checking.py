@@ -50,7 +50,7 @@ def doctor(source: ArmArgument, out: Repaired, strict: Strict = False, fix: Fix 
     """List faults of a description or an arm, their meaning and remedies."""
     if fix != (len(out.files) == 1):
         raise InputError("--fix and -o FILE.urdf go together: the repaired copy gets that name")
-    diagnosis = examine(source.name, **source.keywords)
+    diagnosis = examine(source.name, **source.keywords) if source.tool is None else examine(source.load())
     findings, arm, able = diagnosis.findings, diagnosis.arm, diagnosis.able
     # A file that does not exist is the caller's error, not the doctor's business.
     if any(one.code == "file-unreadable" and one.place.file == source.name for one in findings):

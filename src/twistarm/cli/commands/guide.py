@@ -134,7 +134,7 @@ def _arm(source: Source | None) -> Arm:
 def _built(source: Source | None, folder: Path, names: Sequence[str] | None = None) -> Built:
     """The course on the typed arm, with its failures."""
     typed = source or Source("rover_arm")
-    arm = {"source": typed.name, **{name: value for name, value in typed.keywords.items() if value}}
+    arm = {"source": typed.name, **{name: value for name, value in typed.without_tool("an arm.toml").items() if value}}
     try:
         with progress_bar(f"the guide on {typed.name}") as progress:
             built = build(folder, arm, names, progress=progress)

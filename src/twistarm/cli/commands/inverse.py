@@ -120,10 +120,15 @@ def _show_batch(out: Outputs, file: str, lines: list[int], batch: IKBatch) -> No
     """The answers to a file's targets: those that people see can be typed."""
     arm, answers = batch.arm, list(batch)
     names = "stop converged theta position_error orientation_error"
-    records = [{"line": line, **entries(answer, names)} for line, answer in zip(lines, answers, strict=True)]
+    records = [
+        {"line": line, **entries(answer, names), "reason": answer.stop.value}
+        for line, answer in zip(lines, answers, strict=True)
+    ]
     columns = [
         Column("line", lines),
         Column("answer", [answer.stop.name for answer in answers]),
+        Column("off", [answer.position_error for answer in answers], "m"),
+        Column("turned off", [answer.orientation_error for answer in answers], "rad"),
         Column("theta", [theta_typed(arm, answer.theta, out.radians) for answer in answers]),
     ]
     table = Table(arm.name, columns, rows=range(min(len(lines), ROWS_SHOWN)))
@@ -135,7 +140,7 @@ def _show_batch(out: Outputs, file: str, lines: list[int], batch: IKBatch) -> No
     counted = [f"{met} of {len(answers)} targets of {file} met{more}"]
     out.show(
         {"arm": arm, "joint_names": arm.joint_names, "met": met, "answers": records},
-        *([] if out.files else [table]),
+        table,
         *counted,
         *(f"{reason.value}: line {few(numbers)}" for reason, numbers in by_reason.items()),
         files={"csv": lambda: _answers_csv(arm, lines, answers)},

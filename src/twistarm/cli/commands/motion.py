@@ -43,19 +43,20 @@ CAP = "At most this for every joint, or for those in its unit; the arm's own lim
 Velocity = Annotated[OfJoints | None, quantity("rad/s m/s", CAP)]
 Acceleration = Annotated[OfJoints | None, quantity("rad/s² m/s²", CAP)]
 
-MAX_TIME = 5.0
-"""Seconds for the way of a free move."""
+MAX_TIME, CLEARANCE = 5.0, 0.004
+"""Seconds for the way of a free move, and how far [m] it keeps from everything."""
 
 
 def planned(
-    arm: Arm, asked: MotionFile, limits: JointLimits, scene: Scene | None, max_time: float, progress: Progress
-) -> tuple[Trajectory, list[Segment]]:
+    arm: Arm, asked: MotionFile, limits: JointLimits, scene: Scene | None, max_time: float, progress: Progress,
+    clearance: float = CLEARANCE,
+) -> tuple[Trajectory, list[Segment]]:  # fmt: skip
     """The motion of a motion.toml, or of typed goals in its place, and the segments with what holds for all of them."""
     segments = as_segments(
         asked.segments, asked.linear_speed, asked.angular_speed, asked.position_tol, asked.orientation_tol
     )
     how: dict[str, Any] = {"kind": asked.kind or "s_curve", "unwrap": asked.unwrap, "scene": scene}
-    how |= {"max_time": max_time, "limits": limits, "start": asked.start, "progress": progress}
+    how |= {"max_time": max_time, "clearance": clearance, "limits": limits, "start": asked.start, "progress": progress}
     return plan_segments(arm, segments, **how), segments
 
 
@@ -134,6 +135,7 @@ Smooth = Annotated[
     ),
 ]
 MaxTime = Annotated[float, quantity("s", "With --avoid: give up the way to a goal after so many seconds.")]
+Clearance = Annotated[float, quantity("m", "With --avoid: how far the way to a goal keeps from everything.", zero=True)]
 Counts = Annotated[
     bool, switch("Write what the motors' drives count alone, for firmware that knows no joints.", "--counts")
 ]
@@ -160,6 +162,7 @@ def plan(
     orientation_tol: OrientationTol = None,
     avoid: Avoid = None,
     max_time: MaxTime = MAX_TIME,
+    clearance: Clearance = CLEARANCE,
     counts: Counts = False,
     dt: Step = 0.01,
 ) -> None:
@@ -192,7 +195,7 @@ def plan(
             how |= {} if smooth is None else {"smooth": smooth}
             found = plan_joint(arm, poses, limits=limits, progress=progress, **how)
         else:
-            found, segments = planned(arm, asked, limits, scene, max_time, progress)
+            found, segments = planned(arm, asked, limits, scene, max_time, progress, clearance)
     origin = asked.start if start is None else start.text
     if origin is None:
         name = arm.ready_name

@@ -11,13 +11,10 @@ from ...arm.arm import Arm
 from ...limits.joint_limits import JointLimits
 from ...planning import Trajectory, plan_joint
 from ...planning.piecewise import derivative, evaluate, shifted
-from ...planning.within import require_within, stretch_needed
+from ...planning.within import GIVEN_TOL, require_within, returning, stretch_needed
 from ...support.checks import Array, require
 from ...support.errors import InputError, closest, listed
 from ...support.messages import Argument, Quantity, Text, joined
-
-BEYOND_LIMIT = 1e-6
-"""Excess over a position limit [rad, m] that is rounding of a file."""
 
 JUMP = 1e-4
 """Jump of a velocity, as a share of its limit, that is rounding."""
@@ -37,8 +34,8 @@ def motion_of(arm: Arm, trajectory: Trajectory) -> Trajectory:
     """
     motion = _ordered(arm, require(trajectory, Trajectory, "trajectory", "as plan_joint returns"))
     _require_smooth(motion, arm.limits)
-    lower, upper = arm.limits.lower - BEYOND_LIMIT, arm.limits.upper + BEYOND_LIMIT
-    positions = replace(JointLimits.unbounded(arm.n), lower=lower, upper=upper)
+    allowed = returning(arm.limits, motion.waypoints[0], arm.units)
+    positions = replace(JointLimits.unbounded(arm.n), lower=allowed.lower, upper=allowed.upper)
     require_within(motion, positions, f"plan it for {arm.name} in its present state")
     return motion
 
@@ -82,7 +79,7 @@ def _ordered(arm: Arm, trajectory: Trajectory) -> Trajectory:
 
 def _require_smooth(motion: Trajectory, limits: JointLimits) -> None:
     durations, ends = np.diff(motion.breakpoints)[:, None], motion.waypoints[[0, -1]]
-    for order, most, what in ((0, BEYOND_LIMIT, "position"), (1, JUMP * limits.velocity, "velocity")):
+    for order, most, what in ((0, GIVEN_TOL, "position"), (1, JUMP * limits.velocity, "velocity")):
         values = derivative(motion.coefficients, order)
         outside = ends if order == 0 else np.zeros_like(ends)  # what holds before the start and after the end
         before = np.vstack([outside[:1], evaluate(values, durations)])

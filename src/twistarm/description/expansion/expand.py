@@ -6,6 +6,7 @@ import functools
 import re
 import sys
 import threading
+import traceback
 from collections.abc import Iterable, Iterator, Mapping
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
@@ -19,7 +20,7 @@ from ...support.wheels import Wheel, load
 from ..document import Refused, read_text
 from ..findings import Finding, refusal
 from ..packages import PackageIndex
-from .expansion import HERE, MISSING_PACKAGE, PACKAGE, REPLACED, Expansion
+from .expansion import HERE, MISSING_PACKAGE, PACKAGE, PLACE, REPLACED, Expansion
 
 _WHEEL = Wheel("xacro", "xacro", has="process_file", oldest="2.1")
 """ROS 2's is the same code and serves; ROS 1's lacks what `Expansion` replaces."""
@@ -111,13 +112,20 @@ def own_xacro() -> Any:
 REMEDIES = {
     "Invalid parameter": "add it to the params= of the macro, or leave it out of the call",
     "is not defined": "define it by <xacro:property …>; without the prefix it is no property",
+    r"expression '[^']*\$\{": "write one ${…} round the whole expression: they do not nest",
     "xacro:arg: missing attribute 'default'": 'write default="" and give the value when loading',
 }
-"""Remedies by a part of xacro's sentence."""
+"""Remedies by a pattern in xacro's sentence."""
 
 
 def explain(error: Exception, expansion: Expansion) -> DescriptionError:
-    """The error to raise, at the file or the macro that xacro was expanding."""
+    """The error to raise, at the element, in the file or the macro that xacro was expanding."""
+    for frame, _ in traceback.walk_tb(error.__traceback__):  # xacro's errors do not name the element
+        node: Any = frame.f_locals.get("node")
+        while hasattr(node, "getUserData") and node.getUserData(PLACE) is None:  # a text
+            node = node.parentNode
+        if hasattr(node, "getUserData"):
+            expansion.failed = node.getUserData(PLACE)
     text = " ".join(str(error).split())
     for cause in _causes(error, set()):
         if isinstance(cause, DescriptionError):
@@ -133,7 +141,7 @@ def explain(error: Exception, expansion: Expansion) -> DescriptionError:
             return _missing_file(str(cause.filename), cause.strerror or "", expansion)
     if undefined := re.search(r"Undefined substitution argument (\S+)", text):
         return _missing_argument(undefined[1], expansion)
-    remedy = next((remedy for part, remedy in REMEDIES.items() if part in text), "")
+    remedy = next((remedy for part, remedy in REMEDIES.items() if re.search(part, text)), "")
     return refusal("xacro-failed", expansion.place, f"xacro cannot expand it: {_shortened(text)}", remedy)
 
 

@@ -14,12 +14,14 @@ from pathlib import Path
 from typing import Any
 from xml.dom import expatbuilder, xmlbuilder
 from xml.parsers import expat
+from xml.parsers.expat import errors
 
 from ...support.errors import listed
 from ...support.messages import Argument, Text, package_folder
 from ..document import Reading, Refused, parse_xml, read_inside, real_inside
 from ..findings import Finding, Place, finding, refusal
 from ..packages import PackageIndex, is_package_name
+from ..structure import ATTRIBUTES, CONTENTS
 from .expressions import LEFT_OUT, evaluate, type_of
 
 PACKAGE = "package://"
@@ -46,6 +48,12 @@ REPLACED = (
 )
 """Names in the module `xacro` that an expansion replaces."""
 
+BARE = ("arg", "call", "if", "include", "insert_block", "macro", "property", "unless")
+"""Words of xacro that mean nothing without their prefix."""
+
+URDF = {*ATTRIBUTES, "geometry", "material", "transmission", "sensor", "gazebo", "ros2_control", "dynamics"}
+"""Elements of URDF, or of other programs, that are no calls of macros of these names."""
+
 _FIND = re.compile(r"\$\(find ([^)\s]+)\)")
 
 
@@ -65,7 +73,9 @@ class Expansion:
         self._xacro, self._ignored, self._env_vars = xacro, tuple(ignore_packages), tuple(env_vars)
         self._documents: list[dict[str, str | None]] = []
         self._unknown: set[str] = set()
+        self._macros, self._bare = {*BARE}, dict[str, Place]()
         self._notes: dict[str, Finding] = {}
+        self.failed: Place | None = None
 
     def findings(self) -> tuple[Finding, ...]:
         """Packages that no opened file needed, variables that are not shown, and parts left out."""
@@ -74,6 +84,10 @@ class Expansion:
             what = f"$(find {package}): package not found; nothing the kinematics needs uses it"
             remedy = Text("pass {folder} if its files matter", folder=package_folder(package))
             unknown.append(finding("package-not-found", Place(self.path.name), what, remedy))
+        for tag, place in self._bare.items():
+            if tag.rpartition(".")[2] in self._macros:
+                what = f"<{tag}> stands without the prefix xacro: and does nothing"
+                unknown.append(finding("word-unread", place, what, f"write <xacro:{tag} …>"))
         return (*unknown, *self._notes.values())
 
     @property
@@ -105,11 +119,13 @@ class Expansion:
 
     @property
     def place(self) -> Place:
-        """The macro being expanded with the file that defines it, else the file."""
+        """The macro being expanded with the file that defines it, else the file; the place that `failed`, if any."""
+        place = self.failed or Place(str((self._xacro.filestack or [self.path])[-1]))
         if self._xacro.macrostack:
             macro = self._xacro.macrostack[-1]
-            return Place(str(macro.history[-1][-1] or self.path), element="macro", name=macro.body.getAttribute("name"))
-        return Place(str((self._xacro.filestack or [self.path])[-1]))
+            file = place.file if self.failed else str(macro.history[-1][-1] or self.path)
+            return replace(place, file=file, element="macro", name=macro.body.getAttribute("name"))
+        return place
 
     # names and texts
 
@@ -224,9 +240,21 @@ class Expansion:
         except Exception:
             self._xacro.filestack.pop()
             raise
-        root = parse_xml(text, Reading(path, self.packages))
+        reading = Reading(path, self.packages)
+        root = parse_xml(text, reading)
         self._documents.append(arguments_in(root))
+        self._note_names(root, reading)
         return _document(text, path)
+
+    def _note_names(self, part: ET.Element, reading: Reading) -> None:
+        """Remember the macros, and the elements that may be calls without the prefix."""
+        for child in part:
+            if child.tag == "xacro:macro":
+                self._macros.add(child.get("name", "").removeprefix("xacro:"))
+            if child.tag in CONTENTS or child.tag.startswith("xacro:"):
+                self._note_names(child, reading)
+            elif child.tag not in URDF:
+                self._bare.setdefault(child.tag, reading.place(child))
 
     def _include_files(self, pattern: str, symbols: Any) -> Iterator[str]:
         """The file that an include names, or those that its wildcards match."""
@@ -297,11 +325,34 @@ def _document(text: str, path: Path) -> Any:
     options = xmlbuilder.Options()
     options.comments = False
     try:
-        return expatbuilder.makeBuilder(options).parseString(re.sub(r"^\s*<\?xml[^>]*\?>", "", text))
+        return _Builder(options, path).parseString(re.sub(r"^<\?xml[^>]*\?>", "", text))
     except expat.ExpatError as error:  # of namespaces: all else was well-formed before
-        what = f"a prefix of a namespace cannot be read: {expat.ErrorString(error.code)}"
-        remedy = f'declare each prefix once, as xmlns:xacro="{XACRO}" in <robot>'
-        raise refusal("xml-malformed", Place(str(path), error.lineno), what, remedy) from error
+        line = text.split("\n")[error.lineno - 1]
+        name = re.findall(r"[^\s<>]*$", line[: error.offset])[0] + re.findall(r"^<?[^\s/>=]*", line[error.offset :])[0]
+        why, remedy = expat.ErrorString(error.code), f'declare each prefix once, as xmlns:xacro="{XACRO}" in <robot>'
+        if error.code == errors.codes[errors.XML_ERROR_INVALID_TOKEN]:
+            why, remedy = "behind its colon no name begins with a digit or colon", "rename it, as in xacro:control_2dof"
+        raise refusal("xml-malformed", Place(str(path), error.lineno), f"{name.lstrip('<')}: {why}", remedy) from error
+
+
+PLACE = "place"
+"""The key of an element's `Place` among its data."""
+
+
+class _Builder(expatbuilder.ExpatBuilderNS):
+    """minidom's reader, which gives each element its place, and so each copy, as in the body of a macro."""
+
+    def __init__(self, options: Any, path: Path) -> None:
+        super().__init__(options)
+        self._path = str(path)
+
+    def start_element_handler(self, name: str, attributes: list[str]) -> None:
+        super().start_element_handler(name, attributes)
+        self.curNode.setUserData(PLACE, Place(self._path, self.getParser().CurrentLineNumber), self)
+
+    def handle(self, _: int, key: str, place: Place, __: Any, copy: Any) -> None:
+        """Called by minidom for each copy."""
+        copy.setUserData(key, place, self)
 
 
 def _say_nothing(*_: Any, **__: Any) -> str:

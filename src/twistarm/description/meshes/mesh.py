@@ -231,7 +231,7 @@ def _places(corners: Array, vertex: Numbers, count: int) -> Array:
 def _corner_normals(corners: Array, vertex: Numbers) -> Array:
     areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals = unit(areas)
-    group = _components(*_smooth_pairs(normals, vertex), len(vertex))
+    group = components(*_smooth_pairs(normals, vertex), len(vertex))
     mean = unit(sums((areas[:, None] * _angles(corners)[..., None]).reshape(-1, 3), group, len(group))[group])
     own = np.repeat(normals, 3, axis=0)
     near = (mean * own).sum(axis=1) >= CREASE
@@ -260,7 +260,7 @@ def _smooth_pairs(normals: Array, vertex: Numbers) -> tuple[Numbers, Numbers]:
     return np.concatenate([start[a][smooth], end[a][smooth]]), np.concatenate([start[b][smooth], end[b][smooth]])
 
 
-def _components(one: Numbers, other: Numbers, count: int) -> Numbers:
+def components(one: Numbers, other: Numbers, count: int) -> Numbers:
     """The least number in the connected component of each of `count` nodes, by edges between `one` and `other`.
 
     Each round hooks every root to a smaller neighbour and follows the hooks. The roots that can still be hooked at

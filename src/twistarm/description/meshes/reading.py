@@ -182,14 +182,23 @@ def _read(path: Path, files: Stamps) -> Mesh:
         data = read_bounded(path, LARGEST_FILE)
         if not data.strip():
             raise RefusedError("it is empty")
+    if _PAGE.match(data):
+        raise UnreadableMeshError(path, "it is a web page, as a failed download leaves one", "download it again, raw")
+    with _named(path, data):
         if kind == "stl":
             return Mesh([Piece(stl_corners(data).astype(np.float64), None)])
         return Mesh(collada_pieces(data) if kind == "dae" else _by_trimesh(kind, data, path, files))
 
 
+_PAGE = re.compile(rb"\s*(<!doctype\s+html|<html\b|\d{3}:? [a-z ]+\s*$)", re.I)
+"""The beginning of a page in HTML, or the whole of `404: Not Found`."""
+
+_COMMA = re.compile(rb"[\s>]([-+]?\d+,\d+(?:e[-+]?\d+)?)[\s<]", re.I)
+
+
 @contextmanager
-def _named(path: Path) -> Iterator[None]:
-    """Raise any error of a reader as UnreadableMeshError."""
+def _named(path: Path, data: bytes = b"") -> Iterator[None]:
+    """Raise any error of a reader of the `data` as UnreadableMeshError."""
     try:
         yield
         return
@@ -202,6 +211,10 @@ def _named(path: Path) -> Iterator[None]:
     except (RecursionError, MemoryError) as error:
         reason = "it is nested too deeply" if isinstance(error, RecursionError) else "it does not fit into memory"
     except Exception as error:  # a reader raises whatever a file makes it stumble over, and quotes what it likes
+        comma = _COMMA.search(data) if b"\0" not in data[:LOOKED_AT] else None
+        if comma:
+            reason = f"it has decimal commas ({comma[1].decode()})"
+            raise UnreadableMeshError(path, reason, "export it with decimal points") from error
         reason = f"its contents are malformed ({type(error).__name__})"
     raise UnreadableMeshError(path, one_line(reason, 300))
 

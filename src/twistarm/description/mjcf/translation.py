@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ET
 from collections import defaultdict
 from typing import NamedTuple
@@ -34,6 +35,9 @@ SHOWN = 8
 HIDDEN = 3
 """The first group of geoms that MuJoCo's viewer does not show. Collision shapes usually have it."""
 
+NEAR = 2e-3
+"""How far a rounded multiple of π/4 is from it, such as 1.57 or 3.14."""
+
 UNPAINTED = (0.5, 0.5, 0.5, 1.0)
 """The colour of a geom that gives none, or has that of its material."""
 
@@ -58,6 +62,7 @@ def translated(root: ET.Element, reading: Reading) -> tuple[str, Semantics | Non
     """
     mjcf = Mjcf(root, [reading])
     writer = _Writer(mjcf, compiled(mjcf))
+    writer.note_radians(reading)
     writer.write_bodies()
     writer.couple()
     semantics, gravity = writer.semantics(reading), writer.gravity()
@@ -94,6 +99,19 @@ class _Writer:
         """The names of all objects of a kind; empty for those without."""
         objects = getattr(self.mujoco.mjtObj, f"mjOBJ_{kind}")
         return [self.mujoco.mj_id2name(self.model, objects, i) or "" for i in range(count)]
+
+    def note_radians(self, reading: Reading) -> None:
+        """Note angles in degrees that look like radians: ranges all within 2π, or multiples of π/4 in `euler`."""
+        if "radian" in [element.get("angle") for element in self.mjcf.root.findall("compiler")]:
+            return
+        hinges = self.model.jnt_limited * (self.model.jnt_type == self.mujoco.mjtJoint.mjJNT_HINGE)
+        largest = np.degrees(np.abs(self.model.jnt_range).max(axis=1, initial=0.0) * hinges).max(initial=0.0)
+        words = [word for element in self.mjcf.root.iter() for word in element.get("euler", "").split()]
+        angles = [word for word in words if NEAR < abs(float(word)) < 7]
+        odd = [word for word in angles if abs(math.remainder(float(word), np.pi / 4)) < NEAR]
+        if 0.0 < largest <= 2 * np.pi or odd:
+            what = f"angles in degrees that look like radians: {odd[0] if odd else f'ranges within {largest:.4g}'}"
+            reading.note("unit-doubtful", None, what, 'if so, write <compiler angle="radian"/>')
 
     # -- bodies ------------------------------------------------------------------------------------------------------
 

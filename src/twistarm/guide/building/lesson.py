@@ -32,7 +32,8 @@ LONGEST_OUTPUT = 20_000
 class Cell:
     """Text in markdown, or a program.
 
-    A page folds a program unless it is tagged "shown". The cell begins at `line` of the file.
+    A page shows a program where it is tagged "shown". The others it gathers in one fold at its end.
+    The cell begins at `line` of the file.
     """
 
     source: str
@@ -69,10 +70,11 @@ def outcome(path: Path, scenes: Path) -> dict[str, Any]:
     cells = cells_of(path)
     names: dict[str, Any] = {"__name__": "__main__", "__file__": str(path)}
     body, failed = [], ""
-    programs: list[str] = []  # not on the page yet
+    folded, title = [], ""  # programs that make figures and tables; the first of a section begins with its title
     for number, cell in enumerate(cells, start=1):
         if not cell.code:
             body.append(text(cell.source))
+            title = (_titles(cell) or [title])[-1]
             continue
         shown = ""
         if not failed:
@@ -87,15 +89,12 @@ def outcome(path: Path, scenes: Path) -> dict[str, Any]:
         if cell.shown:
             body.append(program(cell.source))
         elif not _only_calls_guide(cell.source):
-            programs.append(cell.source)
+            folded.append(f"# {title}\n\n{cell.source}" if title else cell.source)
+            title = ""
         body.append(shown)
-        if shown and programs:
-            body.append(_folded(programs))
-            programs = []
-    if programs:
-        body.append(_folded(programs))
-    lines = (line for cell in cells if not cell.code for line in cell.source.splitlines())
-    titles = [line[3:].strip() for line in lines if line.startswith("## ")]
+    if folded:
+        body.append(fold("The program behind this", program("\n\n\n".join(folded)), "fold program"))
+    titles = [title for cell in cells if not cell.code for title in _titles(cell)]
     return {"body": "\n".join(body), "sections": [(slug(title), title) for title in titles], "failed": failed}
 
 
@@ -112,8 +111,8 @@ def _run(cell: Cell, path: Path, scenes: Path, names: dict[str, Any]) -> str:
     return said + "\n".join(shown)
 
 
-def _folded(programs: list[str]) -> str:
-    return fold("The program behind this", program("\n\n\n".join(programs)), "fold program")
+def _titles(cell: Cell) -> list[str]:
+    return [line[3:].strip() for line in cell.source.splitlines() if line.startswith("## ")]
 
 
 def _only_calls_guide(source: str) -> bool:

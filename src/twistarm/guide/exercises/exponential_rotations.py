@@ -54,10 +54,10 @@ def rotation_log(R: Array) -> Array:
     return scaled
 
 
-def change_frame(R_ab: Array, R_bc: Array, q_c: Array) -> Array:
-    """The coordinates q_a (3,) in frame A of the point that has `q_c` (3,) in C. The frames share their origin."""
-    q_a: Array = R_ab @ R_bc @ q_c
-    return q_a
+def change_frame(R_st: Array, R_tc: Array, q_c: Array) -> Array:
+    """The coordinates q_s (3,) in frame S of the point that has `q_c` (3,) in C. The frames share their origin."""
+    q_s: Array = R_st @ R_tc @ q_c
+    return q_s
 
 
 def _vectors(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
@@ -260,35 +260,35 @@ EXERCISES = (
     ),
     Exercise(
         change_frame,
-        lambda R_ab, R_bc, q_c: np.einsum("ij,jk,k->i", R_ab, R_bc, q_c),
+        lambda R_st, R_tc, q_c: np.einsum("ij,jk,k->i", R_st, R_tc, q_c),
         _frames,
         (
             Slip(
                 "order reversed",
-                "You multiply R_bc R_ab. Neighbouring letters must meet: R_ab R_bc q_c, and a point of C "
-                "becomes one of B first.",
-                {"R_ab @ R_bc @ q_c": "R_bc @ R_ab @ q_c"},
+                "You multiply R_tc R_st. Neighbouring letters must meet: R_st R_tc q_c, and a point of C "
+                "becomes one of T first.",
+                {"R_st @ R_tc @ q_c": "R_tc @ R_st @ q_c"},
             ),
             Slip(
                 "transposed",
-                "You use the transposes (a row times R is Rᵀ times the column), which take coordinates of A to C. "
-                "From C to A it is R_ab R_bc itself.",
-                {"R_ab @ R_bc @ q_c": "(R_ab @ R_bc).T @ q_c"},
+                "You use the transposes (a row times R is Rᵀ times the column), which take coordinates of S to C. "
+                "From C to S it is R_st R_tc itself.",
+                {"R_st @ R_tc @ q_c": "(R_st @ R_tc).T @ q_c"},
             ),
             Slip(
                 "each transposed",
-                "Each matrix is transposed, but R_ab takes coordinates of B to A as it is: leave out {transpose}.",
-                {"R_ab @ R_bc @ q_c": "R_ab.T @ R_bc.T @ q_c"},
+                "Each matrix is transposed, but R_st takes coordinates of T to S as it is: leave out {transpose}.",
+                {"R_st @ R_tc @ q_c": "R_st.T @ R_tc.T @ q_c"},
             ),
             Slip(
                 "one step only",
-                "You use only one of the two rotations: from C to B by R_bc, then from B to A by R_ab.",
-                {"R_ab @ R_bc @ q_c": "R_ab @ q_c"},
+                "You use only one of the two rotations: from C to T by R_tc, then from T to S by R_st.",
+                {"R_st @ R_tc @ q_c": "R_st @ q_c"},
             ),
             Slip(
                 "number by number",
                 "You multiply number by number ({times}). Matrices are multiplied with {matmul}.",
-                {"R_ab @ R_bc @ q_c": "(R_ab * R_bc) @ q_c"},
+                {"R_st @ R_tc @ q_c": "(R_st * R_tc) @ q_c"},
             ),
         ),
     ),

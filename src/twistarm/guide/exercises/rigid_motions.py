@@ -31,11 +31,11 @@ def inverse_pose(g: Array) -> Array:
     return back
 
 
-def transform_points(g_ab: Array, points_b: Array) -> Array:
-    """The coordinates (N, 3) in frame A of N points, given by their coordinates in frame B, a row each: (N, 3)."""
-    R, p = g_ab[:3, :3], g_ab[:3, 3]
-    points_a: Array = points_b @ R.T + p
-    return points_a
+def transform_points(g_st: Array, points_t: Array) -> Array:
+    """The coordinates (N, 3) in frame S of N points, given by their coordinates in frame T, a row each: (N, 3)."""
+    R, p = g_st[:3, :3], g_st[:3, 3]
+    points_s: Array = points_t @ R.T + p
+    return points_s
 
 
 def tool_point(g_st: Array, g_tc: Array, q_c: Array) -> Array:
@@ -89,7 +89,7 @@ EXERCISES = (
             ),
             Slip(
                 "origin turned",
-                "The last column is R p in yours. The origin p is seen from A already: it stands there as it is.",
+                "The last column is R p in yours. The origin p is seen from S already: it stands there as it is.",
                 {"g[:3, 3] = p": "g[:3, 3] = R @ p"},
             ),
             Slip(
@@ -141,36 +141,36 @@ EXERCISES = (
             Slip(
                 "rows times R",
                 "You multiply the rows by R from the right: each point is turned by Rᵀ. A row is turned by "
-                "`points_b {matmul} R{transpose}`.",
-                {"points_b @ R.T": "points_b @ R"},
+                "`points_t {matmul} R{transpose}`.",
+                {"points_t @ R.T": "points_t @ R"},
             ),
             Slip(
                 "rows as if they were columns",
-                "R {matmul} points_b takes each column of points_b for a point, which for three points gives wrong "
+                "R {matmul} points_t takes each column of points_t for a point, which for three points gives wrong "
                 "numbers and for other numbers of them an error. The points are rows: "
-                "`points_b {matmul} R{transpose}`.",
-                {"points_b @ R.T + p": "R @ points_b + p"},
+                "`points_t {matmul} R{transpose}`.",
+                {"points_t @ R.T + p": "R @ points_t + p"},
             ),
-            Slip("origin forgotten", "The points are turned but not moved: add the origin p of frame B.", {" + p": ""}),
+            Slip("origin forgotten", "The points are turned but not moved: add the origin p of frame T.", {" + p": ""}),
             Slip(
                 "moved before turned",
-                "The origin is added before the rotation: p is seen from A already, so turn first, then add.",
-                {"points_b @ R.T + p": "(points_b + p) @ R.T"},
+                "The origin is added before the rotation: p is seen from S already, so turn first, then add.",
+                {"points_t @ R.T + p": "(points_t + p) @ R.T"},
             ),
             Slip(
                 "inverse",
-                "You carry the points from A to B: that is the inverse. g_ab takes coordinates of B to A.",
-                {"points_b @ R.T + p": "(points_b - p) @ R"},
+                "You carry the points from S to T: that is the inverse. g_st takes coordinates of T to S.",
+                {"points_t @ R.T + p": "(points_t - p) @ R"},
             ),
             Slip(
                 "a column each",
                 "Your points stand in columns, (3, N); one row each is asked for, (N, 3): transpose at the end.",
-                {"return points_a": "return points_a.T"},
+                {"return points_s": "return points_s.T"},
             ),
             Slip(
                 "homogeneous left",
                 "The 1 of the homogeneous coordinates is still there: leave out the last column.",
-                {"return points_a": "return np.column_stack([points_a, np.ones(len(points_a))])"},
+                {"return points_s": "return np.column_stack([points_s, np.ones(len(points_s))])"},
             ),
         ),
     ),

@@ -151,8 +151,8 @@ EXERCISES = (
             ),
             Slip(
                 "transposed",
-                "This is the transpose of the answer, its inverse: it takes coordinates of A to B and "
-                "not of B to A. Check the sign of the sines in your matrices, or leave out a {transpose}.",
+                "This is the transpose of the answer, its inverse: it takes coordinates of S to T and "
+                "not of T to S. Check the sign of the sines in your matrices, or leave out a {transpose}.",
                 {"return R": "return R.T"},
             ),
             Slip(

@@ -16,7 +16,7 @@ from .words import ADJOINT_TRANSPOSED, ANGULAR_FIRST, NO_CROSS_TERM
 
 
 def adjoint(g: Array) -> Array:
-    """The Adjoint (6, 6) of a pose `g` = g_ab (4, 4): it maps a twist (v, ω) in B to the same one in A."""
+    """The Adjoint (6, 6) of a pose `g` = g_st (4, 4): it maps a twist (v, ω) in T to the same one in S."""
     R, p = g[:3, :3], g[:3, 3]
     P = np.array([[0.0, -p[2], p[1]], [p[2], 0.0, -p[0]], [-p[1], p[0], 0.0]])
     return np.block([[R, P @ R], [np.zeros((3, 3)), R]])
@@ -35,13 +35,13 @@ def spatial_twist(g: Array, V_b: Array) -> Array:
     return np.concatenate([R @ V_b[:3] + np.cross(p, w), w])
 
 
-def wrench_seen_from_a(g_ab: Array, F_b: Array) -> Array:
-    """A wrench (f, τ), (6,), seen from frame A, that is `F_b` = (f, τ) seen from B: the same push, and the torque about
+def wrench_seen_from_base(g_st: Array, F_t: Array) -> Array:
+    """A wrench (f, τ), (6,), seen from frame S, that is `F_t` = (f, τ) seen from T: the same push, and the torque about
     the other origin.
     """
-    R, p = g_ab[:3, :3], g_ab[:3, 3]
-    f = R @ F_b[:3]
-    return np.concatenate([f, R @ F_b[3:] + np.cross(p, f)])
+    R, p = g_st[:3, :3], g_st[:3, 3]
+    f = R @ F_t[:3]
+    return np.concatenate([f, R @ F_t[3:] + np.cross(p, f)])
 
 
 def _poses(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
@@ -88,19 +88,19 @@ EXERCISES = (
             ),
             Slip(
                 "R p̂",
-                "The corner is p̂R and not Rp̂: ω is turned first, then p × ω is taken in the axes of A.",
+                "The corner is p̂R and not Rp̂: ω is turned first, then p × ω is taken in the axes of S.",
                 {"P @ R": "R @ P"},
             ),
             Slip(
                 "angular first",
                 "Your p̂R stands in the lower left corner. That is the Adjoint for twists (ω, v), as in Modern "
-                "Robotics, or Ad(g⁻¹)ᵀ, which takes wrenches from B to A. For (v, ω) the corner is the upper right "
+                "Robotics, or Ad(g⁻¹)ᵀ, which takes wrenches from T to S. For (v, ω) the corner is the upper right "
                 "one.",
                 {"[[R, P @ R], [np.zeros((3, 3)), R]]": "[[R, np.zeros((3, 3))], [P @ R, R]]"},
             ),
             Slip(
                 "inverse",
-                "This is the Adjoint of the inverse: it takes twists seen from A to B.",
+                "This is the Adjoint of the inverse: it takes twists seen from S to T.",
                 {"    R, p = g[:3, :3], g[:3, 3]\n": "    g = np.linalg.inv(g)\n    R, p = g[:3, :3], g[:3, 3]\n"},
             ),
             Slip("p̂ alone", "The corner is p̂R; yours is p̂ alone, without the rotation.", {"P @ R": "P"}),
@@ -218,7 +218,7 @@ EXERCISES = (
         ),
     ),
     Exercise(
-        wrench_seen_from_a,
+        wrench_seen_from_base,
         _by_power,
         _with_six,
         (
@@ -227,7 +227,7 @@ EXERCISES = (
                 "Your p × … stands in f and not in τ. Either you carry the wrench by the Adjoint, as a twist, or your "
                 "wrench is (τ, f). Of a wrench the torque changes with the origin, not the force: f stays R f, and τ "
                 "gets p × f.",
-                {"[f, R @ F_b[3:] + np.cross(p, f)]": "[f + np.cross(p, R @ F_b[3:]), R @ F_b[3:]]"},
+                {"[f, R @ F_t[3:] + np.cross(p, f)]": "[f + np.cross(p, R @ F_t[3:]), R @ F_t[3:]]"},
             ),
             Slip(
                 "only turned",
@@ -241,32 +241,32 @@ EXERCISES = (
             ),
             Slip(
                 "Ad_gab transposed",
-                "You use Ad(g_ab)ᵀ, which takes a wrench seen from A to B. For the other way it is Ad(g_ba)ᵀ = "
-                "Ad(g_ab⁻¹)ᵀ.",
+                "You use Ad(g_st)ᵀ, which takes a wrench seen from S to T. For the other way it is Ad(g_ts)ᵀ = "
+                "Ad(g_st⁻¹)ᵀ.",
                 {
-                    "    R, p = g_ab[:3, :3], g_ab[:3, 3]\n": "    g_ab = np.linalg.inv(g_ab)\n    R, p = "
-                    "g_ab[:3, :3], g_ab[:3, 3]\n"
+                    "    R, p = g_st[:3, :3], g_st[:3, 3]\n": "    g_st = np.linalg.inv(g_st)\n    R, p = "
+                    "g_st[:3, :3], g_st[:3, 3]\n"
                 },
             ),
             Slip(
                 "force not turned",
-                "In p × f you use the force in the axes of B: turn it into those of A first.",
-                {"np.cross(p, f)": "np.cross(p, F_b[:3])"},
+                "In p × f you use the force in the axes of T: turn it into those of S first.",
+                {"np.cross(p, f)": "np.cross(p, F_t[:3])"},
             ),
             Slip(
                 "not turned",
-                "Force and torque keep the numbers that they have in the axes of B: turn both by R.",
-                {"f = R @ F_b[:3]": "f = F_b[:3]", "R @ F_b[3:]": "F_b[3:]"},
+                "Force and torque keep the numbers that they have in the axes of T: turn both by R.",
+                {"f = R @ F_t[:3]": "f = F_t[:3]", "R @ F_t[3:]": "F_t[3:]"},
             ),
             Slip(
                 "unchanged",
-                "You return the wrench as it is seen from B: turn both halves by R, and add p × f to the torque.",
-                {"    f = R @": "    return F_b\n    f = R @"},
+                "You return the wrench as it is seen from T: turn both halves by R, and add p × f to the torque.",
+                {"    f = R @": "    return F_t\n    f = R @"},
             ),
             Slip(
                 "inverse of the Adjoint",
-                "You use Ad(g_ab)⁻¹, which takes twists from A to B. A wrench takes its transpose, Ad(g_ab⁻¹)ᵀ.",
-                {"    f = R @": "    return np.linalg.inv(adjoint(g_ab)) @ F_b\n    f = R @"},
+                "You use Ad(g_st)⁻¹, which takes twists from S to T. A wrench takes its transpose, Ad(g_st⁻¹)ᵀ.",
+                {"    f = R @": "    return np.linalg.inv(adjoint(g_st)) @ F_t\n    f = R @"},
             ),
         ),
     ),

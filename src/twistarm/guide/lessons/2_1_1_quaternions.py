@@ -34,8 +34,8 @@
 #
 # $$(0, p') = Q\,(0, p)\,Q^*$$
 #
-# Turns follow each other as matrices do: $Q_{ac} = Q_{ab}\,Q_{bc}$. Source: Murray, Li and Sastry, *A Mathematical
-# Introduction to Robotic Manipulation* (MLS), section 2.2.3.
+# Turns follow each other as matrices do: $Q_{sc} = Q_{st}\,Q_{tc}$ for a camera C on the tool. Source: Murray, Li and
+# Sastry, *A Mathematical Introduction to Robotic Manipulation* (MLS), section 2.2.3.
 #
 # ## Your tool in four numbers
 #
@@ -295,8 +295,8 @@ guide.say(
 # **Length that drifts.** Thousands of products of rounded numbers leave the unit sphere. Divide by the norm after each
 # update, not once a day.
 #
-# **The wrong side.** In $Q_{ab}\,Q_{bc}$ the inner letters meet. To turn about the tool's own axes, multiply from the
-# right; about the base's axes, from the left. The conjugate takes $Q_{ab}$ to $Q_{ba}$, and if you confuse the two, you
+# **The wrong side.** In $Q_{st}\,Q_{tc}$ the inner letters meet. To turn about the tool's own axes, multiply from the
+# right; about the base's axes, from the left. The conjugate takes $Q_{st}$ to $Q_{ts}$, and if you confuse the two, you
 # see a tool that tilts to the wrong side.
 
 # %%

@@ -25,29 +25,29 @@ R = g[:3, :3]
 # %% [markdown]
 # ## Nine numbers: the axes, written side by side
 #
-# Fix a frame A to the base and a frame B to the tool. Look at B's three axes from A and write each down as a column:
+# Fix a frame S to the base and a frame T to the tool. Look at T's three axes from S and write each down as a column:
 #
-# $$R_{ab} = \begin{bmatrix} x_{ab} & y_{ab} & z_{ab} \end{bmatrix}$$
+# $$R_{st} = \begin{bmatrix} x_{st} & y_{st} & z_{st} \end{bmatrix}$$
 #
 # That is the **rotation matrix** (Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation* (MLS),
 # section 2.2.1). Read it by columns: the third one says where the tool's $z$ axis points. Here it is for your arm,
 # stopped on its way.
 
 # %%
-guide.say(rf"The tool of `{arm.name}`: $$R_{{ab}} = {guide.tex(R)}$$")
+guide.say(rf"The tool of `{arm.name}`: $$R_{{st}} = {guide.tex(R)}$$")
 
 # %%
 fig, ax = guide.axes3(width=4.8, height=4.0)
 size = 0.3 * arm.reach
 guide.plot_arm(ax, arm, theta, alpha=0.45, tool=False)
-guide.plot_frame(ax, np.eye(4), "A", size)
-guide.plot_frame(ax, g, "B", size)
+guide.plot_frame(ax, np.eye(4), "S", size)
+guide.plot_frame(ax, g, "T", size)
 nearest = "xyz"[int(np.argmax(np.abs(R[:, 2])))]
 guide.figure(
     fig,
-    f"The skeleton of {arm.name} with frame A at its base and frame B at its tool; the tool's z axis lies nearest to "
+    f"The skeleton of {arm.name} with frame S at its base and frame T at its tool; the tool's z axis lies nearest to "
     f"the {nearest} axis of the base",
-    r"Frame A at the base, frame B at the tool. The columns of $R_{ab}$ are the axes of B, seen from A. Circles are "
+    r"Frame S at the base, frame T at the tool. The columns of $R_{st}$ are the axes of T, seen from S. Circles are "
     "joints that turn, squares joints that slide, the triangle is the base.",
 )
 
@@ -79,11 +79,11 @@ guide.predict(
 # %% [markdown]
 # ## What it does
 #
-# An arrow with the coordinates $q_b$ along the tool's axes has the coordinates $q_a = R_{ab}\, q_b$ along those of the
-# base. Frames are chained by multiplying, and indices that meet cancel; the way back is the transpose, for which no
-# equation has to be solved:
+# An arrow with the coordinates $q_t$ along the tool's axes has the coordinates $q_s = R_{st}\, q_t$ along those of the
+# base. Frames are chained by multiplying, and indices that meet cancel; here C is a camera on the tool. The way back is
+# the transpose, for which no equation has to be solved:
 #
-# $$R_{ac} = R_{ab} R_{bc}, \qquad R_{ba} = R_{ab}^{-1} = R_{ab}^T$$
+# $$R_{sc} = R_{st} R_{tc}, \qquad R_{ts} = R_{st}^{-1} = R_{st}^T$$
 
 # %% tags=["shown"]
 ahead = np.array([0.0, 0.0, 0.1])  # ten centimetres along the tool's own z axis
@@ -129,8 +129,8 @@ guide.predict(
 # %%
 fig, panels = guide.axes3(columns=2, width=6.4, height=3.2, box=False)
 for ax, product, words in zip(panels, (Rx @ Rz, Rz @ Rx), ("$R_x R_z$", "$R_z R_x$"), strict=True):
-    guide.plot_frame(ax, np.eye(3), "A", 1.0, alpha=0.5)
-    guide.plot_frame(ax, product, "B", 0.65)
+    guide.plot_frame(ax, np.eye(3), "S", 1.0, alpha=0.5)
+    guide.plot_frame(ax, product, "T", 0.65)
     ax.set_title(words, pad=0)
 guide.figure(
     fig,
@@ -256,7 +256,7 @@ guide.table(
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# - **Transposed.** $R_{ab}$ in the place of $R_{ba}$: everything works where the tool is not turned, and nothing
+# - **Transposed.** $R_{st}$ in the place of $R_{ts}$: everything works where the tool is not turned, and nothing
 #   elsewhere. Name matrices by both frames, and let the indices cancel.
 # - **Degrees.** `sin(90)` is the sine of 90 radians.
 # - **Fixed or moving axes.** URDF's `rpy` turns about fixed axes, first $x$, then $y$, then $z$. This is the same as

@@ -8,8 +8,8 @@
 # Both questions have one answer, the exponential of a matrix and its inverse, the logarithm. All that follows in this
 # course is built on it.
 #
-# Here again are two frames: A is the base of your arm and B its tool, moved to the base's origin so that you see the
-# turn alone. The columns of $R_{ab}$ are the axes of B, seen from A.
+# Here again are two frames: S is the base of your arm and T its tool, moved to the base's origin so that you see the
+# turn alone. The columns of $R_{st}$ are the axes of T, seen from S.
 
 # %%
 from math import factorial
@@ -22,25 +22,25 @@ from twistarm import guide, rotations
 arm = guide.arm()
 theta = 0.6 * arm.ready + 0.4 * arm.random_theta(3)  # between ready and a random configuration
 R = arm.fk(theta)[:3, :3]
-guide.say(rf"The tool of `{arm.name}` on its way: $$R_{{ab}} = {guide.tex(R)}$$")
+guide.say(rf"The tool of `{arm.name}` on its way: $$R_{{st}} = {guide.tex(R)}$$")
 
 
 # %%
 def towards_the_eye(azim, elev=22.0):
-    """How nearly an axis of A or B points at the eye, from 0 to 1."""
+    """How nearly an axis of S or T points at the eye, from 0 to 1."""
     a, e = np.radians([azim, elev])
     eye = [np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)]
     return np.abs(np.vstack([np.eye(3), R.T]) @ eye).max()
 
 
 fig, ax = guide.axes3(box=False, azim=min(range(-55, 305, 10), key=towards_the_eye))
-guide.plot_frame(ax, np.eye(3), "A", alpha=0.5)
-guide.plot_frame(ax, R, "B")
+guide.plot_frame(ax, np.eye(3), "S", alpha=0.5)
+guide.plot_frame(ax, R, "T")
 guide.figure(
     fig,
-    "Two frames with one origin. A, faint, has the axes of the base. B has the axes of the tool; the tip of each is a "
+    "Two frames with one origin. S, faint, has the axes of the base. T has the axes of the tool; the tip of each is a "
     "column of the rotation matrix.",
-    "Frame A is the base, frame B the tool. The coordinates of the tip of $x_B$, seen from A, are the first column.",
+    "Frame S is the base, frame T the tool. The coordinates of the tip of $x_T$, seen from S, are the first column.",
 )
 
 # %% [markdown]

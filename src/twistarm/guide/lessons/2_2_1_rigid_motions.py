@@ -12,17 +12,17 @@
 #
 # A **rigid motion** keeps every distance, and it keeps a right hand a right hand. Every such motion of space is a turn
 # and a shift (Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation* (MLS), section 2.1). Let
-# $R_{ab}$ be the orientation of frame B seen from A, and $p_{ab}$ the place of its origin. A point with coordinates
-# $q_b$ in B has in A the coordinates
+# $R_{st}$ be the orientation of frame T seen from S, and $p_{st}$ the place of its origin. A point with coordinates
+# $q_t$ in T has in S the coordinates
 #
-# $$q_a = R_{ab}\,q_b + p_{ab}$$
+# $$q_s = R_{st}\,q_t + p_{st}$$
 #
 # Put a 1 under each point, $\bar q = (q, 1)$, and this becomes a product with one $4\times 4$ matrix:
 #
-# $$\bar q_a = \begin{bmatrix} q_a \\ 1 \end{bmatrix}
-# = \begin{bmatrix} R_{ab} & p_{ab} \\ 0 & 1 \end{bmatrix} \begin{bmatrix} q_b \\ 1 \end{bmatrix} = g_{ab}\,\bar q_b$$
+# $$\bar q_s = \begin{bmatrix} q_s \\ 1 \end{bmatrix}
+# = \begin{bmatrix} R_{st} & p_{st} \\ 0 & 1 \end{bmatrix} \begin{bmatrix} q_t \\ 1 \end{bmatrix} = g_{st}\,\bar q_t$$
 #
-# The matrix $g_{ab}$ is called the **pose** of B seen from A. The set of all of them, with $p \in \mathbb{R}^3$ and
+# The matrix $g_{st}$ is called the **pose** of T seen from S. The set of all of them, with $p \in \mathbb{R}^3$ and
 # $R \in SO(3)$, is called $SE(3)$, the *special Euclidean group*. Source: MLS, section 2.3.1.
 #
 # A **vector** is the difference of two points, so it carries a 0 underneath. The shift then drops out, as it should: a
@@ -49,9 +49,9 @@ guide.table(
 # %% [markdown]
 # ## Frames in a row
 #
-# Frame D seen from B, and B seen from A, give D seen from A:
+# Frame F seen from T, and T seen from S, give F seen from S:
 #
-# $$g_{ad} = g_{ab}\,g_{bd} = \begin{bmatrix} R_{ab}R_{bd} & R_{ab}\,p_{bd} + p_{ab} \\ 0 & 1 \end{bmatrix}$$
+# $$g_{sf} = g_{st}\,g_{tf} = \begin{bmatrix} R_{st}R_{tf} & R_{st}\,p_{tf} + p_{st} \\ 0 & 1 \end{bmatrix}$$
 #
 # The letters that meet in the middle cancel. Check each product by its letters and you will not go wrong.
 #
@@ -99,11 +99,11 @@ guide.figure(
 # %% [markdown]
 # ## The way back
 #
-# The motion that undoes $g_{ab}$ is B's view of A:
+# The motion that undoes $g_{st}$ is T's view of S:
 #
-# $$g_{ba} = g_{ab}^{-1} = \begin{bmatrix} R_{ab}^T & -R_{ab}^T p_{ab} \\ 0 & 1 \end{bmatrix}$$
+# $$g_{ts} = g_{st}^{-1} = \begin{bmatrix} R_{st}^T & -R_{st}^T p_{st} \\ 0 & 1 \end{bmatrix}$$
 #
-# The shift is not $-p$ alone: seen from B, the origin of A lies in the direction $-p$ *turned into B's axes*.
+# The shift is not $-p$ alone: seen from T, the origin of S lies in the direction $-p$ *turned into T's axes*.
 
 # %% tags=["shown"]
 g_ts = screws.inverse(g_st)

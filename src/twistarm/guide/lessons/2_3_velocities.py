@@ -96,7 +96,7 @@ guide.figure(
 # \mathrm{Ad}_g = \begin{bmatrix} R & \hat p R \\ 0 & R \end{bmatrix}$$
 #
 # because $-\,R\omega \times p = p \times R\omega$. So $V^s = \mathrm{Ad}_g V^b$. This matrix is the **Adjoint** of $g =
-# (p, R)$. It takes a twist seen from B to the same twist seen from A, if $g = g_{ab}$. It follows the product,
+# (p, R)$. It takes a twist seen from T to the same twist seen from S, if $g = g_{st}$. It follows the product,
 # $\mathrm{Ad}_{g_1 g_2} = \mathrm{Ad}_{g_1}\mathrm{Ad}_{g_2}$, and the inverse, $(\mathrm{Ad}_g)^{-1} =
 # \mathrm{Ad}_{g^{-1}}$. Source: MLS, section 2.4.2.
 
@@ -151,13 +151,13 @@ guide.say(
 # A force $f$ and a torque $\tau$ together are a **wrench**, $F = (f, \tau)$. Force times velocity plus torque times
 # angular velocity is power, and power does not depend on the frame:
 #
-# $$F_a^T V_a = F_b^T V_b$$
+# $$F_s^T V^s = F_t^T V^b$$
 #
-# With $V_a = \mathrm{Ad}_{g_{ab}} V_b$ for every $V_b$, this leaves one law for wrenches:
+# With $V^s = \mathrm{Ad}_{g_{st}} V^b$ for every $V^b$, this leaves one law for wrenches:
 #
-# $$F_b = \mathrm{Ad}_{g_{ab}}^T F_a$$
+# $$F_t = \mathrm{Ad}_{g_{st}}^T F_s$$
 #
-# The matrix that takes velocities from B to A takes wrenches, transposed, from A to B. Source: MLS, section 2.5.1. The
+# The matrix that takes velocities from T to S takes wrenches, transposed, from S to T. Source: MLS, section 2.5.1. The
 # tool exerts a force on a drawer, along its own $z$ axis. Seen from the base the same wrench also has a torque, force
 # times lever arm.
 

@@ -38,12 +38,12 @@ if arm.description is not None:
         guide.plot_frame(ax, pose, None, 0.09 * arm.reach)
         beside = arm.reach * np.array([-0.035, -0.025, -0.035])
         ax.text(*(pose[:3, 3] + beside), str(k), ha="center", va="center")
-guide.plot_frame(ax, np.eye(4), "s", 0.2 * arm.reach)
+guide.plot_frame(ax, np.eye(4), "S", 0.2 * arm.reach)
 guide.figure(
     fig,
     f"The skeleton of {arm.name} from its base to its tool, with a numbered frame at each of its "
     f"{len(arm.moving_names)} moving links",
-    f"A frame on every moving link of `{arm.name}`, numbered: the chain from s, the base, to t, the "
+    f"A frame on every moving link of `{arm.name}`, numbered: the chain from S, the base, to T, the "
     "tool.",
 )
 

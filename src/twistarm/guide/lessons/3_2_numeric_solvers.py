@@ -6,7 +6,9 @@
 # far the tool is off. Find out what a small turn of each joint does. Make the move that should close the gap. Look
 # again.
 #
-# This lesson writes that solver in ten lines, breaks it, and mends it with one number.
+# This lesson writes that solver in ten lines, breaks it, and mends it with one number. It goes step by step, and each
+# step has a number to check: what a small turn does, the gap, the nearest step, the walk, what a direction costs, and the
+# price of a step.
 
 # %%
 import numpy as np
@@ -47,23 +49,75 @@ def tip_jacobian(theta):
 
 
 theta, h = np.radians([20.0, 60.0]), 1e-6
+small = np.radians([0.0, 1.0])  # the elbow alone
+foretold = 1000 * np.linalg.norm(tip_jacobian(theta) @ small)
+made = 1000 * np.linalg.norm((planar.fk(theta + small) - planar.fk(theta))[:2, 3])
+guide.say(
+    f"Bend the elbow of the two-link arm from 60° to 61°. The second column times 1° foretells {foretold:.3f} mm for the "
+    f"tip, and forward kinematics finds {made:.3f} mm."
+)
+
+# %% [markdown]
+# ## The gap, in six numbers
+#
+# The tool is at $g$ and should be at $g_d$. Seen from the tool, the way there is the motion $g^{-1} g_d$. Every motion is
+# a screw motion, and its logarithm is the matrix of a twist, as [the lesson on twists](2_2_2_twists_and_screws.html)
+# shows. The sign $\vee$ is the opposite of the hat: it takes the six numbers $(v, \omega)$ out of the matrix.
+#
+# $$e = \big(\log(g^{-1} g_d)\big)^\vee$$
+#
+# Follow this twist for one unit of time, and you are there: $g\,e^{\hat e} = g_d$.
+
+
+# %%
+def nimble(arm, theta):
+    """The least singular value but for directions that the arm never has. Lengths are shares of the reach."""
+    sigma = np.linalg.svd(
+        arm.body_jacobian(theta) / np.repeat([arm.reach, 1.0], 3)[:, None], compute_uv=False
+    )
+    return sigma[sigma > 1e-9][-1]
+
+
+rng = np.random.default_rng(3)
+goals = [arm.ready + 0.3 * (arm.random_theta(rng) - arm.ready) for _ in range(40)]
+goal = max(goals, key=lambda theta: nimble(arm, theta))
+g_d = arm.fk(goal)
+scale = np.where(np.array(arm.units) == "rad", 0.25, 0.1 * arm.reach)
+start = goal + scale * rng.uniform(-1, 1, arm.n)
+gap = screws.log(screws.inverse(arm.fk(start)) @ g_d)
+guide.say(
+    f"`{arm.name}` stands a little beside a goal. Seen from its tool the gap is $v = {guide.tex(1000 * gap[:3], 1)}$ mm "
+    rf"and $\omega = {guide.tex(np.degrees(gap[3:]), 1)}°$. In all the tool has to turn by "
+    f"{np.degrees(np.linalg.norm(gap[3:])):.1f}°."
+)
+
+# %% [markdown]
+# ## The nearest step, and the shortest
+#
+# Which step $\Delta$ of the joints closes a gap? The equation $J\Delta = e$ seldom has exactly one answer. An arm with
+# too few joints has none: take the $\Delta$ for which $J\Delta$ comes nearest to $e$. An arm with more joints than it
+# needs has many: of these take the shortest. Both are called **least squares**, because nearest and shortest are counted
+# by sums of squares. `np.linalg.lstsq` finds it.
+
+# %% tags=["shown"]
+one_slide = np.linalg.lstsq([[1.0], [0.0]], [30.0, 40.0])[0]  # along x, for a gap of (30, 40) mm
+two_slides = np.linalg.lstsq([[1.0, 1.0]], [30.0])[0]  # both along x, for a gap of 30 mm
+
+# %%
+guide.say(
+    f"One slide along $x$, asked for $(30, 40)$ mm, moves {one_slide[0]:.0f} mm and leaves the 40 mm that it cannot do. "
+    f"Two slides along $x$, asked for 30 mm, move {two_slides[0]:.0f} mm each: of all pairs with the sum 30 this has the "
+    "least sum of squares."
+)
 
 # %% [markdown]
 # ## Newton's step
 #
-# The tool is at $g$ and should be at $g_d$. Seen from the tool, the way from $g$ to $g_d$ is a screw motion, and its
-# logarithm is a twist. The sign $\vee$ is the opposite of the hat: it takes the six numbers $(v, \omega)$ out of the
-# matrix.
-#
-# $$e = \big(\log(g^{-1} g_d)\big)^\vee$$
-#
-# So ask for the step $\Delta$ that would close the gap $e$ if the Jacobian did not change on the way:
+# Now put both together. Ask for the step that would close the gap if the Jacobian did not change on the way:
 #
 # $$J^b(\theta)\,\Delta = e, \qquad \theta \leftarrow \theta + \Delta$$
 #
-# That is Newton's method (Lynch & Park, section 6.2). An arm with fewer than six joints may not be able to close the
-# gap, one with more can close it in many ways. Take the $\Delta$ that comes nearest, and of several the shortest. This
-# is least squares.
+# Take the least-squares answer, make the step, and look again. That is Newton's method (Lynch & Park, section 6.2).
 
 
 # %% tags=["shown"]
@@ -89,20 +143,6 @@ def size(arm, gaps):
     return np.linalg.norm(scaled, axis=-1)
 
 
-def nimble(arm, theta):
-    """The least singular value but for directions that the arm never has. Lengths are shares of the reach."""
-    sigma = np.linalg.svd(
-        arm.body_jacobian(theta) / np.repeat([arm.reach, 1.0], 3)[:, None], compute_uv=False
-    )
-    return sigma[sigma > 1e-9][-1]
-
-
-rng = np.random.default_rng(3)
-goals = [arm.ready + 0.3 * (arm.random_theta(rng) - arm.ready) for _ in range(40)]
-goal = max(goals, key=lambda theta: nimble(arm, theta))
-g_d = arm.fk(goal)
-scale = np.where(np.array(arm.units) == "rad", 0.25, 0.1 * arm.reach)
-start = goal + scale * rng.uniform(-1, 1, arm.n)
 gaps, reached = walk(arm, g_d, start, newton_step, 8)
 guide.table(
     ["steps taken", "the tool is off by", "and by", "both in one number"],
@@ -126,38 +166,20 @@ guide.predict(
 )
 
 # %% [markdown]
-# ## How it breaks
+# ## What each direction costs
 #
-# Take the two-link arm, almost stretched out, and ask its tip to come a little closer. In this configuration hardly any
-# motion of the joints moves the tip along the arm. Newton asks for that motion all the same. Only one combination of
-# joint rates makes it, and makes little of it, so Newton asks for very much of this combination.
-#
-# The **singular values** of $J$ tell how much each direction costs. Let the pair of joint rates go round a circle of
-# radius one. $J$ carries this circle to an ellipse of tip velocities. The half-axes of the ellipse are the singular
-# values $\sigma_1 \ge \sigma_2$: the most and the least that joint rates of that size do. `np.linalg.svd` computes
-# them.
+# Some directions are cheap: a small turn of the joints moves the tip far. Others are dear. The **singular values** of
+# $J$ tell which: a metre costs $1/\sigma$ radians. Let the pair of joint rates go round a circle of radius one. $J$
+# carries this circle to an ellipse of tip velocities. The half-axes of the ellipse are the singular values $\sigma_1
+# \ge \sigma_2$: the most and the least that joint rates of that size do. `np.linalg.svd` computes them.
 
 # %%
 stretched = np.radians([20.0, 2.0])
-tip = planar.fk(stretched)[:2, 3]
-goal_2 = 0.9 * tip  # closer, on the same line
-
-
-def tip_gap(theta):
-    """The gap of the tip (2,), and the Jacobian (2, 2) of the tip's place."""
-    return goal_2 - planar.fk(theta)[:2, 3], tip_jacobian(theta)
-
-
-e, J = tip_gap(stretched)
-leap = newton_step(J, e)
-sigma = np.linalg.svd(J, compute_uv=False)
-guide.predict(
-    f"The tip is to come {1000 * np.linalg.norm(e):.0f} mm closer, and the elbow is bent by 2°. How far does "
-    "Newton turn the elbow in its first step?",
-    f"By {np.degrees(leap[1]):.0f}°. The two singular values of the Jacobian are {sigma[0]:.3f} and {sigma[1]:.4f} m "
-    f"per radian. Along the weak direction the step is the gap divided by {sigma[1]:.4f}, and it grows without bound as "
-    "the elbow comes nearer to 0°. *At* 0° nothing moves the tip along the arm. Least squares then asks for nothing: the step "
-    "is zero, and the arm is stuck.",
+sigma = np.linalg.svd(tip_jacobian(stretched), compute_uv=False)
+guide.say(
+    f"Take the two-link arm almost stretched out, its elbow bent by 2°: $\\sigma_1 = {sigma[0]:.3f}$ m and $\\sigma_2 = "
+    f"{sigma[1]:.4f}$ m per radian. A millimetre across the arm costs {np.degrees(1e-3 / sigma[0]):.2f}° of the joints "
+    f"together, a millimetre along it {np.degrees(1e-3 / sigma[1]):.1f}°."
 )
 
 bends = np.radians(np.arange(1.0, 180.0))
@@ -177,6 +199,34 @@ guide.slider(
 )
 
 # %% [markdown]
+# ## How it breaks
+#
+# Ask the tip of that arm, almost stretched out, to come a little closer. Hardly any motion of the joints moves the tip
+# along the arm. Newton asks for that motion all the same. One combination of joint rates makes it, and makes little of
+# it, so Newton asks for very much of this combination.
+
+# %%
+tip = planar.fk(stretched)[:2, 3]
+goal_2 = 0.9 * tip  # closer, on the same line
+
+
+def tip_gap(theta):
+    """The gap of the tip (2,), and the Jacobian (2, 2) of the tip's place."""
+    return goal_2 - planar.fk(theta)[:2, 3], tip_jacobian(theta)
+
+
+e, J = tip_gap(stretched)
+leap = newton_step(J, e)
+guide.predict(
+    f"The tip is to come {1000 * np.linalg.norm(e):.0f} mm closer, and the elbow is bent by 2°. How far does "
+    "Newton turn the elbow in its first step?",
+    f"By {np.degrees(leap[1]):.0f}°. Along the dear direction the step is the gap divided by {sigma[1]:.4f}, and it grows "
+    "without bound as "
+    "the elbow comes nearer to 0°. *At* 0° nothing moves the tip along the arm. Least squares then asks for nothing: the step "
+    "is zero, and the arm is stuck.",
+)
+
+# %% [markdown]
 # ## One number mends it
 #
 # Do not ask for the gap to be closed at any price. Ask for a compromise between the gap that is left and the size of
@@ -192,6 +242,13 @@ guide.slider(
 # $\sigma / (\sigma^2 + \lambda^2)$, which is never more than $1/(2\lambda)$. It is called **damped least squares**
 # (Nakamura & Hanafusa 1986, Wampler 1986). The price has a unit: $\lambda$ is compared with $\sigma$, so here it is in
 # metres (per radian).
+
+# %%
+guide.say(
+    f"For the stretched arm $1/\\sigma_2 = {1 / sigma[1]:.0f}$. With $\\lambda = 0.05$ m the factor is "
+    f"{sigma[1] / (sigma[1] ** 2 + 0.05**2):.1f}; for the cheap direction it is "
+    f"{sigma[0] / (sigma[0] ** 2 + 0.05**2):.3f} instead of {1 / sigma[0]:.3f}: hardly less."
+)
 
 
 # %% tags=["shown"]

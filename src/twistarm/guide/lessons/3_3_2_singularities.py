@@ -135,6 +135,64 @@ guide.figure(
 )
 
 # %% [markdown]
+# ## Rates that cancel
+#
+# Stretch the two links out. The last singular value is $\sigma_2 = 0$, and two columns belong to it. Take $w_2$ first:
+#
+# $$J w_2 = \sigma_2 u_2 = 0$$
+#
+# With these joint rates the motors run, and the tool stands still. $w_2$ is called a **null vector** of $J$.
+
+# %%
+straight = np.array([0.0, 0.0])
+J = planar.hybrid_jacobian(straight)[:2]
+U, sigma, Wt = np.linalg.svd(J)
+null = Wt[1] * np.sign(Wt[1, 1])
+guide.say(
+    f"Here $w_2 = {guide.tex(null, 2)}$. Let the shoulder run at {null[0]:.2f} rad/s".replace("-", "−")
+    + f" and the elbow at {null[1]:.2f} rad/s: the tool moves at {np.linalg.norm(J @ null):.2f} m/s. The first column alone "
+    f"would give {abs(J[1, 0] * null[0]):.2f} m/s, and the second takes as much away."
+)
+
+# %% [markdown]
+# ## A force that no motor feels
+#
+# Now take $u_2$, and read it as a force at the tool. By $\tau = J^T F$ the motors hold
+#
+# $$\tau = J^T u_2 = \sigma_2 w_2 = 0$$
+#
+# Pull at the stretched arm, along it: the bearings carry the pull, and no motor has to. Pull across, and they have to.
+
+# %%
+along, across = 10.0 * np.array([1.0, 0.0]), 10.0 * np.array([0.0, 1.0])  # [N]
+guide.table(
+    ["10 N at the tool", "the shoulder holds", "the elbow holds"],
+    [
+        [words, *(f"{abs(torque):.1f} N m" for torque in J.T @ F)]
+        for words, F in (("along the arm", along), ("across the arm", across))
+    ],
+    f"Two links of {l1:g} m and {l2:g} m, stretched out along $x$.",
+)
+
+# %% [markdown]
+# ## Reciprocal
+#
+# Power is force times velocity. The force $u_2$ has no power in any motion that the joints can make:
+#
+# $$u_2^T (J \dot\theta) = (J^T u_2)^T \dot\theta = 0 \quad\text{for every } \dot\theta$$
+#
+# Such a force, or wrench, is called **reciprocal** to the joints (MLS, section 2.5.3). So it tells what is lost: a motion
+# $V$ in which the wrench would have power, $F^T V \ne 0$, is none that the joints can make. Whether you count in metres or
+# in millimetres, it is the same wrench.
+
+# %%
+inward = np.array([-0.05, 0.0])  # [m/s]
+guide.say(
+    f"Let both joints run at 1 rad/s: the pull along the arm has the power {abs(along @ J @ np.ones(2)):.1f} W. To come in "
+    f"at 5 cm/s against it would take {abs(along @ inward):.1f} W, and no motor can supply them: the way in is lost."
+)
+
+# %% [markdown]
 # ## On your arm: six directions, two units
 #
 # The whole Jacobian has rows in metres and rows in radians, and a sum of squares of both means nothing until you say
@@ -211,15 +269,7 @@ gone = least(singular) / arm.manipulability(singular).singular_values[0]
 is_singular = gone < 1e-4
 
 # %% [markdown]
-# The decomposition tells what has happened in a singular configuration, where the last singular value is $\sigma = 0$.
-# Look at the columns $w$ and $u$ that belong to it:
-#
-# - $J w = \sigma u = 0$. These joint rates cancel each other: the motors run, and the tool stands still. $w$ is called a
-#   *null vector* of $J$.
-# - $u^T J = \sigma w^T = 0$. So $u$ is at right angles to all that the tool can do. Read $u$ as a **wrench** $F$. By
-#   $\tau = J^T F = 0$ no motor feels it, and every motion $V$ with $F^T V \ne 0$ is lost. Such a wrench is called
-#   *reciprocal* to every joint (MLS, section 2.5.3). Whether you count in metres or in millimetres, it is the same
-#   wrench.
+# Read the last columns there, as on the two links: $w$ holds the rates that cancel, and $u$ the wrench that no motor feels.
 #
 # In the singular configuration itself several singular values may be 0 at once. Any mixture of their columns is then as
 # good, and rounding chooses one. So the program reads both columns a little beside the configuration.

@@ -24,7 +24,7 @@
 # 2001). The numbers of $\delta_i$ are easiest to read at the joint's own place $q_i$. There $d_i$ is "1 mm to the left,
 # 0.3° about $x$". The Adjoint of the shift to $q_i$ gives $\delta_i = \mathrm{Ad}_{T(q_i)}\, d_i$.
 
-# %% tags=["shown"]
+# %%
 import numpy as np
 
 from twistarm import Position, calibrate, guide, screws, solve_ik
@@ -44,6 +44,7 @@ def at(q):
 places = [at(q) for q in guide.arm_points(arm, np.zeros(arm.n))[1:]]  # of every joint, and of the tool
 
 
+# %% tags=["shown"]
 def real_tool(d, theta):
     """The tool (K, 4, 4) of an arm whose joints and tool are displaced by d (m + 1, 6)."""
     g, x = np.eye(4), theta @ arm.coupling.A.T
@@ -52,6 +53,7 @@ def real_tool(d, theta):
     return g @ screws.exp(places[m] @ d[m]) @ arm.home
 
 
+# %%
 build = np.array([1e-3] * 3 + [np.radians(0.3)] * 3)  # what the workshop errs by [m, rad]
 hidden = rng.normal(size=(m + 1, 6)) * build
 

@@ -13,11 +13,12 @@ from twistarm import guide, joints, rotations, screws
 
 
 def gap(A, B):
+    """The largest difference of two entries."""
     return np.abs(A - B).max()
 
 
 def numbers(values):
-    return ", ".join(f"{value + 0.0:.2f}" for value in np.round(values, 2))
+    return ", ".join(f"{value + 0.0:.2f}" for value in np.round(values, 2))  # never -0.00
 
 
 # %% [markdown]
@@ -27,9 +28,10 @@ def numbers(values):
 # belongs in each, and with it its unit: what computes takes radians.
 
 # %%
-wrong, right = rotations.exp([0, 0, 1], 1.0), rotations.exp([0, 0, 1], np.radians(1.0))
+q = np.array([1.0, 0.0, 0.0])  # 1 m from the axis
+wrong, right = (rotations.exp([0, 0, 1], angle) @ q for angle in (1.0, np.radians(1.0)))
 guide.say(
-    f"Turned by 1 rad instead of 1°, a point at 1 m from the axis is {gap(wrong, right):.3f} m off."
+    f"Turned by 1 rad instead of 1°, a point at 1 m from the axis is {np.linalg.norm(wrong - right):.3f} m off."
 )
 
 # %% [markdown]
@@ -85,7 +87,7 @@ guide.say(
 
 # %%
 mirror = np.diag([1.0, 1.0, -1.0])
-off = np.abs(mirror.T @ mirror - np.eye(3)).max()
+off = gap(mirror.T @ mirror, np.eye(3))
 double = 2 * np.eye(3)
 guide.say(
     f"The mirror $\\mathrm{{diag}}(1, 1, -1)$ has $M^TM = I$ (off by {off:.0f}) and determinant "
@@ -109,8 +111,8 @@ sine = sum((-1) ** (power // 2) * theta**power / factorial(power) for power in (
 exact = rotations.exp(w, theta)
 right, wrong = (np.eye(3) + W * sine - W @ W * sum(terms.values()) for terms in (cosine, slipped))
 guide.say(
-    f"At $\\theta = {theta}$ the series is ${guide.rough(gap(right, exact))}$ from the rotation; with $\\|\\omega\\| = "
-    f"1$ in place of $\\theta$ in those two terms it is {gap(wrong, exact):.3f} from it."
+    f"At $\\theta = {theta}$ no entry of the series is more than ${guide.rough(gap(right, exact))}$ from the rotation's; "
+    f"with $\\|\\omega\\| = 1$ in place of $\\theta$ in those two terms one is {gap(wrong, exact):.3f} from it."
 )
 
 # %% [markdown]
@@ -156,11 +158,11 @@ guide.say(
 xi = joints.helical([0, 0, 1], [0.3, 0, 0], 0.1)[:, 0]
 h = 1e-6
 rate = (screws.exp(xi, h) - screws.exp(xi, -h)) / (2 * h)
-off = np.abs(rate - screws.hat(xi)).max()
+off = gap(rate, screws.hat(xi))
 guide.say(
-    f"At $t = 0$ the derivative of $e^{{\\hat\\xi t}}$ is $\\hat\\xi$ (found ${guide.rough(off)}$ apart by "
-    f"differences); at $t = 1$ it is another matrix, "
-    f"{np.abs(screws.hat(xi) @ screws.exp(xi, 1.0) - screws.hat(xi)).max():.2f} away."
+    f"At $t = 0$ the derivative of $e^{{\\hat\\xi t}}$ is $\\hat\\xi$ (by differences no entry is more than "
+    f"${guide.rough(off)}$ off); at $t = 1$ it is another matrix, whose entries differ by up to "
+    f"{gap(screws.hat(xi) @ screws.exp(xi, 1.0), screws.hat(xi)):.2f}."
 )
 
 # %% [markdown]
@@ -191,7 +193,7 @@ home = screws.exp([0.9, 0, 0, 0, 0.3, 0])
 body = screws.adjoint(screws.inverse(home)) @ xi
 guide.say(
     f"For a joint 0.4 m from the origin: spatial $v = ({numbers(xi[:3])})$, body $v = ({numbers(body[:3])})$ "
-    f"m/s. Taken for each other they are {np.linalg.norm((xi - body)[:3]):.2f} m/s apart."
+    f"m/s. They are {np.linalg.norm((xi - body)[:3]):.2f} m/s apart."
 )
 
 # %% [markdown]
@@ -285,9 +287,9 @@ guide.say(
 # %%
 l1, l2 = 0.4, 0.3
 stretched = [elbow(l1, l2, np.array([l1 + l2, 0.0]), sign, sign) for sign in (1, -1)]
-apart = np.abs(np.exp(1j * stretched[0]) - np.exp(1j * stretched[1])).max()
+apart = np.abs(np.angle(np.exp(1j * (stretched[0] - stretched[1])))).max()
 cosine = (l1**2 + l2**2 - (l1 + l2 + 1e-9) ** 2) / (2 * l1 * l2)
 guide.say(
-    f"Stretched out, the two solutions are ${guide.rough(apart)}$ apart. A nanometre further the cosine is $-1 - "
-    f"{guide.rough(-1 - cosine)}$, whose arc cosine is not a number."
+    f"Stretched out, no angle of the two solutions differs by more than ${guide.rough(apart)}$ rad. "
+    f"A nanometre further the cosine is $-1 - {guide.rough(-1 - cosine)}$, whose arc cosine is not a number."
 )

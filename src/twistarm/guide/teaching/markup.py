@@ -18,6 +18,8 @@ FUNCTION = "<mi>(?:arc)?(?:sin|cos|tan|exp|log|ln)</mi>"
 
 POWER = r"(?:<m[in]>[^<]*</m[in]>|<mrow>(?:(?!</?mrow>).)*</mrow>)"
 
+ACCENTED = '<mover accent="true">(?:(?!</?mover).)*</mover>'
+
 
 def block(markdown: str) -> str:
     """Paragraphs, lists, tables, headings."""
@@ -51,6 +53,9 @@ def formula(tex: str, *, display: bool = False) -> str:
     mathml = re.sub(rf"((?<!<msup>){FUNCTION}|<msup>{FUNCTION}{POWER}</msup>)(?=<m(?!o))", rf"\1{THIN}", mathml)
     mathml = re.sub(rf"(</m(?:i|n|sub|sup|subsup|over|frac)>)(?=(?:<msup>)?{FUNCTION})", rf"\1{THIN}", mathml)
     mathml = mathml.replace('<mo movablelimits="true">', '<mo movablelimits="true" lspace="0">')
+    # A dot sits close above its letter, and an exponent stands as high beside θ̇ as beside θ.
+    mathml = mathml.replace("<mover>", '<mover accent="true">')
+    mathml = re.sub(rf"(<(?:msup|msubsup)>(?:<mrow>)?)({ACCENTED})", r'\1<mpadded height="0.66em">\2</mpadded>', mathml)
     scrolls = 'tabindex="0" ' if display and len(tex) > LONG else ""
     return mathml.replace("<math ", f'<math {scrolls}alttext="{escape(tex)}" ', 1)
 

@@ -62,10 +62,10 @@ def _joint(n: Numbers) -> Any:
 
 
 def _moved(g: Array, twists: Iterable[Array] = (), path: ArrayLike = ((0, 0, 0),)) -> Any:
-    """Frame B at g, seen from frame A, with the axes of twists (k, 6) and a path (m, 3)."""
+    """Frame T at g, seen from frame S, with the axes of twists (k, 6) and a path (m, 3)."""
     fig, ax = axes3(box=False)
-    plot_frame(ax, np.eye(4), "A", alpha=0.45)
-    plot_frame(ax, g, "B")
+    plot_frame(ax, np.eye(4), "S", alpha=0.45)
+    plot_frame(ax, g, "T")
     for xi in twists:
         plot_screw(ax, xi, 2.6)
     ax.plot(*np.transpose(path), color=GREY)
@@ -107,7 +107,7 @@ def _spline(n: Numbers) -> Any:
     return fig
 
 
-_TURNED = "A frame B turned against a frame A by "
+_TURNED = "A frame T turned against a frame S by "
 _TWO_LINKS = "A two-link arm with links of {l1:g} m and {l2:g} m, its joints at {theta1:g}° and {theta2:g}°"
 
 SLIDERS: dict[str, tuple[Callable[[Numbers], Any], str]] = {

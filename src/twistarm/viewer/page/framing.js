@@ -6,6 +6,8 @@ const { Box3, Vector3 } = MeshCat.THREE;
 
 const MARGIN = 1.06;
 const MOST = 0.3; // of the view's height that is left free for what stands over it, above and below
+const BESIDE = "#cube, #legend, #reach-legend, #collides, #missed, #jog"; // and what no text is put on
+const CUBE = 56; // px from its middle to its letters' ends
 export const OVER = "#switches, #reach-legend, #player, #plots"; // what stands over the view
 
 // The corners (world) of the boxes around all that is drawn below a node; `seen`: only of what is shown.
@@ -33,6 +35,15 @@ export function covered(pane) {
     shares[side] = Math.min(MOST, Math.max(shares[side], depth / height));
   }
   return shares;
+}
+
+// The boxes of what stands over the pane besides, in its pixels: no text is put there.
+export function occupied(pane) {
+  const { left, top } = pane.getBoundingClientRect();
+  const boxes = $$(BESIDE).filter((each) => each.getClientRects().length > 0).map((each) => [each.getBoundingClientRect(), each.id === "cube" ? CUBE : 0]);
+  return boxes.map(([box, grow]) => ({
+    left: box.left - left - grow, right: box.right - left + grow, top: box.top - top - grow, bottom: box.bottom - top + grow,
+  }));
 }
 
 // Position and target (world) of a camera as near as it can be, seen from it `towards` itself: {top, bottom} shares of the

@@ -25,6 +25,7 @@ export class Gizmo {
     this.group.add(...this.handles.map(({ group }) => group));
     this.caster = new THREE.Raycaster();
     view.viewer.scene.add(this.group, this.tether);
+    view.gizmos.push(this);
     this.scale();
     this.listen(view.viewer.dom_element);
   }
@@ -44,6 +45,15 @@ export class Gizmo {
     const slope = Math.tan((this.view.viewer.camera.fov * Math.PI) / 360);
     const reach = (2 * REACH * slope * eye.distanceTo(middle)) / height;
     return [0, 1, 2].flatMap((axis) => [-reach, reach].map((by) => new THREE.Vector3().setComponent(axis, by).add(middle)));
+  }
+
+  // What its rings take of the picture [px], as a list of one; none where they are not shown.
+  square() {
+    if (!this.group.visible) return [];
+    const { camera, dom_element, scene } = this.view.viewer;
+    const { x, y } = scene.localToWorld(this.pose.position.clone()).project(camera);
+    const [left, top] = [0.5 * (x + 1) * dom_element.offsetWidth, 0.5 * (1 - y) * dom_element.offsetHeight];
+    return [{ left: left - RING.radius, right: left + RING.radius, top: top - RING.radius, bottom: top + RING.radius }];
   }
 
   face(camera, height) {
@@ -162,6 +172,7 @@ export class Gizmo {
     if (!this.motion) return;
     this.motion = null;
     for (const controls of [this.controls, this.view.viewer.controls]) controls.enabled = true;
+    this.view.settle();
   }
 
   light(handle) {

@@ -10,9 +10,7 @@ import { THREE } from "./view.js";
 const FAINTEST = 0.1;
 const FAINT = 0.25; // opacity of a link that is seen through
 const FRAME = 0.15; // of the axes, in radii of the arm
-const MARKS = { // the switches of a link: sign and words
-  hidden: ["∅", "Hide"], faint: ["◐", "See through"], frame: ["⌖", "Frame of"], shapes: ["⬡", "Collision shapes of"],
-};
+const MARKS = { hidden: "Hide", faint: "See through", frame: "Frame of", shapes: "Collision shapes of" }; // the switches of a link
 const NAMES = Object.keys(MARKS);
 
 export class LinkTree {
@@ -56,11 +54,13 @@ export class LinkTree {
   }
 
   toggle(mark, name) {
-    const [sign, words] = MARKS[mark];
-    const press = button("", sign, `${words} ${name}`, () => {
+    const press = button("", "", `${MARKS[mark]} ${name}`, () => {
       this.marks[mark][this.marks[mark].has(name) ? "delete" : "add"](name);
       this.apply();
     });
+    const sign = $(`sign-${mark}`).cloneNode(true); // drawn: few machines have a font with it
+    sign.removeAttribute("id");
+    press.append(sign);
     this.buttons.push(Object.assign(press, { ariaLabel: press.title, marked: () => this.marks[mark].has(name) }));
     return press;
   }

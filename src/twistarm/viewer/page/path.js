@@ -23,8 +23,9 @@ export class Path {
     this.lines = new THREE.Group();
     this.arms = [];
     this.hit = []; // numbers of the poses in collision
+    this.listed = null; // those of the list, where there is one
     this.pins = new Pins(view, "stops");
-    this.messages = { path: (message) => this.show(message), colliding: ({ poses }) => this.collide(poses) };
+    this.messages = { path: (message) => this.show(message), colliding: ({ poses }) => this.collide(poses), program: ({ poses }) => this.list(poses) };
     view.onDrawn.push(() => this.drawArms()); // what they are copies of has changed
   }
 
@@ -61,8 +62,19 @@ export class Path {
   drawArms() {
     const { waypoints, ids, stopped } = this.data;
     for (const arm of this.arms) arm.remove();
-    this.arms = waypoints.map((transforms, i) => (this.hit.includes(ids[i]) ? this.stood(transforms, STOP, STOPPED) : this.stood(transforms, IDEAL, POSE)));
+    const stood = waypoints.filter((_, i) => this.listed?.includes(ids[i]) ?? true);
+    const hit = waypoints.filter((_, i) => this.hit.includes(ids[i]));
+    this.arms = stood.map((transforms) => this.stood(transforms, ...(hit.includes(transforms) ? [STOP, STOPPED] : [IDEAL, POSE])));
     if (stopped !== null) this.arms.push(this.stood(stopped.arm, STOP, STOPPED));
+  }
+
+  // A pose that is gone has no arm.
+  list(poses) {
+    const ids = poses.map(({ id }) => id);
+    if (ids.join() === this.listed?.join()) return;
+    this.listed = ids;
+    this.drawArms();
+    this.view.viewer.set_dirty();
   }
 
   // Which of the poses collide.

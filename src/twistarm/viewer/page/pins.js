@@ -1,11 +1,12 @@
 // Text pinned to places of the scene: it stands over the view, and goes along with what it belongs to. Texts avoid each
-// other and the edges of the picture.
+// other, handles, what else stands over the view, and the edges of the picture.
 
 import { $, element } from "./element.js";
+import { occupied } from "./framing.js";
 
 const EDGE = 8; // px
 const APART = 1; // px
-const PLACES = [0, 1, -1, 2, -2, 3, -3, 4, -4, 5, -5]; // heights of the text from where it belongs, on its right and left: the first free one
+const PLACES = [0, 1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6, -6]; // heights of the text from where it belongs, on its right and left: the first free one
 
 export class Pins {
   // `id` of the layer that holds the text; it is for the eye alone, and says nothing that does not stand elsewhere.
@@ -42,7 +43,8 @@ export class Pins {
   put(text, x, y) {
     const { offsetWidth: width, offsetHeight: height } = this.layer;
     const { offsetWidth: wide, offsetHeight: high, offsetLeft, offsetTop } = text;
-    const { free, taken } = this.view;
+    const { free } = this.view;
+    const taken = (this.view.taken ??= [...occupied(this.layer), ...this.view.gizmos.flatMap((each) => each.square())]);
     const within = (place, size, from, to) => Math.max(from + EDGE, Math.min(place, to - EDGE - size));
     const [right, down] = [0.5 * (x + 1) * width, 0.5 * (1 - y) * height + offsetTop];
     const spots = PLACES.flatMap((place) => [right + offsetLeft, right - offsetLeft - wide].map((left) => ({

@@ -114,7 +114,7 @@ export class Program {
     const done = this.planned && this.duration !== null ? `${word}: ${this.duration.toFixed(2)} s` : "";
     const outdated = this.planned && !same(this.asked, this.settings);
     if (outdated) tell($("program-note"), OUTDATED);
-    else tell($("program-note"), done || this.note, done && this.note ? [this.note] : []);
+    else tell($("program-note"), [done, this.note].filter(Boolean).join(": "));
     $("program-note").classList.toggle("stale", outdated || !this.planned);
     const few = this.poses.length < 2;
     $("plan").disabled = this.driven || few;

@@ -11,6 +11,7 @@ import { tell } from "./words.js";
 const ADDED = { box: [1, 1, 1], sphere: [0.5], cylinder: [0.5, 1] }; // sizes beside LARGE
 const LARGE = 0.25; // of the arm's radius
 const ASIDE = 0.4; // of the arm's radius, from the tool to an obstacle that is added
+const SIDES = [[1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [-1, 0, 0]]; // of the tool, in the order in which they are tried
 const STEP = 0.01; // m, to which both are rounded
 const SIZES = { box: ["size x", "size y", "size z"], sphere: ["radius"], cylinder: ["radius", "length"], capsule: ["radius", "length"] };
 const PLACE = [["x", "m"], ["y", "m"], ["z", "m"], ["roll", "rad"], ["pitch", "rad"], ["yaw", "rad"]];
@@ -59,6 +60,7 @@ export class ScenePanel {
     this.obstacles = obstacles;
     if (other) $("obstacle-list").replaceChildren(...obstacles.map((obstacle) => this.row(obstacle)));
     if (other) this.choose(this.chosen);
+    if (other) this.page.view.settle();
     $("save-scene").hidden = file === null;
     $("save-scene").disabled = saved;
     $("save-scene").title = saved ? `${file} is up to date` : `Write ${file}`;
@@ -93,7 +95,7 @@ export class ScenePanel {
     this.last = undefined; // numbers shown
     this.typed = null; // those asked for by hand, until what stands has arrived
     const obstacle = this.find();
-    const boxes = obstacle ? [...(SIZES[obstacle.kind] ?? []).map((text) => [text, "m"]), ...PLACE] : [];
+    const boxes = obstacle ? [...(SIZES[obstacle.kind] ?? []).map((text) => [text, "m"]), ...this.placing] : [];
     this.boxes = boxes.map(([text, unit], i) => this.box(text, unit, i));
     $("obstacle-numbers").replaceChildren(...this.boxes.map(({ joint, input }) => {
       const label = element("label", joint.label === "x" ? "place" : "", `${joint.label} `);
@@ -102,6 +104,11 @@ export class ScenePanel {
     }));
     this.mark();
     this.place();
+  }
+
+  // What its pose is told by: the turns of a sphere are not seen.
+  get placing() {
+    return this.find().kind === "sphere" ? PLACE.slice(0, 3) : PLACE;
   }
 
   box(label, unit, i) {
@@ -133,7 +140,7 @@ export class ScenePanel {
 
   numbers() {
     const { kind, size } = this.find();
-    return [...(SIZES[kind] ? size : []), ...numbersOf(this.pose(), this.last)];
+    return [...(SIZES[kind] ? size : []), ...numbersOf(this.pose(), this.last).slice(0, this.placing.length)];
   }
 
   // Handles and numbers where the obstacle stands; one that a link holds goes along and is not dragged.
@@ -141,7 +148,7 @@ export class ScenePanel {
     const obstacle = this.find();
     const on = obstacle !== undefined && !obstacle.held && this.ready && !$("scene").hidden;
     if (on) this.gizmo.place(this.pose(), this.pose(), "base");
-    this.gizmo.show(on, null, () => true);
+    this.gizmo.show(on, null, ({ kind }) => kind !== "turn" || obstacle?.kind !== "sphere");
     if (!obstacle) return;
     this.last = this.typed ?? this.numbers();
     this.last.forEach((number, i) => this.boxes[i].show(number, ""));
@@ -157,9 +164,10 @@ export class ScenePanel {
   type(i, value) {
     const numbers = this.typed ?? this.numbers();
     numbers[i] = value;
-    const sizes = numbers.length - PLACE.length;
+    const sizes = numbers.length - this.placing.length;
     this.typed = numbers;
-    this.put(turned(numbers.slice(sizes)), sizes > 0 ? numbers.slice(0, sizes) : undefined);
+    const turns = numbersOf(this.pose(), this.last).slice(this.placing.length); // those that have no boxes
+    this.put(turned([...numbers.slice(sizes), ...turns]), sizes > 0 ? numbers.slice(0, sizes) : undefined);
   }
 
   put(pose, size = this.find().size) {
@@ -171,6 +179,14 @@ export class ScenePanel {
     return this.page.ask({ type: "obstacle", name, kind, size, position: position.toArray(), xyzw: quaternion.toArray() });
   }
 
+  // A place beside the tool, in the picture: somebody may have turned the view, which then stays.
+  beside(tool, away) {
+    const { view } = this.page;
+    const spots = SIDES.map((side) => new THREE.Vector3(...side).multiplyScalar(away).add(tool));
+    const spot = view.turned ? (spots.find((each) => view.sees(each)) ?? view.middle()) : spots[0];
+    return spot.fromArray(spot.toArray().map((value) => STEP * Math.round(value / STEP)));
+  }
+
   add(kind) {
     const { radius } = this.page.view;
     const rounded = (value) => STEP * Math.max(1, Math.round(value / STEP));
@@ -178,9 +194,7 @@ export class ScenePanel {
     const free = (count) => (names.includes(`${kind} ${count}`) ? free(count + 1) : `${kind} ${count}`);
     const name = $("obstacle-name").value.trim() || free(1);
     if (names.includes(name)) return this.page.panel.showError(`an obstacle is already called ${name}; choose another name`);
-    const { position } = poseOf(this.page.state.frame.transforms["/frames/tool"]);
-    position.x += ASIDE * radius;
-    position.fromArray(position.toArray().map((value) => STEP * Math.round(value / STEP)));
+    const position = this.beside(poseOf(this.page.state.frame.transforms["/frames/tool"]).position, ASIDE * radius);
     this.chosen = name;
     $("obstacle-name").value = "";
     this.ask(name, kind, ADDED[kind].map((share) => rounded(share * LARGE * radius)), { position, quaternion: new THREE.Quaternion() });

@@ -99,14 +99,14 @@ export class Share {
 
   async film() {
     const sides = this.typed();
-    this.films = true;
+    this.films = this.view.held = true;
     $("save-film").textContent = "Cancel";
     try {
       const blob = await this.record(...sides, RATE, (share) => this.say(`recording: ${Math.round(100 * share)} %`));
       return save(blob, fileName(this.name, ".webm"));
     } finally {
+      this.films = this.stopped = this.view.held = false;
       this.view.reframe();
-      this.films = this.stopped = false;
       $("save-film").textContent = "Video (WebM)";
     }
   }

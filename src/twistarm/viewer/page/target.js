@@ -216,7 +216,10 @@ export class Target {
   put() {
     const pose = standing(this.given, this.tool);
     this.boxes.show(pose);
-    this.page.view.wanted = this.asked || this.given ? (this.asked ?? pose).position : null;
+    const { view } = this.page;
+    const before = view.wanted;
+    view.wanted = this.asked || this.given ? (this.asked ?? pose).position : null;
+    if (before !== null && view.wanted === null) view.settle();
     this.gizmo.place(this.asked ?? (this.given?.met ? this.tool : pose), this.tool, $("target-axes").value);
     const on = $("drag-tool").checked && !this.driven;
     this.gizmo.show(on, this.given?.met ?? null, (handle, direction) => this.allows(handle, direction));

@@ -10,6 +10,8 @@ export const THREE = MeshCat.THREE;
 export const DIRECTION = [0.95, -1.15, 0.62];
 const NOTHING = [new THREE.Vector3(-0.5, 0, -0.5), new THREE.Vector3(0.5, 1, 0.5)]; // where nothing is drawn
 const SOON = 300; // ms until what has come to be drawn is
+const REST = 400; // ms without a motion after which the arm rests
+const WELL = 0.8; // of half the picture: what lies within is well in it
 
 // Call `act(renderer, scene, camera)` before every picture, whichever camera it is, and wherever it has gone.
 export function beforeRender({ viewer: { scene } }, act) {
@@ -47,8 +49,11 @@ export class View {
     if (window.parent !== window) pane.addEventListener("wheel", leaveToThePage, { capture: true });
     this.dark = matchMedia("(prefers-color-scheme: dark)");
     this.dark.addEventListener("change", () => this.furnish());
-    this.taken = []; // of the picture, by text
-    this.afterRender(() => (this.taken = []));
+    this.taken = null; // of the picture, by what stands over it and by handles, then by text
+    this.gizmos = []; // each with square(), what its handles take of the picture
+    this.held = false; // by a film, for which the camera stays
+    this.widened = false; // the picture shows a target away from the arm
+    this.afterRender(() => (this.taken = null));
     this.floor = new Floor(this);
     beforeRender(this, (renderer, scene, camera) => {
       if (this.radius === undefined) return;
@@ -101,6 +106,39 @@ export class View {
   place(transforms) {
     for (const [path, matrix] of Object.entries(transforms)) this.viewer.set_transform(this.split(path), matrix);
     this.viewer.set_dirty();
+    this.settle();
+  }
+
+  // Once all rests, a view that nobody has turned sees the whole arm again, and no empty room where a target was.
+  settle() {
+    clearTimeout(this.resting);
+    this.resting = setTimeout(() => {
+      if (this.radius === undefined || this.turned || this.held || !this.viewer.controls.enabled) return;
+      const left = this.widened && this.wanted === null;
+      if (left || !this.standing().every((point) => this.within(point, 1))) this.reframe();
+    }, REST);
+  }
+
+  // The corners (world) of what stands on the floor.
+  standing() {
+    return ["/arm", "/obstacles"].flatMap((path) => corners(this.node(path), true));
+  }
+
+  // Whether a point (world) is within this share of what is free of the picture.
+  within(point, share) {
+    const { x, y, z } = point.clone().project(this.viewer.camera);
+    const { top, bottom } = this.free;
+    return Math.abs(x) <= share && Math.abs(y - bottom + top) <= share * (1 - top - bottom) && z < 1;
+  }
+
+  // Whether a place in base axes is well in the picture.
+  sees(place) {
+    return this.within(this.viewer.scene.localToWorld(place.clone()), WELL);
+  }
+
+  // The place in base axes at which the camera looks.
+  middle() {
+    return this.viewer.scene.worldToLocal(this.viewer.controls.target.clone());
   }
 
   split(path) {
@@ -206,6 +244,7 @@ export class View {
     this.reach(camera);
     const seen = ["/arm", "/beside", "/frames", "/path", "/screws", "/solutions", "/obstacles", "/reach", "/drawn"].flatMap((path) => corners(this.node(path), true)).concat(swept);
     const wanted = this.wanted ? [this.viewer.scene.localToWorld(this.wanted.clone())] : [];
+    this.widened = wanted.some((point) => !box.containsPoint(point));
     const towards = new THREE.Vector3(x, z, -y).normalize();
     const frame = (more) => framed([...(seen.length ? seen : all), ...wanted, ...more], towards, camera, this.free);
     // Handles keep their size on the screen: from farther away they reach farther.

@@ -15,6 +15,7 @@ from ...arm.usual_limits import defaults_line, with_defaults
 from ...collision import Scene
 from ...ik.targets import Position
 from ...limits.joint_limits import JointLimits
+from ...planning.configurations import LONGEST_JUMP
 from ...planning.goals import Curved, Goals
 from ...planning.joint_space import LAWS, plan_joint
 from ...planning.motion import plan
@@ -22,11 +23,12 @@ from ...planning.refusal import PathError
 from ...planning.segments import ArcMove, FreeMove, JointMove, LineMove, ScrewMove
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
+from ...support.directions import value_in_words
 from ...support.errors import InputError
-from ..jobs import Job, Memo, Progress
+from ..jobs import Job, Memo, Progress, same
 from ..messages import Message
 from ..scene.kinematics import Placement, link_matrices
-from .arm_data import drawn, tool_path
+from .arm_data import NO_PATH, drawn, tool_path
 from .pose_list import PoseList, RecordedPose
 from .show import Part, Playback, Route, Show
 
@@ -104,7 +106,7 @@ class Program(Part):
 
     def __init__(self, arm: Arm, poses: PoseList) -> None:
         self.list = poses
-        self.limits = with_defaults(arm)
+        self._arm, self.limits = arm, with_defaults(arm)
         self._usual = defaults_line(arm)
         self._motion: Trajectory | None = None
         self._through: tuple[tuple[int, str], ...] = ()
@@ -133,13 +135,13 @@ class Program(Part):
         current = ours and self._through == _listed(listed)
         poses = [{"id": pose.id, **pose.entry()} for pose in listed]
         asked = self._asked if ours else NO_REQUEST
-        through_joints = asked.through_joints(listed)
-        straight = STRAIGHT if through_joints and asked.stop else ""
+        straight = STRAIGHT if asked.stop and asked.through_joints(listed) else ""
         said = self._motion.notes if current and self._motion else ()
-        words = [straight, *(_of_poses(note, listed) for note in said), self._usual]
+        arrivals = _elsewhere(self._arm, self._motion, listed) if current and self._motion else ()
+        words = [*arrivals, straight, *(_of_poses(note, listed) for note in said), self._usual]
         note = ("; ".join(filter(None, words)) if current else STALE) if ours else ""
-        settings = {**asked._asdict(), "kind": asked.kind or None}
-        return {"type": "program", "poses": poses, "planned": current, **settings, "note": note}
+        told = {"type": "program", "poses": poses, "planned": current, "note": note}
+        return {**told, **asked._asdict(), "kind": asked.kind or None}
 
     def _plan(self, show: Show, now: float, **fields: Any) -> Job:
         asked, poses = MotionRequest(**fields), self.list.poses
@@ -153,20 +155,26 @@ class Program(Part):
             raise InputError("to go round obstacles, switch the layer Collision on first")
         scene = copy(show.scene)  # obstacles may move meanwhile
         work = partial(_planned, show.arm, poses, asked, self.limits, dict(show.others), show.tolerances, scene)
-        return Job("plan", "planning the motion", work, partial(self._finish, show, poses, asked))
+        return Job("plan", "planning the motion", work, partial(self._finish, show, asked, self._cause(show)))
 
-    def _finish(self, show: Show, poses: tuple[RecordedPose, ...], asked: MotionRequest, result: Planned) -> None:
-        planned, path = result
+    def _cause(self, show: Show) -> tuple[Any, ...]:
+        """What a plan follows from: the list, the tolerances and the obstacles."""
+        return self.list.poses, show.tolerances, *(() if show.scene is None else show.scene.obstacles.values())
+
+    def _finish(self, show: Show, asked: MotionRequest, cause: tuple[Any, ...], result: Planned) -> None:
+        poses, (planned, path) = cause[0], result
         if isinstance(planned, PathError):
-            show.draw_path(path)
-            raise InputError(f"on the way to '{_ends(poses)[planned.segment or 0].name}' {planned.detail}")
+            show.draw_path(path, lambda: same(cause, self._cause(show)))
+            end = _ends(poses)[-1 if planned.segment is None else planned.segment].name
+            raise InputError(f"on the way to '{end}' {planned.detail}")
         if show.driven:
             raise InputError("the motion was planned and not loaded: a servo drives the arm meanwhile")
         self._motion = planned
         self._through, self._asked = _listed(poses), asked
         before = show.playback or Playback(planned)
         show.load(planned, before.speed, before.loop)
-        show.draw_path(path)
+        show.draw_path(NO_PATH)
+        show.draw_path(path, lambda: show.playback is not None and show.playback.trajectory is planned)
 
 
 def _planned(
@@ -191,17 +199,19 @@ def _planned(
             speed = asked.linear_speed or None
             motion = plan(arm, moves, start=poses[0].theta, linear_speed=speed, **tolerances, **shared)
     except PathError as error:
-        return error, {**tool_path(arm, poses[0].theta[None]), **beside, "stopped": _stop(arm, error, others)}
+        return error, {**tool_path(arm, poses[0].theta[None]), **beside, "stopped": _stop(arm, error, others, scene)}
     return motion, {**tool_path(arm, motion), **beside}
 
 
-def _stop(arm: Arm, error: PathError, others: Mapping[str, float]) -> dict[str, Any] | None:
+def _stop(arm: Arm, error: PathError, others: Mapping[str, float], scene: Scene | None) -> dict[str, Any] | None:
     """Where a segment ends early: the tool's position, the reason, and the configuration."""
     if error.theta is None:
         return None
     position = np.round(arm.fk(error.theta)[:3, 3], 6).tolist()
     why = f"{error.joint} at its limit" if error.joint else WHY.get(error.reason, error.reason)
-    words = "collides" if error.reason == "collision" else f"stops at {100.0 * error.share:.0f} %: {why}"
+    words = f"stops at {100.0 * error.share:.0f} %: {why}"
+    if error.reason == "collision":
+        words = "collides" if scene is not None and scene.collides(error.theta) else "no free way from here"
     return {"position": position, "words": words, "arm": link_matrices(Placement(arm), error.theta, others)}
 
 
@@ -216,6 +226,15 @@ def _ghosts(arm: Arm, poses: Sequence[RecordedPose], others: Mapping[str, float]
 def _ends(poses: Sequence[RecordedPose]) -> list[RecordedPose]:
     """The poses at which the segments end."""
     return [pose for pose in poses[1:] if pose.by != "via"]
+
+
+def _elsewhere(arm: Arm, motion: Trajectory, poses: Sequence[RecordedPose]) -> Iterator[str]:
+    """The poses that the motion meets with the tool, and not in the recorded configuration."""
+    for pose, theta in zip(_ends(poses), motion.waypoints[1:], strict=False):
+        j = int(np.abs(theta - pose.theta).argmax())
+        if abs(off := float(theta[j] - pose.theta[j])) > LONGEST_JUMP:
+            by = value_in_words(off, arm.units[j])
+            yield f"'{pose.name}' is met in another configuration than the recorded one: {arm.joint_names[j]} by {by}"
 
 
 def _of_poses(note: str, poses: Sequence[RecordedPose]) -> str:

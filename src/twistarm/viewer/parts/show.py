@@ -103,7 +103,8 @@ class Show:
         self.visible: dict[str, list[Any]] = {"screws": [True, 0], "frames": [True, 0], "reach": [False, 0]}
         self.needed: frozenset[str] = frozenset()  # of theory, collision and reach, by the pages
         self.tolerances: Mapping[str, Any] = {}
-        self.path: Message = {"type": "path", **NO_PATH}
+        self._paths: list[tuple[Message, Callable[[], bool]]] = []
+        self.draw_path(NO_PATH)
         self.playback: Playback | None = None
         self.scene: Scene | None = None  # what motions and the servo collide with
         self.driven = False
@@ -163,9 +164,15 @@ class Show:
         """The configuration (n,) where the arm stands, or to which it is on its way."""
         return self.theta if self._glide is None else self._glide.goal
 
-    def draw_path(self, path: Mapping[str, Any]) -> None:
-        """Draw this path of the tool: points and radius."""
-        self.path = {"type": "path", **path}
+    def draw_path(self, path: Mapping[str, Any], holds: Callable[[], bool] | None = None) -> None:
+        """Draw this path of the tool: points and radius. With `holds`, only while that is true, over the others."""
+        self._paths = [*(self._paths if holds else ()), ({"type": "path", **path}, holds or (lambda: True))]
+
+    @property
+    def path(self) -> Message:
+        """The path that was drawn last, of those that still hold."""
+        self._paths = [each for each in self._paths if each[1]()]
+        return self._paths[-1][0]
 
     def require_free(self) -> None:
         """Raise InputError while a servo drives the arm."""

@@ -1,5 +1,5 @@
 function Ad = adjoint(g)
-% The Adjoint, 6 x 6, of a pose g = g_ab: it takes a twist [v; w] seen from B to the same seen from A.
+% The Adjoint, 6 x 6, of a pose g = g_st: it takes a twist [v; w] seen from T to the same seen from S.
 % --- yours from here on ---
     R = g(1:3, 1:3);
     p = g(1:3, 4);

@@ -1,7 +1,7 @@
-function points_a = transform_points(g_ab, points_b)
-% The coordinates in frame A of N points, given by their coordinates in frame B: a row each, N x 3.
+function points_s = transform_points(g_st, points_t)
+% The coordinates in frame S of N points, given by their coordinates in frame T: a row each, N x 3.
 % --- yours from here on ---
-    count = size(points_b, 1);
-    moved = g_ab * [points_b, ones(count, 1)]';
-    points_a = moved(1:3, :)';
+    count = size(points_t, 1);
+    moved = g_st * [points_t, ones(count, 1)]';
+    points_s = moved(1:3, :)';
 end

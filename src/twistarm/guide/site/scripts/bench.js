@@ -25,6 +25,7 @@
   class Bench {
     constructor(stage, words, turns = false) {
       this.values = {};
+      this.inputs = {};
       this.svg = document.createElementNS(SVG, "svg");
       this.svg.setAttribute("viewBox", "-150 -130 300 260");
       this.svg.setAttribute("role", "img");
@@ -51,10 +52,17 @@
         input.setAttribute("aria-valuetext", said);
       };
       input.addEventListener("input", () => { take(); this.show(); });
+      this.inputs[key] = input;
       take();
       const label = element("label", {}, element("span", { textContent: name }), input, output);
       this.controls.append(label);
       return label;
+    }
+
+    // Slide a number from elsewhere.
+    slide(key, value) {
+      this.inputs[key].value = value;
+      this.inputs[key].dispatchEvent(new Event("input"));
     }
 
     choice(key, name, options, value) {
@@ -99,8 +107,8 @@
       this.line(head, colour, { "stroke-opacity": more["stroke-opacity"] ?? 1 });
     }
 
-    dot([x, y], colour, r = 4) {
-      draw(this.svg, "circle", { cx: x, cy: y, r, fill: `var(--${colour})` });
+    dot([x, y], colour, r = 4, more = {}) {
+      draw(this.svg, "circle", { cx: x, cy: y, r, fill: `var(--${colour})`, ...more });
     }
 
     say([x, y], words, colour = "ink") {
@@ -132,8 +140,9 @@
       const elbow = [n.l1 * cos(first), n.l1 * sin(first)];
       const tool = add(elbow, [n.l2 * cos(both), n.l2 * sin(both)]);
       this.line([ORIGIN, elbow, tool].map(at), colour, { "stroke-width": 5, "stroke-opacity": opacity, ...(edges ? {} : { "stroke-dasharray": "9 7", "stroke-width": 3.5 }) });
-      [ORIGIN, elbow].forEach((each) => this.dot(at(each), "sky", 5));
-      this.dot(at(tool), edges ? "blue" : colour, 5);
+      this.dot(at(ORIGIN), "sky", 5);
+      this.dot(at(elbow), "sky", edges ? 7 : 5, edges ? { "data-handle": "elbow" } : {});
+      this.dot(at(tool), edges ? "blue" : colour, edges ? 7 : 5, edges ? { "data-handle": "tool" } : {});
       return tool;
     }
 

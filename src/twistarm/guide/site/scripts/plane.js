@@ -6,16 +6,47 @@
   const { RAD, apply, text, matrix, wrapped } = helpers;
   const { cos, sin, acos, atan2, hypot, abs, max, min, sqrt, PI } = Math;
 
+  const HINT = [[110, 123], "drag the dots", "grey"];
+
   function links(bench, n) {
     bench.scale = 115 / (n.l1 + n.l2);
     bench.plays(bench.number("theta1", "θ₁", -180, 180, 1, "°", n.theta1));
     bench.number("theta2", "θ₂", -180, 180, 1, "°", n.theta2);
+    handles(bench, n);
+  }
+
+  // The joint angles [°] that bring the tool to (x, y), or next to it, with the elbow on a side, 1 or -1.
+  function angles({ l1, l2 }, x, y, side) {
+    const r = max(abs(l1 - l2), min(l1 + l2, hypot(x, y)));
+    const bend = side * acos(max(-1, min(1, (r * r - l1 * l1 - l2 * l2) / (2 * l1 * l2))));
+    return [wrapped((atan2(y, x) - atan2(l2 * sin(bend), l1 + l2 * cos(bend))) / RAD), bend / RAD];
+  }
+
+  // The elbow and the tool are dragged, and the sliders follow: the elbow turns θ₁, the tool keeps the elbow's side.
+  function handles(bench, n) {
+    const { svg } = bench;
+    let [held, side] = [undefined, 1];
+    svg.addEventListener("pointerdown", ({ button, pointerId, target }) => {
+      if (button !== 0 || !(held = target.dataset.handle)) return;
+      side = bench.values.theta2 < 0 ? -1 : 1;
+      svg.setPointerCapture(pointerId);
+    });
+    for (const end of ["pointerup", "pointercancel"]) svg.addEventListener(end, () => { held = undefined; });
+    svg.addEventListener("pointermove", ({ clientX, clientY }) => {
+      if (!held) return;
+      const at = new DOMPoint(clientX, clientY).matrixTransform(svg.getScreenCTM().inverse());
+      const [x, y] = [at.x / bench.scale, -at.y / bench.scale];
+      const [theta1, theta2] = held === "tool" ? angles(n, x, y, side) : [atan2(y, x) / RAD, bench.values.theta2];
+      bench.slide("theta1", theta1);
+      bench.slide("theta2", theta2);
+    });
   }
 
   window.guide.plane = {
     two_link(stage, n) {
       const bench = new Bench(stage, function ({ theta1, theta2, flip, mixed }) {
         const [x, y] = this.arm(n, theta1, theta2, "ink", 1, true);
+        this.say(...HINT);
         const r = hypot(x, y);
         const place = [`x ${text(x)} m   y ${text(y)} m`, `r ${text(r)} m`];
         const words = `A two-link arm, its tool at x ${x.toFixed(2)}, y ${y.toFixed(2)}`;
@@ -47,6 +78,7 @@
     ellipsoid(stage, n) {
       const bench = new Bench(stage, function ({ theta1, theta2 }) {
         const [x, y] = this.arm(n, theta1, theta2, "ink", 1, true);
+        this.say(...HINT);
         const [ex, ey] = [n.l1 * cos(theta1 * RAD), n.l1 * sin(theta1 * RAD)];
         const J = [[-y, -(y - ey)], [x, x - ex]];
         const size = 0.4;

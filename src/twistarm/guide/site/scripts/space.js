@@ -12,8 +12,8 @@
       const bench = new Bench(stage, function ({ alpha, beta, gamma }) {
         this.scale = 92;
         const R = euler(n.order, [alpha, beta, gamma].map((x) => x * RAD));
-        this.frame(UNITY, ORIGIN, "A", 1, true);
-        this.frame(R, ORIGIN, "B", 1);
+        this.frame(UNITY, ORIGIN, "S", 1, true);
+        this.frame(R, ORIGIN, "T", 1);
         const fails = proper ? abs(sin(beta * RAD)) : abs(cos(beta * RAD));
         const numbers = [
           matrix("R", R), "",
@@ -23,7 +23,7 @@
           `${proper ? "sin β" : "cos β"}      ${text(proper ? sin(beta * RAD) : cos(beta * RAD))}`,
           fails < 1e-9 ? "two axes in one line:\none freedom is lost" : "",
         ].join("\n");
-        return { numbers, words: `Frame B, turned by ${n.order} angles ${alpha}, ${beta}, ${gamma} degrees` };
+        return { numbers, words: `Frame T, turned by ${n.order} angles ${alpha}, ${beta}, ${gamma} degrees` };
       }, true);
       bench.plays(bench.number("alpha", `α about ${n.order[0].toLowerCase()}`, -180, 180, 5, "°", n.alpha));
       bench.number("beta", `β about ${n.order[1].toLowerCase()}′`, proper ? 0 : -90, proper ? 180 : 90, 5, "°", n.beta);
@@ -39,8 +39,8 @@
         const R = turned(w, angle * RAD);
         this.line([this.at(times(-1.35, w)), this.at(times(1.35, w))], "pink", { "stroke-dasharray": "9 3 2 3" });
         this.say(this.at(times(1.5, w)), "ω", "pink");
-        this.frame(UNITY, ORIGIN, "A", 1, true);
-        this.frame(R, ORIGIN, "B", 1);
+        this.frame(UNITY, ORIGIN, "S", 1, true);
+        this.frame(R, ORIGIN, "T", 1);
         const path = Array.from({ length: 61 }, (_, i) => this.at(apply(turned(w, (angle * RAD * i) / 60), [1, 0, 0])));
         this.line(path, "grey", { "stroke-width": 1.4 });
         const Q = [cos((angle * RAD) / 2), ...times(sin((angle * RAD) / 2), w)];
@@ -50,7 +50,7 @@
           `angle of R ${text(angleOf(R), 1)}°`,
           `Q   ${row(Q)}`,
         ].join("\n");
-        return { numbers, words: `Frame B, turned by ${angle} degrees about an axis` };
+        return { numbers, words: `Frame T, turned by ${angle} degrees about an axis` };
       }, true);
       bench.plays(bench.number("angle", "angle θ", -360, 360, 5, "°", n.angle));
       bench.number("round", "axis: round", -180, 180, 5, "°", atan2(y, x) / RAD);
@@ -69,8 +69,8 @@
         this.line([this.at(add(q, times(-1.2, w))), this.at(add(q, times(1.6, w)))], "pink", { "stroke-dasharray": "9 3 2 3" });
         this.say(this.at(add(q, times(1.75, w))), "ξ", "pink");
         this.line(path, "grey", { "stroke-width": 1.4 });
-        this.frame(UNITY, ORIGIN, "A", 0.7, true);
-        this.frame(R, p, "B", 0.7);
+        this.frame(UNITY, ORIGIN, "S", 0.7, true);
+        this.frame(R, p, "T", 0.7);
         const g = R.map((line, i) => [...line, p[i]]);
         const numbers = [`v   ${row(v)}`, `ω   ${row(w)}`, "", matrix("g", [...g, [0, 0, 0, 1]]), "", `along the axis ${text(dot(p, w))} m`].join("\n");
         return { numbers, words: `A frame moved by ${angle} degrees along a screw of pitch ${pitch}` };
@@ -118,8 +118,8 @@
         const corner = ([a, b], c) => this.at(add(p, apply(R, [0.3 * a, 0.2 * b, 0.12 * c])));
         for (const side of [-1, 1]) this.line(CUBE.map((each) => corner(each, side)), "sky");
         for (const each of CUBE.slice(1)) this.line([corner(each, -1), corner(each, 1)], "sky");
-        this.frame(UNITY, ORIGIN, "A", 0.75, true);
-        this.frame(R, p, "B", 0.75);
+        this.frame(UNITY, ORIGIN, "S", 0.75, true);
+        this.frame(R, p, "T", 0.75);
         const twists = freedoms.map((f, i) => `ξ${i + 1}  ${row(f.v, 2)}  ${row(f.w, 2)}`);
         const count = `${freedoms.length} freedom${freedoms.length > 1 ? "s" : ""}, ${6 - freedoms.length} taken away`;
         const numbers = [count, "", `${" ".repeat(12)}v${" ".repeat(20)}ω`, ...twists, "", matrix("g", R.map((line, i) => [...line, p[i]]))].join("\n");
