@@ -190,6 +190,9 @@ BY_CALL: dict[str, dict[str, Any]] = {
     "ServoState": vars(STATE),
     "Arm": {name: getattr(ARM, name) for name in inspect.signature(twistarm.Arm).parameters},
     "Actuators.to_motor": {"theta": [0.0, 0.0]},
+    "Actuators.motion_limits": {
+        "joints": type(ARM.limits)(**{name: row[:2] for name, row in vars(ARM.limits).items()})
+    },
     "Actuators.velocity_to_motor": {"theta_dot": [0.0, 0.0]},
     "Following.report": {"ending": stream.Ending.ARRIVED, "reason": "", "duration": 1.0, "at_rest": True},
     "Streaming.report": {"ending": stream.Ending.ARRIVED, "reason": "", "duration": 1.0, "at_rest": True},

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from ..limits.actuators import Actuators
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, as_floats, as_number, frozen, require, require_names
-from ..support.display import in_brief
+from ..support.display import in_brief, told
 from ..support.errors import InputError, listed, shown
 from .piecewise import derivative, evaluate, largest
 
@@ -37,6 +37,9 @@ class Samples(NamedTuple):
     theta: Array
     theta_dot: Array
     theta_ddot: Array
+
+    def __repr__(self) -> str:
+        return told("Samples", self._asdict())
 
 
 @dataclass(frozen=True, eq=False, repr=False)
