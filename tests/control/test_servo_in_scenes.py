@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from stream_stand_ins import FakeClock, Robot, Says
 from twistarm import InputError, JogCommand, PoseCommand, Scene, TwistCommand, load_arm
 from twistarm.control.servo import ServoReason, ServoSettings, ServoState, servo_step
-from twistarm.control.stream import run
+from twistarm.control.stream import StreamOptions, run
 
 DT, MARGIN, SHORT = 0.01, 0.01, 5e-4  # s, m, and m: what a distance at rest may miss the margin by
 
@@ -153,9 +153,11 @@ def test_bodies_that_are_far_change_nothing(slides):
 def test_a_stream_keeps_apart_and_refuses_the_scene_of_another_arm(slides):
     arm, scene = slides
     robot, other = Robot([0.5, 0.0], clock := FakeClock()), load_arm("ur5")
-    assert run(arm, Says(JogCommand([0.3, 0.0])), robot, robot, duration=4.0, clock=clock, scene=scene).ok
+    assert run(
+        arm, Says(JogCommand([0.3, 0.0])), robot, robot, StreamOptions(scene=scene), duration=4.0, clock=clock
+    ).ok
     assert 0.9 - MARGIN - 3 * SHORT <= robot.theta[0] <= 0.9 - MARGIN
     with pytest.raises(InputError, match="scene is one of slides"):
         servo_step(other, ServoState.at(other, other.ready), None, DT, scene=scene)
     with pytest.raises(InputError, match="scene"):
-        run(arm, Says(None), robot, robot, duration=0.1, clock=clock, scene="scene.toml")
+        run(arm, Says(None), robot, robot, StreamOptions(scene="scene.toml"), duration=0.1, clock=clock)
