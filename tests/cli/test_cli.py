@@ -104,6 +104,27 @@ def test_every_option_of_several_numbers_takes_them_without_quotes(capsys: Captu
     assert np.allclose(planned["waypoints"][1], [0, *np.radians([-20, 45, 10, 0])])
 
 
+def test_a_tool_stands_where_it_is_seen_from_the_tip(capsys: Capture, rover: twistarm.Arm) -> None:
+    g = rover.fk(rover.ready)
+    seen = np.array(answer(capsys, "fk", "rover_arm", "--tool", "0.01", "0", "0.12")["matrix"])
+    np.testing.assert_allclose(seen[:3, :3], g[:3, :3], atol=1e-12)
+    np.testing.assert_allclose(seen[:3, 3], g[:3, 3] + g[:3, :3] @ [0.01, 0.0, 0.12], atol=1e-12)
+
+
+def test_a_folder_as_arm_names_the_descriptions_in_it(capsys: Capture, tmp_path: Path) -> None:
+    write(tmp_path, two_joints())
+    assert all(file.name in error_of(capsys, "info", str(tmp_path)) for file in tmp_path.glob("*.urdf"))
+
+
+def test_ik_of_many_targets_tells_how_each_is_missed(capsys: Capture, tmp_path: Path, rover: twistarm.Arm) -> None:
+    targets = tmp_path / "targets.csv"
+    targets.write_text("x [m],y [m],z [m]\n0.8,0.1,0.7\n9,0,0.5\n", "utf-8")
+    near, far = answer(capsys, "ik", "rover_arm", "--targets", str(targets), code=1)["answers"]
+    assert (near["line"], near["stop"], far["line"], far["stop"]) == (2, "CONVERGED", 3, "OUT_OF_REACH")
+    missed = np.linalg.norm(rover.fk(far["theta"])[:3, 3] - [9.0, 0.0, 0.5])
+    assert far["position_error"] == pytest.approx(missed, abs=1e-9)
+
+
 def test_joints_that_are_left_out_stay(capsys: Capture, rover: twistarm.Arm) -> None:
     assert answer(capsys, "fk", "rover_arm", "--theta", "elbow=60")["theta"] == [
         *rover.ready[:2],
