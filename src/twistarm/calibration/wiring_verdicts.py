@@ -20,20 +20,15 @@ from .measurements import LITTLE, Measurements, read_measurements, require_metre
 from .problem import LOUD
 from .wiring import ANYTHING, KINDS, MOST_ROWS, Explanation, Found, Wiring, explained, sign_patterns
 
+# Normal errors of a scale, or of an offset by the joint's unit. They are no faults, even if the log shows them.
 NORMAL = {"1": 0.02, "rad": float(np.radians(1.0)), "m": 0.005}
-"""Normal errors of a scale, or of an offset by the joint's unit. They are no faults, even if the log shows them."""
-
+# Greatest standard deviations of a visible scale or offset.
 VISIBLE = {"1": 0.05, "rad": float(np.radians(2.0)), "m": 0.01}
-"""Greatest standard deviations of a visible scale or offset."""
-
+# One standard deviation [m, rad] of a base measured by tape, for logs that need it.
 USUAL_BASE = (0.01, float(np.radians(2.0)))
-"""One standard deviation [m, rad] of a base measured by tape, for logs that need it."""
-
+# On motors, the gravest first; that on the arm is the gravest of them.
 VERDICTS = "fault", "possible fault", "cannot tell"
-"""On motors, the gravest first; that on the arm is the gravest of them."""
-
-ROUNDING = 1e-6
-"""A smaller share of a motor's largest ratio, or of a direction that no log shows, is rounding."""
+ROUNDING = 1e-6  # A smaller share of a motor's largest ratio, or of a direction that no log shows, is rounding.
 
 BASE_KNOWN = (
     "measure the base anew, by the tool in several configurations; --base-position-noise (metres) and "

@@ -16,39 +16,22 @@ from ..support.errors import ComparisonError, InputError, MissingExtraError
 from ..theory.screws import adjoint, inverse
 from .other_readers import as_written, beyond_yourdfpy, yourdfpy_poses
 
+# Product of exponentials against Pinocchio: both in double precision, some ten multiplications long.
 POSE_TOL = 1e-12
-"""Product of exponentials against Pinocchio: both in double precision, some ten multiplications long."""
-
-AS_WRITTEN = "pinocchio as written"
-"""The engine that reads the unchanged text."""
-
-WRITTEN_TOL = 1e-10
-"""Its parser rounds an axis near x, y or z."""
-
+AS_WRITTEN = "pinocchio as written"  # The engine that reads the unchanged text.
+WRITTEN_TOL = 1e-10  # Its parser rounds an axis near x, y or z.
+# yourdfpy's scene graph takes a joint's pose within 1e-8 of the identity, or of the one before, for the same.
 YOURDFPY_TOL = 1e-7
-"""yourdfpy's scene graph takes a joint's pose within 1e-8 of the identity, or of the one before, for the same."""
-
+# What a fourth-order difference quotient with step 1e-3 leaves: h⁴ and ε/h, both below 1e-11, and room for size.
 DIFFERENCE_TOL = 1e-8
-"""What a fourth-order difference quotient with step 1e-3 leaves: h⁴ and ε/h, both below 1e-11, and room for size."""
-
-WIDE_ANGLE = 1e3
-"""rad; up to here an angle's own rounding stays below `POSE_TOL`."""
-
-STEP, SMALLEST_STEP = 1e-3, 1e-7
-"""Of the joint that moves most, in rad or m."""
-
-SLOW_SAMPLES = 100
-"""Configurations for the readers that walk all links in Python."""
-
+WIDE_ANGLE = 1e3  # rad; up to here an angle's own rounding stays below `POSE_TOL`.
+STEP, SMALLEST_STEP = 1e-3, 1e-7  # Of the joint that moves most, in rad or m.
+SLOW_SAMPLES = 100  # Configurations for the readers that walk all links in Python.
+# Links of a description for all readers and for yourdfpy, and joints of a chain times coordinates. Of larger ones
+# fewer configurations are compared, so that it takes as long and as much memory.
 USUAL_LINKS, YOURDFPY_LINKS, USUAL_PRODUCT = 150, 20, 1024
-"""Links of a description for all readers and for yourdfpy, and joints of a chain times coordinates. Of larger ones
-fewer configurations are compared, so that it takes as long and as much memory."""
-
-MOST_SAMPLES = 10_000_000
-"""Of an hour or so; more are a mistake."""
-
-Progress = Callable[[float], object]
-"""Called with the fraction done, 0 to 1."""
+MOST_SAMPLES = 10_000_000  # Of an hour or so; more are a mistake.
+Progress = Callable[[float], object]  # Called with the fraction done, 0 to 1.
 
 
 @dataclass(frozen=True, repr=False)

@@ -33,8 +33,8 @@ from .options import ArmCommand
 from .output import say
 from .wording import words_of
 
+# Exit codes: a bad answer, unusable input, a fault of twistarm, Ctrl-C.
 BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
-"""Exit codes: a bad answer, unusable input, a fault of twistarm, Ctrl-C."""
 
 COMMANDS: dict[str, tuple[Callable[..., Any], ...]] = {
     "An arm": (viewing.demo, arms.arms, arms.info, arms.init, checking.doctor, checking.check, checking.freeze,

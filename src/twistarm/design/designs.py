@@ -23,8 +23,7 @@ from .panel import Panel
 from .parking import Progress, best_parking
 from .payload import payload, with_extremes
 
-SAMPLES, CUBES = 2000, 40
-"""Configurations, and cubes along the diameter of the ball that holds the tool."""
+SAMPLES, CUBES = 2000, 40  # Configurations, and cubes along the diameter of the ball that holds the tool.
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -25,20 +25,15 @@ from ..theory import screws
 from ..theory.manipulability import scaled_jacobian
 from .panel import Panel, PanelTask
 
+# Configurations of a task that are measured, starts that are tried, and the margin [rad, m] that is enough.
 SAMPLES, BRANCHES, ROOM = 101, 8, 0.1
-"""Configurations of a task that are measured, starts that are tried, and the margin [rad, m] that is enough."""
-
+# About how many poses each of the two grids has, and that by tasks, at most; and how many poses are checked.
 POSES, TARGETS, CANDIDATES = 4000, 100_000, 3
-"""About how many poses each of the two grids has, and that by tasks, at most; and how many poses are checked."""
-
-YAW, FINEST = np.radians(15.0), 0.02
-"""The steps of a grid: in yaw, and at least in x and y [m]."""
-
+YAW, FINEST = np.radians(15.0), 0.02  # The steps of a grid: in yaw, and at least in x and y [m].
+# Codes for reasons of `PathError`. Those of the others are their words.
 CODES = {"limit": "blocked_by_limits", "collision": "in_collision"}
-"""Codes for reasons of `PathError`. Those of the others are their words."""
-
+# Words for the checkpoints of a task.
 POINTS = "in front of it", "at its place", "half-way", "at its end", "away from it"
-"""Words for the checkpoints of a task."""
 
 Progress = Callable[[float], object]
 

@@ -25,8 +25,7 @@ from ..support.files import as_path, open_regular, write_whole
 
 Arrays = Mapping[str, NDArray[Any]]
 
-AHEAD = 256
-"""Chunks given to an executor at a time. More would keep their arguments in memory for nothing."""
+AHEAD = 256  # Chunks given to an executor at a time. More would keep their arguments in memory for nothing.
 
 MOST_WORKERS = 1024
 

@@ -27,22 +27,15 @@ from .voxel_map import Grid, ReachMap, digest_of
 if TYPE_CHECKING:
     from ..collision import Scene
 
+# The 26 directions to the neighbours of a cube.
 AROUND = tuple(each for each in product((-1.0, 0.0, 1.0), repeat=3) if any(each))
-"""The 26 directions to the neighbours of a cube."""
 
 MOST_DIRECTIONS = 10_000
 
-MOST_BYTES = 2e9
-"""Memory of the largest map: of each cube a byte for each direction, and 12 more."""
-
-CHUNK = 4096
-"""Targets of a chunk. Fewer make more files, and more a longer wait at Ctrl-C."""
-
-RESTARTS = 100
-"""Searches for a target. With 32 a map of an arm of six joints misses 1 % of its cubes."""
-
-CONE = np.cos(np.radians(20.0))
-"""A random configuration counts for the nearest direction, within this angle."""
+MOST_BYTES = 2e9  # Memory of the largest map: of each cube a byte for each direction, and 12 more.
+CHUNK = 4096  # Targets of a chunk. Fewer make more files, and more a longer wait at Ctrl-C.
+RESTARTS = 100  # Searches for a target. With 32 a map of an arm of six joints misses 1 % of its cubes.
+CONE = np.cos(np.radians(20.0))  # A random configuration counts for the nearest direction, within this angle.
 
 
 def reach_map(

@@ -254,8 +254,7 @@ StartTolerance = Annotated[
 
 KEYS = "space pauses and resumes, q stops"
 
-AT_ONCE = 64
-"""The most bytes to read between two cycles."""
+AT_ONCE = 64  # The most bytes to read between two cycles.
 
 
 def follow(
