@@ -186,18 +186,18 @@ def _reached(average: _Average, places: Array) -> Array:
     return times[index] + late
 
 
-def double_s(start: Array, goal: Array, bounds: PathBounds) -> tuple[Array, Array]:
+def double_s(start: Array, goal: Array, bounds: PathBounds, straight: bool = False) -> tuple[Array, Array]:
     """Breakpoints (k + 1,) [s] and coefficients (4, k, n) of a rest-to-rest motion from `start` to `goal` (n,).
 
     Each joint has seven phases of constant jerk, or fewer on a short way. All are slowed to the slowest joint's time.
-    Where one motor drives several joints, all joints share one profile along the straight line. A joint without a jerk
-    limit reaches its acceleration limit in 0.1 s. A motion to its start takes no time. Source: Biagiotti & Melchiorri,
-    Trajectory Planning for Automatic Machines and Robots, §3.4.
+    With `straight`, or where one motor drives several joints, all joints share one profile along the straight line. A
+    joint without a jerk limit reaches its acceleration limit in 0.1 s. A motion to its start takes no time. Source:
+    Biagiotti & Melchiorri, Trajectory Planning for Automatic Machines and Robots, §3.4.
     """
     way = goal - start
     if not way.any():
         return np.zeros(2), np.concatenate([np.zeros((3, 1, len(start))), start[None, None]])
-    d, limits, direction = _profiled(way, bounds)
+    d, limits, direction = _profiled(way, bounds, straight)
     breakpoints, coefficients = _profiles(d, *_phases(d, *limits))
     coefficients = coefficients * direction
     coefficients[-1] += start
@@ -212,12 +212,14 @@ def double_s_durations(ways: Array, bounds: PathBounds) -> Array:
     return durations
 
 
-def _profiled(way: Array, bounds: PathBounds) -> tuple[Array, tuple[Array, Array, Array], Array]:
+def _profiled(
+    way: Array, bounds: PathBounds, straight: bool = False
+) -> tuple[Array, tuple[Array, Array, Array], Array]:
     """Lengths d (..., p) of the p profiles along ways (..., n), limits of their rates, and the way per unit of d."""
     limits = bounds.velocity, bounds.acceleration, bounds.jerk
     rows = np.abs(bounds.C)
     with np.errstate(divide="ignore"):
-        if (np.count_nonzero(rows, axis=1) > 1).any():
+        if straight or (np.count_nonzero(rows, axis=1) > 1).any():
             share = np.abs(way @ bounds.C.T)
             V, A, J = ((limit / share).min(axis=-1, keepdims=True) for limit in limits)
             return np.ones_like(V), (V, A, J), way
