@@ -11,11 +11,15 @@ from .piecewise import Indices, JointPath, bernstein, bisected, derivative, eval
 from .time_law import PathBounds, TimeLaw, distinct_instants
 from .time_optimal import LimitedPath, first_grid, on_grid
 
-WINDOWS = (1.0, 2.0, 2.8)
-"""Window widths to try, as multiples of the rise time of the slowest rate to its acceleration limit."""
+WINDOWS = (2.0, 1.0, 2.8)
+"""Window widths to try, as multiples of the rise time of the slowest rate to its acceleration limit. The first is the
+best of most paths."""
 
 ROUNDS, PATIENCE, GAIN = 8, 4, 5e-3
 """Greatest number of laws for each width; so many in a row that are not shorter by this share end it."""
+
+FAR = 1.2
+"""A width whose law takes longer than the shortest by this factor does not catch up; nor one behind that gains nothing."""
 
 MANY_PIECES = 900
 """Laws along so many pieces take long, and change little from one to the next: the first without a gain ends it."""
@@ -69,7 +73,8 @@ def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
                 best, shortest = (fastest, window), duration
             vain = 0 if duration < least * (1.0 - GAIN) else vain + 1
             least = min(least, duration)
-            if vain == (PATIENCE if len(piece) < MANY_PIECES else 1):
+            patience = PATIENCE if least <= shortest and len(piece) < MANY_PIECES else 1
+            if vain >= patience or duration > FAR * shortest:
                 break
             reached = np.where(speed > 0.0, HEADROOM * speed, np.inf)  # a law may pass a tiny piece between samples
             ceiling = np.minimum(ceiling, reached) / np.clip(factor, LEAST, MOST) ** POWER

@@ -12,7 +12,7 @@ from ..arm.arm import Arm
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from .following import efforts
-from .piecewise import JointPath, bisected, derivative, extremes, rescaled, shifted, side_by_side, through
+from .piecewise import JointPath, bernstein, derivative, extremes, rescaled, shifted, side_by_side, through
 from .route import PathPart
 from .segments import Move
 from .within import POSITION_TOL, farthest_outside
@@ -27,9 +27,10 @@ SPEED_SAMPLES = 64
 """Intervals in each piece of a path, to find the tool's greatest speed."""
 
 SAMPLES = 256
-"""Samples of the tool along a path, to find where it leaves the ball. Bisection refines the crossing."""
+"""Samples of the tool along a path, to find where it leaves the ball."""
 
-BISECTIONS = 40
+REFINED = 3
+"""How often the interval of the crossing is sampled again, to 2⁻³² of the path."""
 
 ROUNDING = 1e-12
 """A piece shorter than this part of its path is rounding."""
@@ -163,22 +164,30 @@ def _rounded(
         t = np.array([0.0, before.length - begins + ends])
         states = (np.stack([before(begins, order), after(ends, order)]) for order in range(3))
         bend = JointPath(t, through(t, *states))
-        _, beyond, _ = farthest_outside(extremes(bend.coefficients, t[1:])[1], limits)
-        inside = beyond <= POSITION_TOL
+        # The Bernstein coefficients bound the bend at a hundredth of the cost of its extremes, which decide near a limit.
+        inside = _within(bernstein(bend.coefficients, t[1:]), limits) or _within(
+            extremes(bend.coefficients, t[1:])[1], limits
+        )
         if inside and _distance(arm, bend, np.linspace(0.0, bend.length, SAMPLES), centre).max() <= radius:
             return Corner(begins, bend, ends)
     return None
 
 
+def _within(values: Array, limits: JointLimits) -> bool:
+    return farthest_outside(values, limits)[1] <= POSITION_TOL
+
+
 def _leaves_ball(arm: Arm, path: JointPath, radius: float, begin: float, end: float) -> float:
     """Where the tool first leaves the ball about its place at `begin` on the way to `end`; else `end`."""
     centre = arm.fk(path(begin))[:3, 3]
-    s = np.linspace(begin, end, SAMPLES)
-    outside = _distance(arm, path, s, centre) > radius
-    if not outside.any():
-        return end
-    first = int(outside.argmax())
-    return float(bisected(lambda at: _distance(arm, path, at, centre) <= radius, s[first - 1], s[first], BISECTIONS)[0])
+    for _ in range(1 + REFINED):
+        s = np.linspace(begin, end, SAMPLES)
+        outside = _distance(arm, path, s, centre) > radius
+        if not outside.any():
+            break
+        first = max(int(outside.argmax()), 1)
+        begin, end = float(s[first - 1]), float(s[first])
+    return begin if outside.any() else end
 
 
 def _distance(arm: Arm, path: JointPath, s: Array, centre: Array) -> Array:
