@@ -19,7 +19,7 @@ ROUNDS, PATIENCE, GAIN = 8, 4, 5e-3
 """Greatest number of laws for each width; so many in a row that are not shorter by this share end it."""
 
 FAR = 1.2
-"""A width whose law takes longer than the shortest by this factor does not catch up; nor one behind that gains nothing."""
+"""A width is left when its law takes longer than the shortest by this factor, or is behind and gains nothing."""
 
 MANY_PIECES = 900
 """Laws along so many pieces take long, and change little from one to the next: the first without a gain ends it."""
