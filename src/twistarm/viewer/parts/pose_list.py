@@ -154,7 +154,7 @@ class PoseList:
         try:
             require_all_inside(self._arm, theta)
         except LimitError as error:
-            raise LimitError(f"the pose '{name}': {error}; only the first, the start, may be a little beyond") from error
+            raise LimitError(f"the pose '{name}': {error}; only the first, the start, may be beyond") from error
 
     def _read(self, pose: Mapping[str, Any], order: Sequence[int], others: Sequence[RecordedPose]) -> RecordedPose:
         """A pose of a list with another joint order."""
