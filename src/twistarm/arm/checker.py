@@ -13,8 +13,7 @@ from ..support.checks import Array
 from .bodies import Body
 from .pinocchio_model import PinocchioModel, import_pinocchio
 
-TOLERANCE = 1e-9
-"""Of the distance between convex shapes [m]."""
+TOLERANCE = 1e-9  # Of the distance between convex shapes [m].
 
 
 class _Own(NamedTuple):

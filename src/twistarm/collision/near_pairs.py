@@ -16,17 +16,10 @@ from ..arm.pinocchio_model import PinocchioModel
 from ..support.checks import Array
 from .swept import ancestors, pair_speeds
 
-ENDLESS = 1e3
-"""Half the size [m] of a plane without end."""
-
-LOOK = 0.05
-"""Pairs nearer than this beyond their margin [m] are always near."""
-
-FEW = 40
-"""So many pairs of other shapes than spheres are measured sooner than bounded."""
-
-ROUNDING = 1e-6
-"""What bounds may be too large by rounding, and distances too small by the tolerance of GJK [m]."""
+ENDLESS = 1e3  # Half the size [m] of a plane without end.
+LOOK = 0.05  # Pairs nearer than this beyond their margin [m] are always near.
+FEW = 40  # So many pairs of other shapes than spheres are measured sooner than bounded.
+ROUNDING = 1e-6  # What bounds may be too large by rounding, and distances too small by GJK's tolerance [m].
 
 Indices = NDArray[np.signedinteger[Any]]
 

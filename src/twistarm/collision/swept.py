@@ -13,26 +13,14 @@ from ..arm.pinocchio_model import PinocchioModel
 from ..support.checks import Array
 from ..support.errors import InputError
 
+# Half the way [m] between two checks where something is near: nothing thicker than 0.5 mm fits between them.
 FINE = 2.5e-4
-"""Half the way [m] between two checks where something is near: nothing thicker than 0.5 mm fits between them."""
-
-LEVELS = (0.0, *(FINE * 2.0**k for k in range(2, 9)))
-"""Clearances [m] that are checked: 0, 1, 2, 4, … 64 mm."""
-
-FIRST = 3
-"""The level that is checked first."""
-
-COARSE = (0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875)
-"""Where a straight way is checked before it is proven."""
-
-PARTS = 256
-"""How many parts a motion has at least, each with its own bound of the speeds."""
-
-LONGEST = 1e4
-"""The longest way [m] of a point in a motion: some 3 s of checks in free space."""
-
-LEAST_SHARE = 0.02
-"""The least share of a clearance that a pair is given."""
+LEVELS = (0.0, *(FINE * 2.0**k for k in range(2, 9)))  # Clearances [m] that are checked: 0, 1, 2, 4, … 64 mm.
+FIRST = 3  # The level that is checked first.
+COARSE = (0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875)  # Where a straight way is checked before it is proven.
+PARTS = 256  # How many parts a motion has at least, each with its own bound of the speeds.
+LONGEST = 1e4  # The longest way [m] of a point in a motion: some 3 s of checks in free space.
+LEAST_SHARE = 0.02  # The least share of a clearance that a pair is given.
 
 
 class Sweep:
