@@ -22,11 +22,9 @@ from twistarm.planning.free_moves import free_path
 
 ARMS = ("ur5", "panda")
 ROUNDS, CHECKS, BATCH = 200, 20, 10_000
+# The problems ignore the soft limit of panda_joint4: four goals are beyond it, but inside the URDF's <limit>.
 LIMITS = {"acceleration": 5.0, "upper": {"panda_joint4": 0.0873}}
-"""The problems ignore the soft limit of panda_joint4: four goals are beyond it, but inside the URDF's <limit>."""
-
-STEP = 1e-3
-"""Between two samples of a motion that Pinocchio checks no joint moves farther [rad]."""
+STEP = 1e-3  # Between two samples of a motion that Pinocchio checks no joint moves farther [rad].
 
 
 def interleaved(calls: dict[str, Callable[[], object]], rounds: int = ROUNDS) -> dict[str, float]:

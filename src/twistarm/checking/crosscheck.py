@@ -10,7 +10,7 @@ import numpy as np
 from ..arm.arm import Arm, require_arm
 from ..arm.pinocchio_model import why_no_pinocchio
 from ..description.bounds import WIDE
-from ..support.checks import Array, as_whole, frozen, require_callback
+from ..support.checks import Array, as_whole, frozen, reporting
 from ..support.display import Brief
 from ..support.errors import ComparisonError, InputError, MissingExtraError
 from ..theory.screws import adjoint, inverse
@@ -124,13 +124,11 @@ def crosscheck(
         InputError: An argument cannot be used. A difference raises nothing here: see `CrossCheck.require`.
     """
     theta = require_arm(arm).random_theta(rng, as_whole(samples, "samples", 1, MOST_SAMPLES))
-    require_callback(progress, "progress", "(fraction)")
-    parts = (_kinematics, _differences, _links, _as_written, _yourdfpy)
+    tell, parts = reporting(progress), (_kinematics, _differences, _links, _as_written, _yourdfpy)
     rows: list[EngineComparison] = []
     for done, part in enumerate(parts, start=1):
         rows += part(arm, theta)
-        if progress is not None:
-            progress(done / len(parts))
+        tell(done / len(parts))
     if arm.description is not None and arm.description.gravity is not None:  # an MJCF
         rows.append(_skipped("all links", "mujoco", "MuJoCo has read the file: it is no second account"))
     return CrossCheck(arm.name, tuple(rows))

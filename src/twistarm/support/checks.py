@@ -191,6 +191,11 @@ def require_callback(value: Any, name: str, arguments: str) -> Callable[..., obj
     return value
 
 
+def reporting(progress: Any) -> Callable[[float], object]:
+    """What is called with the fraction done: `progress`, or nothing for None. InputError where it is no function."""
+    return require_callback(progress, "progress", "(fraction)") or (lambda fraction: None)
+
+
 def require_clock(value: Any, name: str) -> Callable[[], Any]:
     """`value`, or InputError where it is no function."""
     if not callable(value):

@@ -89,14 +89,8 @@ def reach_map(
 
         require_scene(scene, arm).find_allowed_pairs()
         told = [scene_text(scene.content(), Path()), scene._description.text, scene.exact, sorted(scene.allowed)]
-    centre, radius = sphere(require_arm(arm))
-    if side > radius:
-        raise InputError(f"voxel must be at most the arm's reach, {radius:.3g} m; got {side:g}: lengths are in metres")
-    grid, each = Grid.about(centre, radius, side), max(len(towards), 1)
-    if grid.count * (each + 12) > MOST_BYTES:
-        fits = side * (grid.count * (each + 12) / MOST_BYTES) ** (1 / 3)
-        many = f"{grid.count:,} cubes, too many for {MOST_BYTES / 1e9:g} GB of memory"
-        raise InputError(f"a voxel of {side:g} m makes {many}; a voxel of {1.1 * fits:.2g} m fits")
+    each = max(len(towards), 1)
+    grid = _grid(require_arm(arm), side, each)
     settings = {"method": method, "samples": count, "scene": "" if scene is None else repr(scene)}
     sweep = Sweep(
         _by_ik if by_ik else _by_fk,
@@ -114,6 +108,19 @@ def reach_map(
     counts = seen.reshape(*grid.shape, each).sum(axis=-1, dtype=np.uint16)
     quantities = {name: values.reshape(grid.shape) for name, values in best.items()}
     return ReachMap(arm.name, arm.base, digest_of(arm), grid, towards, counts, **quantities, settings=settings)
+
+
+def _grid(arm: Arm, side: float, each: int) -> Grid:
+    """The grid for so many directions. InputError for cubes larger than the arm, and for a map beyond the memory."""
+    centre, radius = sphere(arm)
+    if side > radius:
+        raise InputError(f"voxel must be at most the arm's reach, {radius:.3g} m; got {side:g}: lengths are in metres")
+    grid = Grid.about(centre, radius, side)
+    if grid.count * (each + 12) > MOST_BYTES:
+        fits = side * (grid.count * (each + 12) / MOST_BYTES) ** (1 / 3)
+        many = f"{grid.count:,} cubes, too many for {MOST_BYTES / 1e9:g} GB of memory"
+        raise InputError(f"a voxel of {side:g} m makes {many}; a voxel of {1.1 * fits:.2g} m fits")
+    return grid
 
 
 def _directions(given: Any) -> Array:
