@@ -24,6 +24,7 @@ from ..support.errors import MissingExtraError
 MAX_MOVING_JOINTS = 150
 # `pinocchio` on the registry is another project.
 _WHEEL = wheels.Wheel("pinocchio", "pin", has="buildModelFromXML", oldest="3.4")
+_WORLD = np.eye(3, 4, 1)[None]  # [p R] of the world itself.
 _STDERR = threading.Lock()  # The process has one file descriptor 2, so only one redirection runs at a time.
 
 
@@ -79,6 +80,22 @@ class PinocchioModel:
                 if affine.master == name:
                     q[self._index[joint]] = affine.multiplier * value + affine.offset
         return q
+
+    def joint_frames(self, q: Array) -> Array:
+        """Position and rotation [p R] (njoints, 3, 4) of each joint's frame in the world at q (nq,).
+
+        The static regressor of a robot of mass 1 has them all in one array. To read Pinocchio's poses one by one takes
+        longer than the kinematics.
+        """
+        rows = self._pin.computeStaticRegressor(self._of_mass_one, self.data, q)
+        return np.concatenate([_WORLD, rows.reshape(3, self.model.njoints - 1, 4).transpose(1, 0, 2)])
+
+    @functools.cached_property
+    def _of_mass_one(self) -> Any:
+        model = self.model.copy()
+        for j in range(model.njoints):
+            model.inertias[j] = self._pin.Inertia(float(j == 1), np.zeros(3), np.zeros((3, 3)))
+        return model
 
     def link_poses(self, configurations: Sequence[Array], base: str, links: Iterable[str]) -> dict[str, Array]:
         """Pose (N, 4, 4) of links in the frame of `base`, at N configurations q (nq,)."""
