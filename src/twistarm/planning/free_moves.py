@@ -24,7 +24,7 @@ CLEARANCE = 0.004
 STEPS = (0.1, 0.05, 0.02, 0.01, 0.005)
 # For the last tries: the share of the clearance that states keep, that of the time, and the distances of states.
 LAST_SHARE, LAST_TIME, LAST_STEPS = 0.05, 0.5, (0.02, 0.01, 0.005)
-UNLIMITED = 2.0 * np.pi  # How far joints without limits may go beyond start and goal.
+UNLIMITED = np.pi  # How far joints without limits may go beyond start and goal: every direction, once.
 REACH = 0.5  # The longest way [rad, m] that a tree grows at once.
 SHORTCUTS = 50  # Random shortcuts that are tried on a path.
 

@@ -217,10 +217,9 @@ def _timed(
         return Motion(np.array([stay]), np.array([0.0, stay]), theta[None, None])
     path, ends, ceiling = path_along(arm, run[i:j], corners[i : j - 1], limits)
     bounds = PathBounds(limits, arm.actuators, ceiling)
-    # A double-S for each joint would leave the straight line along which the free move was proven.
-    straight = isinstance(segment, FreeMove)
-    if kind == "s_curve" and ceiling is None and not straight and path.coefficients.shape[:2] == (2, 1):
-        breakpoints, coefficients = double_s(path.start, path.end, bounds)
+    if kind == "s_curve" and ceiling is None and path.coefficients.shape[:2] == (2, 1):
+        # A double-S for each joint would leave the straight line along which the free move was proven.
+        breakpoints, coefficients = double_s(path.start, path.end, bounds, straight=isinstance(segment, FreeMove))
         return Motion(breakpoints[-1:], breakpoints, coefficients)
     law = LAWS[kind](path, bounds)
     return Motion(law.passes(ends), *law.along(path))
