@@ -18,7 +18,7 @@ from .swept import ancestors, pair_speeds
 
 ENDLESS = 1e3  # Half the size [m] of a plane without end.
 LOOK = 0.05  # Pairs nearer than this beyond their margin [m] are always near.
-FEW = 40  # So many pairs of other shapes than spheres are measured sooner than bounded.
+FEW = 60  # So many pairs of other shapes than spheres are measured sooner than bounded.
 ROUNDING = 1e-6  # What bounds may be too large by rounding, and distances too small by GJK's tolerance [m].
 
 Indices = NDArray[np.signedinteger[Any]]
@@ -41,7 +41,9 @@ class NearPairs(Checker):
     ) -> None:
         super().__init__(model, bodies, pairs, margins)
         self.least, self.dq_dtheta = np.array(self.margins), model.dq_dtheta
+        self._looked = self.least + LOOK
         self._cover(most)
+        self._slides = bool((pair_speeds(model, bodies, pairs, 2.0 * most + 1.0) > self.speeds).any())
         count = model.model.njoints
         carried = np.array([[j in ancestors(model, body) for j in range(count)] for body in self.bodies], dtype=float)
         first, second = np.array(self.pairs, dtype=int).reshape(-1, 2).T
@@ -80,6 +82,7 @@ class NearPairs(Checker):
     def nearest(self, theta: Array) -> tuple[int, float, Array]:
         """The nearest pair at theta (n,), its distance [m], and its nearest points (2, 3) in Pinocchio's world."""
         data, geometry, *_ = self._own()
+        self._local.at = None
         if self._all_at_once:
             q = self._model.q(theta)
             best = self._pin.computeDistances(self._model.model, data, self._geometry, geometry, q)
@@ -100,22 +103,23 @@ class NearPairs(Checker):
     def near(self, theta: Array, reach: Array) -> Near:
         """The pairs at theta (n,) that may be nearer than margin and LOOK, and what they may lose over `reach` (n,)."""
         low = self.bounds(theta, reach)
-        limit = self.least + LOOK + self.speeds @ reach
-        maybe = np.flatnonzero(low < limit)
-        return Near(self, theta, maybe, low[maybe], limit[maybe])
+        limit = self.speeds.dot(reach)
+        limit += self._looked
+        maybe = (low < limit).nonzero()[0]
+        return Near(self, theta.copy(), maybe, low.take(maybe), limit.take(maybe))
 
     def bounds(self, theta: Array, reach: Array | float = 0.0) -> Array:
         """Lower bounds (pairs,) of the distances [m] at theta (n,), also of the depths of overlaps.
 
         They come from a configuration nearby, kept for each thread. `speeds` then holds up to `reach` (n,) from theta.
         """
-        far = np.abs(theta) + reach
-        if (far > self._most).any():
+        if self._slides and ((far := np.abs(theta) + reach) > self._most).any():
             self._cover(np.maximum(2.0 * far, self._most))
         seen = getattr(self._local, "seen", None)
-        if seen is None or self._fastest.dot(np.abs(theta - seen[0])) > LOOK:
+        if seen is None or self._fastest.dot(moved := np.abs(theta - seen[0])) > LOOK:
             seen = self._local.seen = theta.copy(), self._gaps(theta) - ROUNDING
-        low: Array = seen[1] - self.speeds.dot(np.abs(theta - seen[0]))
+            return seen[1].copy()
+        low: Array = seen[1] - self.speeds.dot(moved)
         return low
 
     def _gaps(self, theta: Array) -> Array:
@@ -140,8 +144,14 @@ class NearPairs(Checker):
         return found.distances, found.approach(every)
 
     def place(self, theta: Array) -> tuple[Any, Any]:
-        """Pinocchio's data at theta with the Jacobians, and the geometry's with all bodies in their places."""
+        """Pinocchio's data at theta with the Jacobians, and the geometry's with all bodies in their places.
+
+        Theta may not change afterwards: the same array again is where they are.
+        """
         data, geometry, *_ = self._own()
+        if getattr(self._local, "at", None) is theta:
+            return data, geometry
+        self._local.at = theta
         self._pin.computeJointJacobians(self._model.model, data, self._model.q(theta))
         self._pin.updateGeometryPlacements(self._model.model, data, self._geometry, geometry)
         return data, geometry
@@ -182,16 +192,18 @@ class Near:
 
     def closest(self, count: int) -> Indices:
         """The rows of the pairs with the least room beyond their margins, at most `count`; they are measured."""
-        margins = self._among.least[self.pairs]
+        if not len(self.pairs):
+            return self.pairs
+        margins = self._among.least.take(self.pairs)
         low, (_, geometry) = self.distances - margins, self._among.place(self._theta)
-        closest: list[tuple[float, int]] = []
+        bounds, closest = low.tolist(), list[tuple[float, int]]()
         for row in low.argsort().tolist():
-            if len(closest) == count and low[row] > closest[-1][0]:
+            if len(closest) == count and bounds[row] > closest[-1][0]:
                 break
             if row not in self._found:
                 self._measure(geometry, row)
             if self.distances[row] < inf:
-                insort(closest, (self.distances[row] - margins[row], row))
+                insort(closest, (float(self.distances[row] - margins[row]), row))
                 del closest[count:]
         return np.array([row for _, row in closest], dtype=int)
 
@@ -204,13 +216,16 @@ class Near:
         wrenches = []
         for row in rows.tolist():
             metres, found = self._found[row]
-            sign = -1.0 if (metres < 0.0) != (found.min_distance < 0.0) else 1.0
-            (a, b, c), (x, y, z) = (sign * found.normal).tolist(), found.getNearestPoint1().tolist()
-            wrench = (a, b, c, y * c - z * b, z * a - x * c, x * b - y * a)
-            # Overlapping triangles have no depth and no direction.
-            wrenches.append(wrench if isfinite(sum(wrench)) else (0.0,) * 6)
+            (a, b, c), (x, y, z) = found.normal.tolist(), found.getNearestPoint1().tolist()
+            if (metres < 0.0) != (found.min_distance < 0.0):
+                a, b, c = -a, -b, -c
+            wrenches.append((a, b, c, y * c - z * b, z * a - x * c, x * b - y * a))
+        # Overlapping triangles have no depth and no direction.
+        forces = np.array(wrenches).reshape(-1, 6)
+        if not isfinite(forces.sum()):
+            forces[~np.isfinite(forces).all(axis=1)] = 0.0
         among, pairs, (data, _) = self._among, self.pairs[rows], self._among.place(self._theta)
-        approach: Array = (np.array(wrenches).reshape(-1, 6) @ data.J * among.between[pairs]) @ among.dq_dtheta
+        approach: Array = (forces @ data.J * among.between[pairs]) @ among.dq_dtheta
         return approach
 
     def _measure(self, geometry: Any, row: int) -> None:

@@ -250,14 +250,16 @@ def avoid_collisions(
     owner = near.closest(FIRST_ROWS)
     if not len(owner):
         return answer, None
-    margins, speeds = pairs.least[near.pairs], pairs.speeds[near.pairs]
+    margins, speeds = pairs.least.take(near.pairs), pairs.speeds.take(near.pairs, axis=0)
+    most = margins + SPARE  # an aim is less
     room = near.distances[owner] - margins[owner] - SPARE
-    # No pair is pushed where the rounds below leave it, and another corner of flat bodies leaves with the first.
-    rows = _rows(near.approach(owner), np.maximum(room, np.clip(room + UNSEEN, -SPARE, 0.0)), 0.0)
+    rows = _rows(near.approach(owner), _unpushed(room), 0.0)
     for rounds in range(MOST_ROUNDS + 1):
         answer = solve(rows)
         time_to_rest = dt + 0.5 * bounds.stopping_time(answer.theta_dot)
         lost = speeds @ np.abs(time_to_rest * answer.theta_dot)
+        if (near.distances - lost >= most).all():
+            break
         while True:
             aim = _aim(near.distances, margins, dt / time, rounds > 1)
             risky = np.flatnonzero(near.distances - lost < aim - ROUNDING)
@@ -296,10 +298,17 @@ def avoid_collisions(
 
 def _aim(distances: Array, margins: Array, share: float, unpushed: bool) -> Array:
     """How near [m] each pair may come in a step that is so large a `share` of the law's time."""
-    room = distances - margins - SPARE
-    room = np.maximum(room, np.clip(room + UNSEEN, -SPARE, 0.0))
+    room = _unpushed(distances - margins - SPARE)
     aim: Array = np.minimum(distances - OTHERS_SHARE * share * np.minimum(room, 0.0), margins + SPARE - UNSEEN)
     return np.minimum(aim, distances) if unpushed else aim
+
+
+def _unpushed(room: Array) -> Array:
+    """The room (k,) of pairs, none of which is pushed where the rounds leave it.
+
+    Another corner of flat bodies leaves with the first.
+    """
+    return np.maximum(room, np.minimum(np.maximum(room + UNSEEN, -SPARE), 0.0))
 
 
 def _rows(approach: Array, room: Array, time: float) -> Array:
