@@ -51,6 +51,7 @@ class PinocchioModel:
         self._index = {str(name): int(self.model.idx_qs[j]) for j, name in enumerate(self.model.names) if j > 0}
         self._A, self._b = coupling_matrix(self._couplings, list(self._index), self._coordinates)
         self._shifted = bool(self._b.any())
+        self._same = not self._shifted and np.array_equal(self._A, np.eye(len(coordinates)))
         # What moves above the base carries base and tip alike: only the chain's joints move one against the other.
         self._A_chain = self._A * np.isin(np.arange(self.model.nq), [self._index[name] for name in chain])[:, None]
         body = self._pin.FrameType.BODY
@@ -74,6 +75,8 @@ class PinocchioModel:
 
     def q(self, theta: Array, other_joints: Mapping[str, float] | None = None) -> Array:
         """Pinocchio's configuration (nq,) for theta (n,) and joints outside the chain."""
+        if self._same and not other_joints:
+            return np.array(theta, dtype=np.float64)
         q: Array = self._A.dot(theta) + self._b if self._shifted else self._A.dot(theta)
         for name, value in (other_joints or {}).items():
             for joint, affine in self._couplings.items():
