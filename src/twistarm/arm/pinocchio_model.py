@@ -84,7 +84,7 @@ class PinocchioModel:
         return q
 
     def joint_frames(self, q: Array) -> Array:
-        """[p R] of each joint's frame in the world at q (nq,), side by side (3, 4 (njoints − 1)): position and rotation.
+        """Position and rotation [p R] of each joint in the world at q (nq,), side by side: (3, 4 (njoints − 1)).
 
         They are the static regressor of a robot of mass 1. To read Pinocchio's poses one by one takes longer than the
         kinematics.
