@@ -24,7 +24,6 @@ from ..support.errors import MissingExtraError
 MAX_MOVING_JOINTS = 150
 # `pinocchio` on the registry is another project.
 _WHEEL = wheels.Wheel("pinocchio", "pin", has="buildModelFromXML", oldest="3.4")
-_WORLD = np.eye(3, 4, 1)[None]  # [p R] of the world itself.
 _STDERR = threading.Lock()  # The process has one file descriptor 2, so only one redirection runs at a time.
 
 
@@ -85,13 +84,13 @@ class PinocchioModel:
         return q
 
     def joint_frames(self, q: Array) -> Array:
-        """Position and rotation [p R] (njoints, 3, 4) of each joint's frame in the world at q (nq,).
+        """Position and rotation [p R] of each joint in the world at q (nq,), side by side: (3, 4 (njoints − 1)).
 
-        The static regressor of a robot of mass 1 has them all in one array. To read Pinocchio's poses one by one takes
-        longer than the kinematics.
+        They are the static regressor of a robot of mass 1. To read Pinocchio's poses one by one takes longer than the
+        kinematics.
         """
-        rows = self._pin.computeStaticRegressor(self._of_mass_one, self.data, q)
-        return np.concatenate([_WORLD, rows.reshape(3, self.model.njoints - 1, 4).transpose(1, 0, 2)])
+        frames: Array = self._pin.computeStaticRegressor(self._of_mass_one, self.data, q)
+        return frames
 
     @functools.cached_property
     def _of_mass_one(self) -> Any:

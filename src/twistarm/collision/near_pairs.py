@@ -18,7 +18,8 @@ from .swept import ancestors, pair_speeds
 
 ENDLESS = 1e3  # Half the size [m] of a plane without end.
 LOOK = 0.05  # Pairs nearer than this beyond their margin [m] are always near.
-FEW = 60  # So many pairs of other shapes than spheres are measured sooner than bounded.
+FEW = 40  # So many pairs of other shapes than spheres are measured sooner than bounded.
+WORLD = np.eye(3, 4, 1)[None]  # [p R] of the world.
 ROUNDING = 1e-6  # What bounds may be too large by rounding, and distances too small by GJK's tolerance [m].
 
 Indices = NDArray[np.signedinteger[Any]]
@@ -70,6 +71,13 @@ class NearPairs(Checker):
         self._ball, self._box = np.where(swapped, second, first), np.where(swapped, first, second)
         self._half = (half - edge[:, None])[self._box].T.copy()
         self._radius = radius[self._ball] + edge[self._box]
+        endless = np.where(self._half.max(axis=0, initial=0.0) < 0.5 * ENDLESS, 0.0, np.inf)
+        self._balls = self._radius + np.linalg.norm(self._half, axis=0) + endless + ROUNDING
+        # The way between the centres of a pair is joint_frames @ ways[0] + ways[1].
+        centres = np.zeros((count, 4, len(objects)))
+        centres[self._joints, :, np.arange(len(objects))] = self._at[:, :, 0]
+        ways = centres[:, :, self._ball] - centres[:, :, self._box]
+        self._ways = ways[1:].reshape(-1, ways.shape[2]), ways[0, 1:]
         quick = balls[self._ball] & np.isin(kinds, ("Sphere", "Capsule", "Box", "Halfspace"))[self._box]
         self._all_at_once = len(quick) - quick.sum() < FEW and not self._solids
 
@@ -89,14 +97,18 @@ class NearPairs(Checker):
             found = geometry.distanceResults[best]
             metres = found.min_distance
         else:
-            low = self.bounds(theta)
-            self._pin.updateGeometryPlacements(self._model.model, data, self._geometry, geometry, self._model.q(theta))
+            # The distance of two balls is a bound that takes three operations, and few pairs more are measured.
+            way = self._model.joint_frames(self._model.q(theta)) @ self._ways[0]
+            way += self._ways[1]
+            low = np.sqrt(np.einsum("ip,ip->p", way, way)) - self._balls
+            self._pin.updateGeometryPlacements(self._model.model, data, self._geometry, geometry)
             bounds, metres, best, found = low.tolist(), inf, 0, None
             for k in low.argsort().tolist():
                 if bounds[k] > metres:
                     break
-                distance, result = self.measure(geometry, k)
-                if found is None or (distance, k) < (metres, best):
+                result = self._pin.computeDistance(self._geometry, geometry, k)
+                distance = result.min_distance if not self._solids else self.measure(geometry, k)[0]
+                if found is None or distance < metres or (distance == metres and k < best):
                     metres, best, found = distance, k, result
         return best, metres, np.array([found.getNearestPoint1(), found.getNearestPoint2()])
 
@@ -125,7 +137,8 @@ class NearPairs(Checker):
     def _gaps(self, theta: Array) -> Array:
         """The bounds from theta (n,) itself."""
         # `take` needs a third of the time of an index, and there are many pairs.
-        at = self._model.joint_frames(self._model.q(theta)).take(self._joints, axis=0) @ self._at
+        frames = self._model.joint_frames(self._model.q(theta)).reshape(3, -1, 4).transpose(1, 0, 2)
+        at = np.concatenate([WORLD, frames]).take(self._joints, axis=0) @ self._at
         centres = np.ascontiguousarray(at[:, :, 0])
         way = centres.take(self._ball, axis=0) - centres.take(self._box, axis=0)
         beyond = np.einsum("pij,pi->jp", at.take(self._box, axis=0)[:, :, 1:], way)
