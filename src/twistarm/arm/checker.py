@@ -50,12 +50,13 @@ class Checker:
         both = ((k, *way) for k, (i, j) in enumerate(self.pairs) for way in ((i, j), (j, i)))
         found = ((k, i, j, self.bodies[i].solid, self.bodies[j].samples) for k, i, j in both)
         self._solids = [(k, i, j, solid, samples) for k, i, j, solid, samples in found if solid and solid.closed]
+        self._kept = [any(self.bodies[i].solid for i in pair) for pair in self.pairs]
         self._local = threading.local()
 
     def with_margins(self, margins: Sequence[float]) -> Checker:
         """The same bodies and pairs with other margins [m]. Those of kept triangles are not negative: Coal has none."""
         other = copy(self)
-        least = (0.0 if any(self.bodies[i].solid for i in pair) else -np.inf for pair in self.pairs)
+        least = (0.0 if kept else -np.inf for kept in self._kept)
         other.margins, other._local = tuple(map(max, margins, least)), threading.local()
         return other
 
@@ -116,7 +117,8 @@ class Checker:
             # pair of each body is enough.
             widest: dict[int, int] = {}
             for k in sorted(range(len(self.pairs)), key=self.margins.__getitem__):
-                widest |= dict.fromkeys(self.pairs[k], k)
+                first, second = self.pairs[k]
+                widest[first] = widest[second] = k
             few = sorted({*widest.values()})
             model = self._with_pairs(few)
             data = model.createData()
@@ -161,14 +163,15 @@ class Checker:
         Pinocchio's requests start it from the pair's previous direction. It then misses one deep overlap of cylinders
         in 10,000, and the answer depends on the questions before. The usual tolerance reports gaps of 1e-7 m.
         """
-        coal = self._pin.coal
-        collision, distance = coal.CollisionRequest(), coal.DistanceRequest()
-        guesses = coal.GJKInitialGuess.BoundingVolumeGuess, coal.GJKInitialGuess.DefaultGuess
-        collision.distance_upper_bound = 0.0
+        coal, requests = self._pin.coal, []
+        # A kept triangle has no centre to start from.
+        for guess in (coal.GJKInitialGuess.BoundingVolumeGuess, coal.GJKInitialGuess.DefaultGuess):
+            requests.append((coal.CollisionRequest(), coal.DistanceRequest()))
+            for request in requests[-1]:
+                request.gjk_tolerance, request.gjk_initial_guess = TOLERANCE, guess
+            requests[-1][0].distance_upper_bound = 0.0
         collisions, distances = geometry.collisionRequests, geometry.distanceRequests
         for k, pair in enumerate(pairs):
-            kept = any(self.bodies[i].solid for i in self.pairs[pair])  # a triangle has no centre to start from
-            for request in (collision, distance):
-                request.gjk_tolerance, request.gjk_initial_guess = TOLERANCE, guesses[kept]
+            collision, distance = requests[self._kept[pair]]
             collision.security_margin = self.margins[pair]
             collisions[k], distances[k] = collision, distance  # copies
