@@ -24,14 +24,11 @@ Placed = tuple[Mapping[str, Body], Mapping[str, frozenset[str]]]
 
 DOUBLE = np.dtype(np.float64)
 
+# How many numbers the size of an obstacle has.
 NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh": 3}
-"""How many numbers the size of an obstacle has."""
-
-LARGEST = 100.0
-"""The largest size of an obstacle [m]; a larger one is in millimetres, or a plane."""
-
+LARGEST = 100.0  # The largest size of an obstacle [m]; a larger one is in millimetres, or a plane.
+# The most obstacles. The time to make a checker grows with the cube of their number: 2,000 take 1 s.
 MOST_OBSTACLES = 2000
-"""The most obstacles. The time to make a checker grows with the cube of their number: 2,000 take 1 s."""
 
 
 class Obstacles:

@@ -32,8 +32,7 @@ from .swept import FINE, Sweep, pair_speeds, shifted
 
 T = TypeVar("T")
 
-NEARLY = 1e-3, 0.05
-"""How much less than the clearance found a motion may have: so much [m], or this part of it."""
+NEARLY = 1e-3, 0.05  # How much less than the clearance found a motion may have: so much [m], or this part of it.
 
 
 class Scene(Obstacles):

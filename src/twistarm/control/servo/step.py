@@ -23,8 +23,7 @@ if TYPE_CHECKING:
 COMMANDS = (TwistCommand, JogCommand, PoseCommand)
 _DEFAULT = ServoSettings()
 
-MAX_VALUE = 1e6
-"""Greatest position and rate [rad, m, per s]."""
+MAX_VALUE = 1e6  # Greatest position and rate [rad, m, per s].
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -219,17 +218,11 @@ Solve = Callable[[Array | None], CoreStep]
 
 COLLISION = REASON_OF_CAUSE.index(ServoReason.COLLISION)
 
-SPARE = 3e-4
-"""The servo aims at so much more than the margin [m], for what a linear step cannot see."""
-
-ROUNDING = 1e-6
-"""How far [m] below its margin a pair may come by rounding."""
-
-UNSEEN = 5e-5
-"""Pairs that come nearer than their aim by more [m] were not seen by the rows before."""
-
+SPARE = 3e-4  # The servo aims at so much more than the margin [m], for what a linear step cannot see.
+ROUNDING = 1e-6  # How far [m] below its margin a pair may come by rounding.
+UNSEEN = 5e-5  # Pairs that come nearer than their aim by more [m] were not seen by the rows before.
+# The first rows, how often others are added, and the share of the push of the first that others take.
 FIRST_ROWS, MOST_ROUNDS, OTHERS_SHARE = 8, 4, 0.1
-"""The first rows, how often others are added, and the share of the push of the first that others take."""
 
 
 def avoid_collisions(
