@@ -221,6 +221,7 @@ CASES: dict[str, Case] = {
     "companion-doubtful: SRDF, other robot": beside("arm.srdf", srdf(name="other"), srdf="arm.srdf"),
     "companion-doubtful: SRDF, passive": beside("arm.srdf", srdf('<passive_joint name="a"/>')),
     "companion-doubtful: ros2_control": urdf(controlled('<param name="max">0.5</param>')),
+    "companion-doubtful: ros2_control, unresolved": urdf(controlled('<param name="max">${limit}</param>')),
     "companion-doubtful: ros2_control, off": urdf(controlled('<limits enable="false"/>')),
     "companion-doubtful: SRDF, unknown name": beside(
         "arm.srdf", srdf('<group name="g"><joint name="zz"/></group>'), srdf="arm.srdf"
@@ -346,6 +347,9 @@ CASES: dict[str, Case] = {
         {name: text.replace("part.stl", "/elsewhere/part.stl") for name, text in with_mesh(triangle(0.3)).files.items()}
     ),
     "mesh-unreadable: a page": with_mesh("<!DOCTYPE html><html></html>" + " " * 200),
+    "mesh-unreadable: an archive": with_mesh("PK\3\4" + " " * 200),
+    "mesh-unreadable: an OBJ": with_mesh("# a part\nv 0 0 0\n" * 20),
+    "file-unreadable: a pointer": urdf(POINTER),
     "mesh-unreadable: commas": with_mesh(triangle(0.3).replace(".", ",")),
     "mesh-unreadable": with_mesh("solid nothing\nendsolid nothing\n"),
 }  # fmt: skip

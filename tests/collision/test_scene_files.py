@@ -246,6 +246,35 @@ allowed_collision_matrix:
   entry_values: [[1, 1, 1, 0], [1, 1, 1, 1], [1, 1, 1, 1], [0, 1, 1, 1]]
 """
 
+# Pairs outside the matrix have the default of their name, both if both have one (moveit_msgs/AllowedCollisionMatrix).
+DEFAULTS = """
+link_padding: [{link_name: hand, padding: 0.01}, {link_name: base, padding: 0}]
+link_scale: [{link_name: hand, scale: 1}]
+world:
+  colision_objects: []
+  collision_objects:
+    - {id: stone, primitives: [{type: 2, dimensions: [0.1]}]}
+    - {id: ball, primitives: [{type: 2, dimensions: [0.1]}]}
+robot_state:
+  attached_collision_objects: [{link_name: hand, object: {id: cup}}]
+allowed_collision_matrix:
+  entry_names: [hand, stone]
+  entry_values: [[0, 0], [0, 0]]
+  default_entry_names: [stone, ball]
+  default_entry_values: [true, false]
+"""
+
+
+def test_a_planning_scene_takes_its_defaults_and_tells_what_it_does_not_use(tmp_path: Path) -> None:
+    (tmp_path / "scene.yaml").write_text(DEFAULTS)
+    scene = Scene.load(slider(tmp_path, SHAPES["sphere"]), tmp_path / "scene.yaml")
+    assert set(scene.allowed) == {("base", "stone"), ("carriage", "stone")}
+    (found,) = (each for each in scene.findings if each.code == "scene-names")
+    for culprit in ("'link_padding of hand'", "'colision_objects of the world'", "'cup, "):
+        assert culprit in found.what
+    assert "base" not in found.what
+    assert "link_scale" not in found.what
+
 
 def test_a_planning_scene_leaves_out_what_it_removes_and_names_what_is_absent(tmp_path: Path) -> None:
     (tmp_path / "scene.yaml").write_text(ABSENT)

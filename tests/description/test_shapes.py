@@ -51,6 +51,7 @@ def test_a_name_means_its_first_colour(case: str, tmp_path: Path) -> None:
 def test_a_name_that_is_given_later_colours_nothing_before(tmp_path: Path) -> None:
     description = read_description(write(tmp_path, drawing(material("m"), material("m", RED))))
     assert [description.links[name].visuals[0].colour for name in ("base_link", "upper")] == [None, (1, 0, 0, 1)]
+    assert ["'m'" in one.what for one in description.findings if one.code == "bad-geometry"] == [True]
 
 
 COLOURS = {"0.1 0.2 0.3": (0.1, 0.2, 0.3, 1.0), "2 0.2 0 1": (1.0, 0.2, 0.0, 1.0), "red": None}

@@ -122,6 +122,11 @@ def test_a_start_too_far_beyond_a_limit_is_refused():
         with pytest.raises(LimitError, match="^the start puts"):
             plan(ARM, JointMove([0.0, 0.0, 0.0]), start=start, limits=RATES)
     assert plan_joint(ARM, [[-0.519, 0.0, 0.0], [0.0, 0.0, 0.0]], limits=RATES).waypoints[0, 0] == -0.519
+    alone = plan_joint(ARM, [[-0.519, 0.0, 0.0]], limits=RATES)  # it only returns
+    assert alone.waypoints[:, 0].tolist() == [-0.519, -0.5]
+    assert alone(alone.duration).tolist() == [-0.5, 0.0, 0.0]
+    with pytest.raises(LimitError, match="'slide'"):
+        plan_joint(ARM, [[-0.519, 0.0, 0.0]], limits=RATES, times=[0.0])  # no time to return
 
 
 def test_targets_are_waypoints_and_the_motion_stays_near():

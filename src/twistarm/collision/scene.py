@@ -107,8 +107,9 @@ class Scene(Obstacles):
             DescriptionError: The file cannot be read.
         """
         file = as_path(path)
-        content = read_scene(file)
-        if content.arm and content.arm != require_arm(arm).name:
+        description = require_arm(arm).description
+        content = read_scene(file, description.links if description else ())
+        if content.arm and content.arm != arm.name:
             raise InputError(f"{file} is for the arm {content.arm!r}, not {arm.name!r}; change its entry arm to use it")
         asked = content.margin if margin is None else margin
         scene = cls(arm, margin=0.0 if asked is None else asked, exact=exact, progress=progress)
@@ -209,6 +210,9 @@ class Scene(Obstacles):
             what = f"the scene has no such link or object, so what may touch them is left out: {listed(absent)}"
             remedy = "check that the scene is of this robot"
             found.append(finding("scene-names", Place(str(self.file or "")), what, remedy))
+        if unread := self._loaded.unread:
+            remedy = "write objects with shapes, and the distance of a padding as margin"
+            found.append(finding("scene-names", Place(str(self.file or "")), f"not used: {listed(unread)}", remedy))
         return tuple(found)
 
     @property

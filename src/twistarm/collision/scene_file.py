@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
@@ -82,7 +82,7 @@ class SceneFile:
     """The content of a scene file: the arm's name if given, obstacles, pairs that need no check, and the margin [m].
 
     `matrix` tells that `allowed` are all pairs of the robot that need no check. `foreign`: names that the robot lacks
-    are left out, as MoveIt does; `absent` are these.
+    are left out, as MoveIt does; `absent` are these. `unread` tells what else of the file is not used.
     """
 
     arm: str
@@ -92,16 +92,18 @@ class SceneFile:
     matrix: bool = False
     foreign: bool = False
     absent: tuple[str, ...] = ()
+    unread: tuple[str, ...] = ()
 
 
-def read_scene(path: Path) -> SceneFile:
-    """Read a scene.toml, a planning scene (.yaml, .yml) or a .scene file.
+def read_scene(path: Path, links: Iterable[str] = ()) -> SceneFile:
+    """Read a scene.toml, a planning scene (.yaml, .yml) or a .scene file, for a robot of these `links`.
 
     Raises InputError, with file and entry, for what cannot be used, and DescriptionError for an unreadable file.
     """
     kind = path.suffix.lower()
+    moveit = partial(_planning_scene, links=tuple(links))
     readers: dict[str, Callable[[Path], SceneFile]] = {
-        ".toml": _toml, ".yaml": _planning_scene, ".yml": _planning_scene, ".scene": _scene_text,
+        ".toml": _toml, ".yaml": moveit, ".yml": moveit, ".scene": _scene_text,
     }  # fmt: skip
     if kind not in readers:
         raise InputError(f"{path} is no scene file: its name must end with {listed(readers)}")
@@ -210,42 +212,72 @@ def _at(path: Path, place: str) -> Iterator[None]:
             raise InputError(f"an entry is missing or of the wrong kind ({error})") from error
 
 
-def _planning_scene(path: Path) -> SceneFile:
+# The entries of MoveIt's messages. Those that are not among them, or have no meaning here, are told.
+ENTRIES = {
+    "planning scene": "name robot_state robot_model_name fixed_frame_transforms allowed_collision_matrix "
+    "object_colors world is_diff",
+    "world": "collision_objects octomap",
+    "robot_state": "joint_state multi_dof_joint_state attached_collision_objects is_diff",
+    "allowed_collision_matrix": "entry_names entry_values default_entry_names default_entry_values",
+    "attached object": "link_name object touch_links detach_posture weight",
+    "object": "header pose id type primitives primitive_poses meshes mesh_poses planes plane_poses "
+    "subframe_names subframe_poses operation",
+}
+PLAIN = {"padding": 0, "scale": 1}  # What MoveIt writes for links whose shapes it leaves as they are.
+
+
+def _unread(kind: str, message: Mapping[str, Any]) -> Iterator[str]:
+    """What a message says that is not used here: other entries than `ENTRIES`, and other values than `PLAIN`."""
+    for name in (name for name in message if name not in ENTRIES[kind].split()):
+        word = name.removeprefix("link_")
+        if word not in PLAIN:
+            yield f"{name} of the {kind}"
+        else:
+            changed = [each["link_name"] for each in message[name] or () if each[word] != PLAIN[word]]
+            yield from (f"{name} of {link}" for link in changed)
+
+
+def _planning_scene(path: Path, links: Iterable[str]) -> SceneFile:
     """A moveit_msgs/PlanningScene."""
     content = parse_yaml(read_text(path, MOST_BYTES), path)
     with _at(path, "at the top"):
         scene = content.get("planning_scene", content)
         if not {"world", "robot_state", "allowed_collision_matrix"} & set(scene):
             raise InputError("it has no world, robot_state or allowed_collision_matrix: is it a planning scene?")
-        world, matrix = scene.get("world") or {}, scene.get("allowed_collision_matrix") or {}
+        world, state, matrix = (scene.get(name) or {} for name in ("world", "robot_state", "allowed_collision_matrix"))
         octomap = world.get("octomap") or {}
         if (octomap.get("octomap") or octomap).get("data"):
             raise InputError("it has an octomap, which is not read: write its occupied parts as boxes")
-        held = (scene.get("robot_state") or {}).get("attached_collision_objects") or ()
+        unread = [*_unread("planning scene", scene), *_unread("world", world), *_unread("robot_state", state)]
+        unread += _unread("allowed_collision_matrix", matrix)
         free = [
             ({"object": each}, f"collision object {i + 1}")
             for i, each in enumerate(world.get("collision_objects") or ())
         ]
-        held = [({"link_name": None, **each}, f"attached object {i + 1}") for i, each in enumerate(held)]
+        held = [
+            ({"link_name": None, **each}, f"attached object {i + 1}")
+            for i, each in enumerate(state.get("attached_collision_objects") or ())
+        ]
     objects = [(place, item) for each in (free, held) for item, place in _left(path, each)]
     entries: list[Entry] = []
     parts: dict[str, list[str]] = {}
     for place, item in objects:
         with _at(path, place):
-            found = list(_objects(item["object"]))
+            found, name = list(_objects(item["object"])), str(item["object"]["id"])
+            unread += [*_unread("attached object", item), *_unread("object", item["object"])]
+            if not found:  # MoveIt goes on without it, too
+                unread.append(f"{name}, which has no shapes")
             if "link_name" in item:
                 link, touching = text(item["link_name"], "link_name"), tuple(item.get("touch_links") or ())
                 if any(entry.frame not in ("", link) for entry in found):
                     raise InputError(f"frame_id is {found[0].frame!r}: give its pose in the frame of its link {link!r}")
                 found = [replace(entry, on=link, frame=None, touching=touching) for entry in found]
-            parts[str(item["object"]["id"])] = [entry.name for entry in found]
+            parts[name] = [*parts.get(name, ()), *(entry.name for entry in found)]
             entries += found
     with _at(path, "allowed_collision_matrix"):
-        pairs = tuple(_matrix_pairs(matrix, parts))
-        names = zip(matrix.get("default_entry_names") or (), matrix.get("default_entry_values") or (), strict=False)
-        unread = tuple(f"default of {name}" for name, allowed in names if allowed)  # its pairs stay checked
-    named = bool(matrix.get("entry_names"))  # an empty matrix says nothing
-    return SceneFile("", tuple(entries), pairs, matrix=named, foreign=True, absent=unread)
+        pairs = tuple(_matrix_pairs(matrix, parts, links))
+    named = bool(matrix.get("entry_names"))  # a matrix without names leaves the robot's own pairs
+    return SceneFile("", tuple(entries), pairs, matrix=named, foreign=True, unread=tuple(dict.fromkeys(unread)))
 
 
 OPERATIONS = "ADD", "REMOVE", "APPEND", "MOVE"
@@ -289,8 +321,6 @@ def _objects(item: Mapping[str, Any]) -> Iterator[Entry]:
             raise InputError(f"it has {len(poses)} {kind}_poses for {len(given)} {many}")
         placed: Iterator[tuple[Any, Any]] = zip_longest(given, poses, fillvalue={})
         shapes += [(kind, *each) for each in placed]
-    if not shapes:
-        raise InputError(f"{name!r} has no primitives, meshes or planes")
     for k, (kind, value, pose) in enumerate(shapes):
         size: tuple[float, ...] = ()
         mesh, own = None, np.eye(4)
@@ -334,15 +364,31 @@ def _message_pose(pose: Mapping[str, Any]) -> Array:
     return g
 
 
-def _matrix_pairs(matrix: Mapping[str, Any], parts: Mapping[str, list[str]]) -> Iterator[tuple[str, str]]:
-    """The pairs that an allowed collision matrix exempts, objects by their parts."""
-    names = [parts.get(name, [name]) for name in matrix.get("entry_names") or ()]
+def _matrix_pairs(
+    matrix: Mapping[str, Any], parts: Mapping[str, list[str]], links: Iterable[str]
+) -> Iterator[tuple[str, str]]:
+    """The pairs that an allowed collision matrix exempts, objects by their parts.
+
+    A pair that the matrix lacks has the default of its name. If both names have one, both must be true.
+    """
+    names = list(matrix.get("entry_names") or ())
     rows = [row["enabled"] if isinstance(row, dict) else row for row in matrix.get("entry_values") or ()]
     if {len(rows), *map(len, rows)} - {len(names)}:
         raise InputError(f"allowed_collision_matrix has {len(names)} names, but not as many rows and columns")
-    for i, j in combinations(range(len(rows)), 2):
-        if rows[i][j] and ["<octomap>"] not in (names[i], names[j]):
-            yield from product(names[i], names[j])
+    default_of, default = (list(matrix.get(f"default_entry_{each}") or ()) for each in ("names", "values"))
+    if len(default_of) != len(default):
+        raise InputError(f"allowed_collision_matrix has {len(default_of)} default names for {len(default)} values")
+    defaults = dict(zip(default_of, default, strict=True))
+    row_of = {name: i for i, name in enumerate(names)}
+    every = dict.fromkeys(name for name in (*names, *links, *parts, *defaults) if name != "<octomap>")
+    for one, other in combinations(every, 2):
+        if one in row_of and other in row_of:
+            allowed = rows[row_of[one]][row_of[other]]
+        else:
+            given = [defaults[name] for name in (one, other) if name in defaults]
+            allowed = bool(given) and all(given)
+        if allowed:
+            yield from product(parts.get(one, [one]), parts.get(other, [other]))
 
 
 def _scene_text(path: Path) -> SceneFile:
@@ -350,12 +396,15 @@ def _scene_text(path: Path) -> SceneFile:
     with _at(path, "MoveIt's .scene text"):
         lines = iter(read_bounded(path, MOST_BYTES).decode("utf-8").splitlines()[1:])
         entries: list[Entry] = []
+        unread: list[str] = []
         for line in lines:
             if line.strip() == ".":
-                return SceneFile("", tuple(entries))
+                return SceneFile("", tuple(entries), unread=tuple(unread))
             if not line.startswith("*"):
                 raise InputError(f"expected '* name' of an object; got {line!r}")
-            entries += _objects(_text_object(line[1:].strip(), lines))
+            found = list(_objects(_text_object(name := line[1:].strip(), lines)))
+            entries += found
+            unread += [] if found else [f"{name}, which has no shapes"]
         raise InputError("it does not end with a line '.': is it cut short?")
 
 

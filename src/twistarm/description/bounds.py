@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
 
 import numpy as np
 
@@ -111,10 +110,13 @@ def note_softened(joints: Iterable[Joint], reading: Reading) -> None:
 
 
 def note_commanded(robot: ET.Element, joints: Mapping[str, Joint], reading: Reading) -> None:
-    """Note limits of `<ros2_control>` that are narrower than the joint's, or off. They are not used."""
+    """Note limits of `<ros2_control>` that are narrower than the joint's, off, or no numbers. They are not used."""
     odd: dict[str, None] = {}
+    known = {name for joint in joints.values() for name in (joint.name, joint.part_of)}
     for element in robot.findall("ros2_control/joint"):
-        joint = joints.get(element.get("name", ""))
+        joint = joints.get(name := element.get("name", ""))
+        if name not in known:
+            odd[f"{name}, which is no joint"] = None
         if joint is None or not joint.scalar:
             continue
         rates = {"velocity": joint.velocity, "effort": joint.effort}
@@ -122,15 +124,18 @@ def note_commanded(robot: ET.Element, joints: Mapping[str, Joint], reading: Read
         if any(each.get("enable", "").lower() in ("false", "0") for each in element.iter("limits")):
             odd[f"{joint.name} off"] = None
         for interface in element.findall("command_interface"):
-            written = {each.get("name"): each.text or "" for each in interface.findall("param")}
+            written = {each.get("name"): (each.text or "").strip() for each in interface.findall("param")}
             lower, upper = bounds.get(name := interface.get("name", ""), (np.inf, -np.inf))
-            with suppress(InputError):
-                least = number_in(written.get("min", "-inf"), name, -np.inf, np.inf)
-                most = number_in(written.get("max", "inf"), name, -np.inf, np.inf)
-                if least > lower + ROUNDED or most < upper - ROUNDED:
-                    odd[f"{joint.name} {name} [{least:g}, {most:g}]"] = None
+            ends = written.get("min", "-inf"), written.get("max", "inf")
+            try:
+                least, most = (number_in(end, name, -np.inf, np.inf) for end in ends)
+                differs = least > lower + ROUNDED or most < upper - ROUNDED
+            except InputError:  # an expression that no xacro has resolved
+                differs = True
+            if differs:
+                odd[f"{joint.name} {name} [{', '.join(ends)}]"] = None
     if odd:
-        what = f"<ros2_control> has other limits, which are not used here: {listed(odd, MOST_SHOWN)}"
+        what = f"<ros2_control> has other limits or names, which are not used here: {listed(odd, MOST_SHOWN)}"
         reading.note("companion-doubtful", None, what, "write those that the robot keeps in <limit>, or in an arm.toml")
 
 

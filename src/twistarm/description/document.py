@@ -16,7 +16,7 @@ from xml.parsers.expat import errors
 
 from ..support.checks import number_in
 from ..support.errors import DescriptionError, InputError
-from ..support.files import as_path, read_bounded, why_no_file
+from ..support.files import as_path, kind_of, read_bounded, why_no_file
 from ..support.messages import Text, package_folder
 from .findings import Finding, Place, finding, refusal, refused
 from .packages import PackageIndex
@@ -138,6 +138,8 @@ def read_text(path: Path, most: int = MAX_BYTES) -> str:
         }
         remedy = remedies.get(number or 0, "check the disk and the file's permissions")
         raise refusal("file-unreadable", Place(str(path)), what, remedy) from error
+    if other := kind_of(data):
+        raise refusal("file-unreadable", Place(str(path)), f"it is {other[0]}", other[1])
     return decoded(data)
 
 
@@ -208,7 +210,10 @@ def read_inside(name: str, packages: PackageIndex) -> tuple[Path, str]:
     try:
         note_file(Path(name))
         real = real_inside(name, packages)  # a device is not even opened
-        return real, decoded(read_bounded(real, MAX_BYTES))
+        data = read_bounded(real, MAX_BYTES)
+        if other := kind_of(data):
+            raise Refused("file-unreadable", f"{name}: it is {other[0]}", other[1])
+        return real, decoded(data)
     except ValueError:
         raise Refused("file-outside-packages", f"{name!a} is no path", "write a path or $(find package)/…") from None
     except OSError as error:

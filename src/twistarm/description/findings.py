@@ -78,7 +78,7 @@ CODES: dict[str, Code] = {
     "mesh-missing": Code("warning", "mesh files were not found; simple shapes are drawn instead"),
     "mesh-unreadable": Code("warning", "a mesh file is damaged or a Git LFS pointer; other shapes stand for it"),
     "mesh-open": Code("warning", "the triangles of a mesh are not closed; a body inside it counts as free"),
-    "scene-names": Code("warning", "a planning scene names links or objects that are not there; they are left out"),
+    "scene-names": Code("warning", "a planning scene has names that are not there, or entries that are not used"),
     "bad-geometry": Code("warning", "a shape has no usable size, place or colour"),
     "inertial-unusable": Code("warning", "a mass or inertia, or an entry of it, cannot be read and counts as 0"),
     "mass-missing": Code("info", "links have shapes and no mass, almost no mass, or all the same"),

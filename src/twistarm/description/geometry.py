@@ -30,12 +30,13 @@ class Geometries:
     def __init__(self, robot: ET.Element, reading: Reading) -> None:
         self._reading = reading
         self._missing: list[str] = []
-        self._colours: dict[str, Colour] = {}
+        self._colours: dict[str, Colour | None] = {}  # None for a texture
         self._twice: dict[str, None] = {}
         self._odd: dict[str, None] = {}
         self._unnamed: dict[str, None] = {}
+        self._undefined: dict[str, None] = {}
         for material in robot.findall("material"):
-            self._colour(material)
+            self._colour(material, robot)
 
     def of(self, link: ET.Element, kind: str) -> tuple[Geometry, ...]:
         """The link's shapes of a `kind`, "visual" or "collision". Unusable ones are noted and left out."""
@@ -48,8 +49,13 @@ class Geometries:
             what = f"{plural(len(self._twice), 'material')} with several colours: {names}; the first of a name counts"
             self._reading.note("bad-geometry", None, what, "give each colour a name of its own")
         if self._unnamed:
-            what = f"a <material> without a name, for which other readers drop all shapes of {listed(self._unnamed, 3)}"
+            what = f"a <material> without a name in {listed(self._unnamed, 3)}; others drop it, with a link's shapes"
             self._reading.note("word-unread", None, what, 'write <material name="…">')
+        if self._undefined:
+            what = (
+                f"a <material> that nothing before it gives a colour: {listed(self._undefined, 3)}; drawn without one"
+            )
+            self._reading.note("bad-geometry", None, what, "give it a <color>, or correct its name")
         for rgba in self._odd:
             what = f"the colour rgba={rgba[:60]!r} is not four numbers from 0 to 1; the nearest colour is drawn, if any"
             self._reading.note("bad-geometry", None, what, 'write rgba="RED GREEN BLUE ALPHA"')
@@ -62,13 +68,15 @@ class Geometries:
             what = f"{missing}; {why}; the kinematics is not affected"
             self._reading.note("mesh-missing", None, what, f"{remedy}; simple shapes are drawn instead")
 
-    def _colour(self, material: ET.Element | None) -> Colour | None:
-        """The colour of a `<material>`, None if neither the element nor its name has one.
+    def _colour(self, material: ET.Element | None, owner: ET.Element) -> Colour | None:
+        """The colour of a `<material>` of the robot or a link, None if neither the element nor its name has one.
 
         Three numbers are opaque, and others become the nearest from 0 to 1.
         """
         if material is None:
             return None
+        if "name" not in material.attrib:
+            self._unnamed[owner.get("name", "")] = None
         name, element, own = material.get("name", ""), material.find("color"), None
         if element is not None:
             rgba = element.get("rgba", "")
@@ -80,8 +88,11 @@ class Geometries:
                 values = []
             if own is None or list(own) != values:
                 self._odd[rgba] = None
-        if name and own is not None and self._colours.setdefault(name, own) != own:
-            self._twice[name] = None
+        if name and (own is not None or material.find("texture") is not None):
+            if self._colours.setdefault(name, own) != own:
+                self._twice[name] = None
+        elif name and element is None and name not in self._colours:
+            self._undefined[name] = None
         return self._colours.get(name) if name else own
 
     def _read(self, link: ET.Element, element: ET.Element) -> Geometry | None:
@@ -89,10 +100,8 @@ class Geometries:
         if geometry is None or len(geometry) == 0:
             return None
         shape, material = geometry[0], element.find("material") if element.tag == "visual" else None
-        if material is not None and "name" not in material.attrib:
-            self._unnamed[link.get("name", "")] = None
         try:
-            origin, size, colour = read_origin(element), _size(shape), self._colour(material)
+            origin, size, colour = read_origin(element), _size(shape), self._colour(material, link)
         except ValueError:
             what = f"its <{element.tag}> <{shape.tag}> has no usable size or place; it is not drawn"
             self._reading.note("bad-geometry", link, what, "give every size and origin as numbers")

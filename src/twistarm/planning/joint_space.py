@@ -150,7 +150,7 @@ def plan_joint(
     points, said = as_waypoints(require_arm(arm), waypoints, as_tolerances(position_tol, orientation_tol), unwrap)
     bounds, notes = completed(arm, limits) if times is None else (as_limits(arm, limits), ())
     start, back = points[0].copy(), list[Text]()
-    if len(points) > 1:
+    if len(points) > 1 or times is None:
         points[0], back = inside_from(start, bounds, arm.joint_names, arm.units)
     points = on_limits(points, bounds, arm.joint_names, arm.units)
     if smooth is not None:
@@ -170,7 +170,9 @@ def plan_joint(
         points[0] = start if back else points[0]
         fit = FITS[chosen, stop_at_waypoints](points, ends)
         breakpoints, coefficients = spline.pulled_in(fit, ends, points, returning(bounds, points[0], arm.units))
-    if back:
+    if back and len(points) == 1:
+        points, ends = np.stack([start, points[0]]), np.append(0.0, ends)
+    elif back:
         points[0], ends[0] = start, 0.0
     notes = (*notes, *said, *back)
     motion = Trajectory(

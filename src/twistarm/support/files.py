@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import shutil
 import stat
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import BinaryIO
 
@@ -18,6 +19,19 @@ DESCRIPTIONS = (".urdf", ".xacro", ".srdf", ".sdf", ".xml", ".toml", ".yaml", ".
 WRITTEN_YAML = "# written by twistarm"
 # What YAML of ours begins with, and URDF ends with: it is no team's own text and may be replaced.
 WRITTEN_XML = "<!-- written by twistarm -->"
+
+# How files begin that often go by another's name: what each is, and what to do.
+KINDS = {
+    rb"(?i)\s*(<!doctype\s+html|<html\b|\d{3}:? [a-z ]+\s*\Z)": (
+        "a web page, as a failed download leaves one", "download it again, raw",
+    ),
+    rb"version https://git-lfs": ("a Git LFS pointer", "run git lfs pull in the repository it comes from"),
+    rb"PK[\3\5]": ("a ZIP archive", "unpack it"),
+    rb"\x1f\x8b|BZh|\xfd7zXZ|7z\xbc\xaf|Rar!|\x28\xb5\x2f\xfd": ("a packed file", "unpack it"),
+    rb"\x89PNG|\xff\xd8\xff|GIF8": ("a picture", "put the file there that was meant"),
+    rb"%PDF": ("a PDF", "put the file there that was meant"),
+}  # fmt: skip
+LOOKED_AT = 1_000  # Bytes at the beginning of a file that tell its kind.
 
 NO_SUCH_FILE, FOLDER = "no such file", "a folder"
 
@@ -71,6 +85,11 @@ def read_bounded(path: str | os.PathLike[str], most: int) -> bytes:
     if size > most:
         raise OSError(errno.EFBIG, f"it has {size:,} bytes; at most {most:,} are read", os.fspath(path))
     return data
+
+
+def kind_of(data: bytes, kinds: Mapping[bytes, tuple[str, str]] = KINDS) -> tuple[str, str] | None:
+    """What the file is by its first bytes, and what to do about it; None if it is none of these `kinds`."""
+    return next((told for start, told in kinds.items() if re.match(start, data[:LOOKED_AT])), None)
 
 
 def stamp(path: Path) -> tuple[int, ...] | None:

@@ -18,7 +18,7 @@ from ...description.tree import Description, Joint, Link
 from ...limits.joint_limits import AS_GOOD_AS_UNBOUNDED, unit_of
 from ...support.checks import Array
 from ...support.errors import listed
-from ...support.files import is_file, open_regular
+from ...support.files import is_file
 
 LONGEST_REACH = 20.0  # [m]; in millimetres every arm is longer.
 # Two turns each way: a joint that turns further has a slip ring or limits in degrees. And no arm's rail is as long.
@@ -179,14 +179,11 @@ def _moments(body: Body) -> Array:
 TOO_LARGE = 20.0  # Times the arm's own size: no link is as long.
 TOO_SMALL = 1.0 / 50.0  # Of the arm's own size: of all its meshes the largest is longer.
 
-_POINTER = b"version https://git-lfs"
-
-
 Use = tuple[Path, tuple[float, ...]]  # A mesh file, and the scale that one shape uses it at.
 
 
 def check_meshes(description: Description) -> Iterator[Finding]:
-    """Every mesh file once: its first bytes, then the size of what it holds."""
+    """Every mesh file once: whether it is one, then the size of what it holds."""
 
     def found(code: str, paths: Iterable[Path], what: str, remedy: str) -> Finding:
         names = listed(dict.fromkeys(path.name for path in paths), SHOWN)
@@ -197,13 +194,6 @@ def check_meshes(description: Description) -> Iterator[Finding]:
     broken: dict[tuple[str, str], list[Path]] = {}
     lengths: dict[Path, float] = {}
     for path in dict.fromkeys(path for path, _ in uses):
-        if _is_pointer(path):
-            why = (
-                "Git LFS pointers, not meshes; they are not drawn",
-                "run git lfs pull in the repository they come from",
-            )
-            broken.setdefault(why, []).append(path)
-            continue
         try:
             lengths[path] = read_mesh(path).length
         except UnreadableMeshError as error:
@@ -233,11 +223,3 @@ def _rescaled(uses: Iterable[Use], factor: float) -> str:
         return f"multiply their scales in <mesh> by {factor:g}"
     numbers = " ".join(f"{scale * factor:.6g}" for scale in scales.pop())
     return f'write scale="{numbers}" in <mesh>'
-
-
-def _is_pointer(path: Path) -> bool:
-    try:
-        with open_regular(path) as file:
-            return file.read(len(_POINTER)) == _POINTER
-    except OSError:
-        return False

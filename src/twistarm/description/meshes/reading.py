@@ -17,12 +17,12 @@ import numpy as np
 
 from ...support.checks import Array
 from ...support.errors import TwistarmError, one_line
-from ...support.files import is_file, read_bounded, stamp
+from ...support.files import KINDS, LOOKED_AT, is_file, kind_of, read_bounded, stamp
 from ...support.interrupts import interruptible
 from ...support.wheels import Wheel, load
 from ..document import decoded
 from ..packages import home_of, is_too_wide
-from .mesh import Colour, Mesh, Piece, RefusedError, UnreadableMeshError
+from .mesh import REMEDY, Colour, Mesh, Piece, RefusedError, UnreadableMeshError
 
 # Endings of materials and buffers, by format. Images are not drawn, so they are not opened.
 ENDINGS = {"obj": ".mtl", "gltf": ".bin", "glb": ".bin"}
@@ -86,7 +86,6 @@ def as_utf8(data: bytes) -> bytes:
 
 # Bytes of a binary STL before the count of facets, before the first facet, and of one facet.
 COUNT, HEAD, FACET = 80, 84, 50
-LOOKED_AT = 1_000  # Bytes at the beginning of a text with its first facet.
 MOST_MISSING = 1000  # A file that announces so many times its facets is not a binary STL.
 
 _VERTEX = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", re.I)
@@ -171,16 +170,21 @@ def _read(path: Path, files: Stamps) -> Mesh:
         data = read_bounded(path, LARGEST_FILE)
         if not data.strip():
             raise RefusedError("it is empty")
-    if _PAGE.match(data):
-        raise UnreadableMeshError(path, "it is a web page, as a failed download leaves one", "download it again, raw")
     with _named(path, data):
         if kind == "stl":
             return Mesh([Piece(stl_corners(data).astype(np.float64), None)])
         return Mesh(collada_pieces(data) if kind == "dae" else _by_trimesh(kind, data, path, files))
 
 
-# The beginning of a page in HTML, or the whole of `404: Not Found`.
-_PAGE = re.compile(rb"\s*(<!doctype\s+html|<html\b|\d{3}:? [a-z ]+\s*$)", re.I)
+# Meshes by their first bytes, which tell those under another format's name.
+MESHES = {
+    rb"ply\s": ("a PLY", "let its name end with .ply"),
+    rb"glTF": ("a GLB", "let its name end with .glb"),
+    rb"(\s|#.*\n)*(mtllib|usemtl|[ogsv]|v[nt])\s+\S": ("an OBJ", "let its name end with .obj"),
+    rb"(?s)\s*(<\?xml.*?\?>)?\s*<COLLADA\b": ("a COLLADA", "let its name end with .dae"),
+    rb"(?i)\s*solid\b(?=.*\s*facet\b)": ("an STL", "let its name end with .stl"),
+    rb"ISO-10303-21": ("a STEP file", REMEDY),
+}
 
 _COMMA = re.compile(rb"[\s>]([-+]?\d+,\d+(?:e[-+]?\d+)?)[\s<]", re.I)
 
@@ -188,11 +192,12 @@ _COMMA = re.compile(rb"[\s>]([-+]?\d+,\d+(?:e[-+]?\d+)?)[\s<]", re.I)
 @contextmanager
 def _named(path: Path, data: bytes = b"") -> Iterator[None]:
     """Raise any error of a reader of the `data` as UnreadableMeshError."""
+    remedy = REMEDY
     try:
         yield
         return
     except TwistarmError as error:
-        raise UnreadableMeshError(path, str(error), "install it") from error
+        reason, remedy = str(error), "install it"
     except RefusedError as error:
         reason = str(error)
     except OSError as error:
@@ -200,12 +205,13 @@ def _named(path: Path, data: bytes = b"") -> Iterator[None]:
     except (RecursionError, MemoryError) as error:
         reason = "it is nested too deeply" if isinstance(error, RecursionError) else "it does not fit into memory"
     except Exception as error:  # a reader raises whatever a file makes it stumble over, and quotes what it likes
-        comma = _COMMA.search(data) if b"\0" not in data[:LOOKED_AT] else None
-        if comma:
-            reason = f"it has decimal commas ({comma[1].decode()})"
-            raise UnreadableMeshError(path, reason, "export it with decimal points") from error
         reason = f"its contents are malformed ({type(error).__name__})"
-    raise UnreadableMeshError(path, one_line(reason, 300))
+        if b"\0" not in data[:LOOKED_AT] and (comma := _COMMA.search(data)):
+            reason, remedy = f"it has decimal commas ({comma[1].decode()})", "export it with decimal points"
+    other, remedy_of = kind_of(data, KINDS | MESHES) or ("", "")
+    if other and not remedy_of.endswith(path.suffix.lower()):  # else it is what its name says, and broken
+        reason, remedy = f"it is {other}", remedy_of
+    raise UnreadableMeshError(path, one_line(reason, 300), remedy)
 
 
 def _by_trimesh(kind: str, data: bytes, path: Path, files: Stamps) -> list[Piece]:
