@@ -34,6 +34,13 @@ def test_init_writes_an_arm_toml_that_every_command_takes(folder: Path, capsys: 
     assert answer(capsys, "fk", "arm.toml")["position"] == answer(capsys, "fk", "arm.urdf")["position"]
 
 
+def test_init_keeps_the_typed_tool(folder: Path, capsys: Capture) -> None:
+    tool = "--tool", "0.01", "0", "0.12"
+    printed(capsys, "init", "arm.urdf", *tool)
+    assert answer(capsys, "fk", "arm.toml")["matrix"] == answer(capsys, "fk", "arm.urdf", *tool)["matrix"]
+    assert printed(capsys, "init", "arm.urdf", "--motion", *tool).endswith("--tool 0.01 0.0 0.12\n")
+
+
 def test_a_link_in_a_circle_is_replaced(folder: Path) -> None:
     (folder / "loop.toml").symlink_to("loop.toml")
     assert run(["init", "arm.urdf", "-o", "loop.toml"]) == 0

@@ -13,6 +13,8 @@ from ...description.companions.srdf import files_beside
 from ...description.document import existing_file
 from ...description.expansion.expand import expand_xacro, is_xacro
 from ...description.packages import package_index
+from ...description.planar import free_name
+from ...support.checks import Array
 from ...support.errors import InputError
 from ...support.files import as_path
 from .load import assemble, proven, read, specify
@@ -31,8 +33,12 @@ MORE = """
 # docs/descriptions.md has an example of each."""
 
 
-def draft_arm_file(source: str | os.PathLike[str], folder: str | os.PathLike[str] = ".", **load: Any) -> str:
+def draft_arm_file(
+    source: str | os.PathLike[str], folder: str | os.PathLike[str] = ".", tool: Array | None = None, **load: Any
+) -> str:
     """An arm.toml for a URDF, xacro or MJCF file, with paths relative to `folder`. `load` are options of `load_arm`.
+
+    `tool` is the place (3,) of a tool frame beyond the tip [m].
 
     It loads as the same arm that `load_arm` makes of these options, with the same `env_vars`, which it does not
     contain. The errors are those of `load_arm`.
@@ -72,6 +78,9 @@ def draft_arm_file(source: str | os.PathLike[str], folder: str | os.PathLike[str
         lines += [f"# {key}.{rate} = ?" for rate, limit in rates.items() if not np.isfinite(limit)]
     lines += ["", "# Named poses give every joint; `ready` is where solvers and views start.", "[poses.ready]"]
     lines += [f"{key} = {value!r}" for key, value in zip(keys, arm.ready.tolist(), strict=True)]
+    if tool is not None:
+        name = free_name("tool", {*arm.frame_names})
+        lines += ["", "[tool]", f"name = {toml_text(name)}", f"xyz = {tool.tolist()}"]
     return "\n".join([*lines, MORE]) + "\n"
 
 

@@ -196,7 +196,7 @@ def check_meshes(description: Description) -> Iterator[Finding]:
     for path in dict.fromkeys(path for path, _ in uses):
         try:
             lengths[path] = read_mesh(path).length
-        except UnreadableMeshError as error:
+        except UnreadableMeshError as error:  # noqa: PERF203
             why = f"{error.reason}; simple shapes are drawn instead", error.remedy
             broken.setdefault(why, []).append(path)
     for (what, remedy), paths in broken.items():

@@ -201,13 +201,14 @@ def init(source: File, outputs: Written, motion: Motion = False) -> None:
         outputs.write({"toml": lambda: draft_motion_file(arm)})
         if output != STDOUT:
             options = [written(Argument(name, value)) for name, value in source.keywords.items() if value]
+            options += [] if source.tool is None else [f"--tool {' '.join(map(repr, source.tool.tolist()))}"]
             plan = " ".join(["twistarm plan", shlex.quote(source.name), shlex.quote(output), *options])
             say(f"{output}: a motion with every kind of segment; next: {plan}")
         return
     for name in ("limits", "locked_joints"):
         if name in source.keywords:
             raise InputError(f"{'--limits' if name == 'limits' else '--locked-joint'} goes into the arm.toml by hand")
-    draft = draft_arm_file(source.name, Path(os.path.realpath(output)).parent, **source.without_tool("the arm.toml"))
+    draft = draft_arm_file(source.name, Path(os.path.realpath(output)).parent, source.tool, **source.keywords)
     outputs.write({"toml": lambda: draft})
     if output != STDOUT:
         arm = load_arm(output, env_vars=source.keywords["env_vars"])
