@@ -351,5 +351,5 @@ CASES: dict[str, Case] = {
 }  # fmt: skip
 """By the code, and a word where several inputs raise it."""
 
+# No input raises these: they are about a fault, ours or Pinocchio's, or about what is missing here.
 FAULTS = ("engines-disagree", "not-compared")
-"""No input raises these: they are about a fault, ours or Pinocchio's, or about what is missing here."""

@@ -13,14 +13,10 @@ from twistarm.ik import Approach, Pose, Position, TolerancedPose
 
 KINDS = ("Pose", "Position", "Approach", "TolerancedPose")
 
+# Exact, banded and free components of position and rotation at once.
 TASK_TOLERANCE = (0.0, 0.0, 0.01, 0.1, np.inf, 0.0)
-"""Exact, banded and free components of position and rotation at once."""
-
-USUAL = (1e-5, 5e-5)
-"""The success that is counted [m], [rad]: what a call tolerates unless it says otherwise."""
-
-JUDGE_SLACK = 1e-9
-"""What two forward kinematics may differ by, and how far beyond a limit rounding may lie."""
+USUAL = (1e-5, 5e-5)  # The success that is counted [m], [rad]: what a call tolerates unless it says otherwise.
+JUDGE_SLACK = 1e-9  # What two forward kinematics may differ by, and how far beyond a limit rounding may lie.
 
 
 def target_from(kind, g, rng):

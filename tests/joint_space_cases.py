@@ -8,14 +8,9 @@ LAWS, SPLINES = ("s_curve", "time_optimal"), ("cubic", "quintic")
 WAYS = [(law, stop) for law in LAWS for stop in (False, True)]
 TIMED = [(kind, stop) for kind in SPLINES for stop in (False, True)]
 
-RATE = 1e-9
-"""Relative excess over a rate limit that is rounding: what the planner promises."""
-
-MET = 1e-3
-"""Relative: a limit that is met, but for the grid of a time-optimal law."""
-
-PASSES = 1e-9
-"""A waypoint is passed to the rounding of a spline's solution [rad, m]."""
+RATE = 1e-9  # Relative excess over a rate limit that is rounding: what the planner promises.
+MET = 1e-3  # Relative: a limit that is met, but for the grid of a time-optimal law.
+PASSES = 1e-9  # A waypoint is passed to the rounding of a spline's solution [rad, m].
 
 RATES = {
     "velocity": {"slide": 0.5, "shoulder": 1.0, "elbow": 1.5},

@@ -10,8 +10,7 @@ import numpy as np
 from stream_stand_ins import PERIOD, FakeClock, Says
 from twistarm.control.stream import Ending, Measured, Streaming, StreamOptions
 
-STEP = 2.0 * np.pi / 4096
-"""Of an encoder with 12 bits [rad]; of a slide's, that many metres."""
+STEP = 2.0 * np.pi / 4096  # Of an encoder with 12 bits [rad]; of a slide's, that many metres.
 
 TICK = 0.001
 BEGIN = 100.0

@@ -22,23 +22,12 @@ from ik_targets import at_some_limits, pinocchio_fk
 from twistarm import available_arms
 from twistarm.ik import StopReason
 
-MARGIN = 0.01
-"""How far [m, rad] a proof must hold beyond its bound; the solver's tolerance is 1e-6."""
-
-BEYOND = (1.002, 3.0)
-"""Times the farthest reach at which targets out of reach lie."""
-
-SINGULAR = 1e-7
-"""A singular value below this, of those of the Jacobian in m and rad, is none."""
-
-SLANT = 1e-4
-"""How far the axes of a drawing may be from square [rad]: files round."""
-
-MOST_DRAWS = 1000
-"""For each target."""
-
-BOX = 0.05
-"""Half the width [rad, m] of the limits that shut an arm in."""
+MARGIN = 0.01  # How far [m, rad] a proof must hold beyond its bound; the solver's tolerance is 1e-6.
+BEYOND = (1.002, 3.0)  # Times the farthest reach at which targets out of reach lie.
+SINGULAR = 1e-7  # A singular value below this, of those of the Jacobian in m and rad, is none.
+SLANT = 1e-4  # How far the axes of a drawing may be from square [rad]: files round.
+MOST_DRAWS = 1000  # For each target.
+BOX = 0.05  # Half the width [rad, m] of the limits that shut an arm in.
 
 
 # inside the limits: CONVERGED ---------------------------------------------------------------------------------
@@ -307,8 +296,7 @@ class Case(NamedTuple):
 
 
 EVERY = available_arms()
-SHORT = ("rr_planar", "scara", "rover_arm", "so100", "so101")
-"""Arms of fewer than six joints."""
+SHORT = ("rr_planar", "scara", "rover_arm", "so100", "so101")  # Arms of fewer than six joints.
 
 CASES = (
     Case("inside", inside, StopReason.CONVERGED, EVERY),

@@ -9,14 +9,12 @@ from twistarm.control.servo import JogCommand, PoseCommand, ServoState, TwistCom
 
 DT = 0.01
 
+# Of the way: how far the tool may be from where the twist would have carried it, away from singularities.
 TRACKING = 1e-3
-"""Of the way: how far the tool may be from where the twist would have carried it, away from singularities."""
-
+# so101 with its tool level, so that going sideways turns it: the wrist cannot take that back.
 LEVEL = np.array([-0.02, -0.1, 1.09, -1.08, 2.01])
-"""so101 with its tool level, so that going sideways turns it: the wrist cannot take that back."""
-
+# Rounding of a sum: θ + dt θ̇ against the limits, and rates against theirs.
 POSITION_TOL, RATE_TOL = 1e-12, 1e-9
-"""Rounding of a sum: θ + dt θ̇ against the limits, and rates against theirs."""
 
 
 def random_arm(rng, n, unlimited=False):

@@ -24,5 +24,5 @@ def textbook_ik(arm, target, theta0=None, **how):
     return IKResult(arm, textbook.solve(arm, asked, request), asked)
 
 
+# Where there is no core the first is the second; tests/arm/test_engine.py says whether there is one.
 SOLVERS = [pytest.param(solve_ik, id="core"), pytest.param(textbook_ik, id="textbook")]
-"""Where there is no core the first is the second; tests/arm/test_engine.py says whether there is one."""

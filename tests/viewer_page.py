@@ -25,11 +25,8 @@ from twistarm.planning.joint_space import plan_joint
 from twistarm.planning.trajectory import Trajectory
 from twistarm.viewer import Viewer
 
-ROUNDING = 1e-14
-"""Two ways to the same pose of an arm of about 1 m, in double precision."""
-
-WAIT = 10.0
-"""Seconds until something that should happen at once counts as not happening."""
+ROUNDING = 1e-14  # Two ways to the same pose of an arm of about 1 m, in double precision.
+WAIT = 10.0  # Seconds until something that should happen at once counts as not happening.
 
 ARM = """<robot name="small">
   <material name="red"><color rgba="1 0 0 0.5"/></material>
@@ -76,8 +73,7 @@ def matrix(columns: list[float]) -> NDArray[np.float64]:
     return placed
 
 
-LOOP = asyncio.new_event_loop()
-"""Of all pages, in a thread of its own."""
+LOOP = asyncio.new_event_loop()  # Of all pages, in a thread of its own.
 
 threading.Thread(target=LOOP.run_forever, name="pages", daemon=True).start()
 

@@ -8,8 +8,7 @@ import pinocchio as pin
 import twistarm
 from twistarm import poe, screws
 
-POSE_TOL = 1e-12
-"""Double precision over some ten joints."""
+POSE_TOL = 1e-12  # Double precision over some ten joints.
 
 SAMPLES = 50
 

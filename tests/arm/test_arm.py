@@ -18,8 +18,7 @@ from twistarm.support.errors import InputError, TwistarmError, UnknownNameError
 from twistarm.viewer.parts.arm_data import checked_theta
 from urdf_text import joint, robot, two_joints, write
 
-ROUNDING = 1e-12
-"""Some ten products of matrices in double precision."""
+ROUNDING = 1e-12  # Some ten products of matrices in double precision.
 
 FOLLOWER = robot(
     joint("a", "base_link", "upper", rpy="0 1.5 0"),

@@ -14,8 +14,8 @@ from twistarm import Arm, Scene, arm_from_screws, joints, load_arm
 from urdf_text import joint, robot, two_joints, write
 
 TURNING = '<axis xyz="{}"/><limit lower="{}" upper="{}" velocity="1" effort="1"/>'
+# Axes of the usual six joints: base turn, shoulder, elbow, and a wrist of roll, pitch, roll.
 ELBOW = ("0 0 1", "0 1 0", "0 1 0", "1 0 0", "0 1 0", "1 0 0")
-"""Axes of the usual six joints: base turn, shoulder, elbow, and a wrist of roll, pitch, roll."""
 
 
 def elbow(folder: Path, **shapes: str) -> Arm:

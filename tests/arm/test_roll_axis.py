@@ -8,8 +8,8 @@ import pytest
 from catalogue import load
 from twistarm import Approach, Arm, ArmBuilder, InputError, arm_from_screws, rotations, solve_ik, solve_ik_batch
 
+# A tool frame that stands askew.
 TOOL = np.block([[rotations.from_rpy([0.3, -0.8, 1.1]), np.zeros((3, 1))], [np.zeros(3), 1.0]])
-"""A tool frame that stands askew."""
 
 
 def tool(x: float, y: float, z: float) -> np.ndarray:

@@ -20,8 +20,7 @@ from twistarm.theory.rotations import to_xyzw
 from wiring_logs import FAULTS, faults, logged, outcome, planted
 
 ARMS = ("rover_arm", "rover_arm_6dof", "elbow", "scara", "stanford", "ur5", "panda", "so101")
-FAR = 8.0
-"""A fault that moves the tool by fewer standard deviations may stay hidden."""
+FAR = 8.0  # A fault that moves the tool by fewer standard deviations may stay hidden.
 
 MOTORS = Actuators(
     ("rail", "shoulder", "elbow", "left", "right"),

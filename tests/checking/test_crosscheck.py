@@ -18,8 +18,7 @@ from twistarm.support.errors import ComparisonError, InputError, MissingExtraErr
 from twistarm.testing import assert_arm
 from urdf_text import joint, robot, two_joints, write
 
-PINOCCHIO_TOL, YOURDFPY_TOL = 1e-12, 1e-9
-"""What every arm of the catalogue must keep to."""
+PINOCCHIO_TOL, YOURDFPY_TOL = 1e-12, 1e-9  # What every arm of the catalogue must keep to.
 
 
 def test_catalogue_arms_agree_in_every_engine(catalogue_arm: twistarm.Arm) -> None:

@@ -16,8 +16,7 @@ from twistarm.arm.abilities import abilities_of
 from twistarm.checking.doctor import examine
 from urdf_text import joint, robot, two_joints, write
 
-WARNED = {"kinova", "so100"}
-"""Of one a state of its SRDF lies outside the limits; the other has no tool frame."""
+WARNED = {"kinova", "so100"}  # Of one a state of its SRDF lies outside the limits; the other has no tool frame.
 
 
 @pytest.mark.parametrize("name", twistarm.available_arms())
@@ -131,8 +130,7 @@ def test_real_descriptions_that_fail_get_the_error_that_says_why(file: str, mode
 
 
 STEP = 1e-5
-NONE = 2e-3
-"""Less than this [m/reach per rad, rad per rad] is no motion: the doctor looks at a thousandth."""
+NONE = 2e-3  # Less than this [m/reach per rad, rad per rad] is no motion: the doctor looks at a thousandth.
 
 
 def differences(arm: Arm, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

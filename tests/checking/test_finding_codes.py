@@ -37,8 +37,7 @@ def found(case: Case, folder: Path) -> tuple[Finding, ...]:
     return diagnose(lay(case, folder), **keywords(case, folder))
 
 
-SCENES = {"collision-shapes", "mesh-open", "scene-names"}
-"""Codes of a `Scene`, which tests/collision raises."""
+SCENES = {"collision-shapes", "mesh-open", "scene-names"}  # Codes of a `Scene`, which tests/collision raises.
 
 
 def test_every_code_has_an_input_that_raises_it() -> None:

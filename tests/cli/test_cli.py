@@ -229,8 +229,7 @@ def test_demo_without_a_terminal_writes_both_files(
 IK = "ik rover_arm --xyz '1 0 0' "
 PLAN = "plan rover_arm --to zero "
 SERVO = "servo scara --no-browser "
-FOLLOW = "follow rr_planar nowhere.json --no-browser "
-"""What is refused is refused before the file is read."""
+FOLLOW = "follow rr_planar nowhere.json --no-browser "  # What is refused is refused before the file is read.
 
 BAD = (
     ("info rover_amr", "'rover_amr'"),

@@ -158,7 +158,7 @@ def test_what_cannot_be_is_refused_before_anything_is_opened(typed: list[str], m
 
     monkeypatch.setattr("twistarm.cli.commands.viewing.Viewer", opened)
     for name in ("UdpSink", "UdpFeedback", "SimulatedJoints"):
-        monkeypatch.setattr(f"twistarm.cli.commands.driving.{name}", opened)
+        monkeypatch.setattr(f"twistarm.cli.commands.driving.stream.{name}", opened)
     assert run(["servo", "scara", "--no-browser", *typed]) == 2
 
 
@@ -169,7 +169,7 @@ def test_options_reach_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
         given.update(options, source=source, shared=shared)
         return stream(arm, source, sink, feedback, shared, **{**options, "duration": 0.05})
 
-    monkeypatch.setattr("twistarm.cli.commands.driving.run", noted)
+    monkeypatch.setattr("twistarm.cli.commands.driving.stream.run", noted)
     options = "--velocity-mode --command-timeout 0.5 --feedback-timeout 300 ms --tolerance 0.1 rad --margin 0.02 "
     options += "--on-unreachable stop"
     udp = ("--udp", "127.0.0.1:9", "--listen", "127.0.0.1:0")

@@ -13,8 +13,7 @@ from test_cli import Capture, answer, printed
 from twistarm import load_arm
 
 AT = ["ik", "rover_arm", "--all", "--xyz", "0.8", "0.1", "0.7"]
-ROVER = [*AT, "--direction", "1", "0", "0"]
-"""Elbow up and elbow down."""
+ROVER = [*AT, "--direction", "1", "0", "0"]  # Elbow up and elbow down.
 
 
 def rows_at(p: list[float], out: Path) -> list[dict[str, str]]:

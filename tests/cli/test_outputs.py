@@ -30,8 +30,7 @@ WRITES = {
     "doctor --fix": (["doctor", "arm.urdf", "--fix"], "fixed.urdf"),
 }
 
-STABLE = 500_000
-"""Bytes that are compared: behind the page's code stand its own times."""
+STABLE = 500_000  # Bytes that are compared: behind the page's code stand its own times.
 
 
 @pytest.fixture

@@ -17,8 +17,8 @@ from ik_targets import pinocchio_fk, require_core
 from test_cli import Capture, answer, error_of
 from twistarm.cli.application import run
 
+# Roll, pitch, yaw about the base's axes, by SciPy.
 ROTATION = Rotation.from_euler("xyz", [170, 5, 40], degrees=True)
-"""Roll, pitch, yaw about the base's axes, by SciPy."""
 
 QX, QY, QZ, QW = ROTATION.as_quat()
 

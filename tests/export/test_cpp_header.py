@@ -99,8 +99,8 @@ int main() {
 }
 """
 
+# Operators new and new[], C's own, and throwing: names that an object file would hold.
 HEAP = (b"_Znwm", b"_Znam", b"malloc", b"calloc", b"__cxa_throw")
-"""Operators new and new[], C's own, and throwing: names that an object file would hold."""
 
 
 @pytest.fixture(scope="module")
@@ -205,11 +205,10 @@ def reference(arm: Arm, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.n
     return arm.pinocchio.kinematics(theta, arm.base, arm.tip_link)
 
 
+# How close kinematics come, and to what inverse kinematics solves.
 PRECISIONS = {"double": (1e-12, 1e-6), "float": (1e-5, 1e-4)}
-"""How close kinematics come, and to what inverse kinematics solves."""
-
+# Compiling takes seconds: `make test` has each number type and each kind of joint, `make test-all` every pair.
 QUICK = {("rover_arm", "float"), ("mimic", "double"), ("helical", "double")}
-"""Compiling takes seconds: `make test` has each number type and each kind of joint, `make test-all` every pair."""
 
 PAIRS = [
     pytest.param((name, real), id=f"{name}-{real}", marks=() if (name, real) in QUICK else pytest.mark.slow)

@@ -51,8 +51,7 @@ int main() {
 }
 """
 
-SLOW_MOTOR = 0.6
-"""[rad/s]: less than the wrist's joints may do."""
+SLOW_MOTOR = 0.6  # [rad/s]: less than the wrist's joints may do.
 
 
 def with_wrist_motors() -> Arm:

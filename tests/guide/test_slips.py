@@ -57,8 +57,7 @@ def hold(exercise: Exercise, arm: Arm, seed: int) -> None:
         assert (verdict.state, verdict.slip) == ("wrong", slip.name), f"{arm.name}, seed {seed}: {slip.name}"
 
 
-LONG = ("solve_pose",)
-"""Seconds each: its solution, and a slip of it, are among those below."""
+LONG = ("solve_pose",)  # Seconds each: its solution, and a slip of it, are among those below.
 
 
 @pytest.mark.parametrize("name", [pytest.param(k, marks=pytest.mark.slow if k in LONG else ()) for k in EXERCISES])

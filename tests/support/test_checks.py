@@ -14,8 +14,7 @@ from strategies import BATCHES, EPS, batches, poses, rotations
 from twistarm.support import checks
 from twistarm.support.errors import InputError, RoundedPoseWarning
 
-CLEAN = 8 * EPS
-"""A cleaned rotation is orthonormal to a few roundings."""
+CLEAN = 8 * EPS  # A cleaned rotation is orthonormal to a few roundings.
 
 
 def tilted(R, amount):

@@ -11,8 +11,7 @@ import numpy as np
 from strategies import close
 from twistarm import joints, poe, screws
 
-PRINTED_3 = 6e-4
-"""Three printed decimals, computed from inputs of three decimals."""
+PRINTED_3 = 6e-4  # Three printed decimals, computed from inputs of three decimals.
 
 X, Y, Z = np.eye(3)
 

@@ -11,11 +11,9 @@ from strategies import BATCHES, EPS, close
 from twistarm import poe, screws
 from twistarm.support.errors import InputError
 
+# Two accounts of a chain of up to nine joints, each some 1 m long: rounding of nine products.
 PINOCCHIO = 1e-13
-"""Two accounts of a chain of up to nine joints, each some 1 m long: rounding of nine products."""
-
-BATCH = 256 * EPS
-"""The same chain, one by one and in a batch: NumPy orders sums differently."""
+BATCH = 256 * EPS  # The same chain, one by one and in a batch: NumPy orders sums differently.
 
 KINDS = ("revolute", "prismatic", "helical")
 

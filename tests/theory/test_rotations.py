@@ -29,17 +29,10 @@ from strategies import rotations as any_rotation
 from twistarm import rotations
 from twistarm.support.errors import InputError
 
-ROUNDING = 4 * EPS
-"""A matrix entry or an angle after a handful of operations on numbers of order 1."""
-
-SCIPY = 1e-14
-"""Both sides round, and SciPy's conversions take more steps than ours."""
-
-PI_ROUNDING = 8 * EPS
-"""Rotation vectors near π: a few units in the last place of π."""
-
-DERIVATIVE = 1e-10
-"""Sixth-order differences with h = 1e-3 on functions of order 1."""
+ROUNDING = 4 * EPS  # A matrix entry or an angle after a handful of operations on numbers of order 1.
+SCIPY = 1e-14  # Both sides round, and SciPy's conversions take more steps than ours.
+PI_ROUNDING = 8 * EPS  # Rotation vectors near π: a few units in the last place of π.
+DERIVATIVE = 1e-10  # Sixth-order differences with h = 1e-3 on functions of order 1.
 
 AXES = np.vstack([np.eye(3), -np.eye(3), [[1, 1, 1], [-1, 2, 0.5], [0, -3, 1], [1e-3, -1, 2], [0, 1, -1e-9]]])
 AXES = AXES / np.linalg.norm(AXES, axis=1, keepdims=True)
@@ -288,8 +281,8 @@ def test_bad_input_is_refused(call, telling):
 
 # the nearest rotation ---------------------------------------------------------------------------------
 
+# Half of them mirror; none is near a rotation.
 MATRICES = np.random.default_rng(5).normal(size=(300, 3, 3)) * 10.0 ** np.linspace(-200, 200, 300)[:, None, None]
-"""Half of them mirror; none is near a rotation."""
 
 
 def test_the_nearest_rotation_is_the_one_that_aligns_the_axes():

@@ -28,22 +28,15 @@ from strategies import (
 from twistarm import screws
 from twistarm.support.errors import InputError
 
-ROUNDING = 8 * EPS
-"""A pose after a handful of operations, relative to its translation (1 for its rotation)."""
-
+ROUNDING = 8 * EPS  # A pose after a handful of operations, relative to its translation (1 for its rotation).
+# After products of several poses or Adjoints, relative to the larger of 1 and the translations' product.
 PRODUCTS = 64 * EPS
-"""After products of several poses or Adjoints, relative to the larger of 1 and the translations' product."""
-
-LIBRARY = 1e-13
-"""SciPy's expm and Pinocchio's series take more steps than ours; relative."""
-
-DERIVATIVE = 1e-10
-"""Sixth-order differences with h = 1e-3, relative to the derivative."""
+LIBRARY = 1e-13  # SciPy's expm and Pinocchio's series take more steps than ours; relative.
+DERIVATIVE = 1e-10  # Sixth-order differences with h = 1e-3, relative to the derivative.
 
 AXES = np.vstack([np.eye(3), -np.eye(3), [[1, 1, 1], [-1, 2, 0.5], [0, -3, 1], [1e-3, -1, 2]]])
 AXES = AXES / np.linalg.norm(AXES, axis=1, keepdims=True)
-V = np.array([0.7, -1.3, 0.4])
-"""A linear part of order 1, along none of the axes."""
+V = np.array([0.7, -1.3, 0.4])  # A linear part of order 1, along none of the axes.
 
 
 def size(*arrays):

@@ -19,23 +19,16 @@ from .arm import Arm
 CANNOT_MOVE = "this arm cannot move that way"
 CANNOT_TURN = "this arm cannot turn that way"
 
+# A singular value [rad per rad] below this counts as zero. Descriptions write 1.57 for a right angle.
 NO_MOTION = 1e-3
-"""A singular value [rad per rad] below this counts as zero. Descriptions write 1.57 for a right angle."""
-
-SAMPLES = 16
-"""Number of random configurations. Almost every configuration has the largest rank of the arm."""
-
-BESIDE = 0.05
-"""Distance [scaled rad] from a singular configuration at which its missing directions are found."""
-
-MOSTLY = 0.5
-"""An arm has a direction if it has at least this share of it."""
+SAMPLES = 16  # Number of random configurations. Almost every configuration has the largest rank of the arm.
+BESIDE = 0.05  # Distance [scaled rad] from a singular configuration at which its missing directions are found.
+MOSTLY = 0.5  # An arm has a direction if it has at least this share of it.
 
 Half = tuple[int, ...]
 
 LINEAR: Half = (0, 1, 2)
-ANGULAR: Half = (3, 4, 5)
-"""Components of a twist (v, w)."""
+ANGULAR: Half = (3, 4, 5)  # Components of a twist (v, w).
 
 
 def lacks(arm: Arm, theta: Array, half: Half, direction: Array, frame: str, before: Sequence[int] = ()) -> bool:

@@ -39,8 +39,8 @@ from .ready_pose import Mechanism, overlapping_links, round_configuration
 
 READY, ZERO = "ready", "zero"
 
+# Usual names of the ready configuration, the most likely first.
 USUAL_NAMES = ("ready", "home", "default", "rest", "stowed")
-"""Usual names of the ready configuration, the most likely first."""
 
 
 class Configurations(Mapping[str, Array]):
@@ -97,8 +97,7 @@ def theta_by_joint(arm: str, joints: tuple[str, ...], values: Any, numbers: Arra
     return as_theta([given[name] for name in joints], len(joints))
 
 
-RANK_SAMPLES = 16
-"""Random configurations that show the rank of an arm. Almost every one has it."""
+RANK_SAMPLES = 16  # Random configurations that show the rank of an arm. Almost every one has it.
 
 
 class Coupling(NamedTuple):
@@ -356,17 +355,11 @@ class ArmData:
         return f"baked without its description (load {self.source!r} for that)"
 
 
-Z = frozen([0.0, 0.0, 1.0])
-"""The axis if no joint rolls the tool. By convention a tool points along z."""
-
+Z = frozen([0.0, 0.0, 1.0])  # The axis if no joint rolls the tool. By convention a tool points along z.
+# Sine below which axes are parallel, and share of the reach below which a point lies on an axis.
 ALIGNED = 1e-3
-"""Sine below which axes are parallel, and share of the reach below which a point lies on an axis."""
-
-DECIMALS = 12
-"""Decimals of the axis. Further digits are rounding, which differs between machines."""
-
-DECISIVE = 0.5
-"""Some component of every unit vector is at least 1/√3."""
+DECIMALS = 12  # Decimals of the axis. Further digits are rounding, which differs between machines.
+DECISIVE = 0.5  # Some component of every unit vector is at least 1/√3.
 
 
 def roll_axis(body_screws: Array, coupling: Array, reach: float) -> Array:

@@ -24,8 +24,7 @@ SUFFIX = ".json"
 
 VERSION = 1
 
-MAX_BYTES = 10_000_000
-"""Six joints have some 5 kB; 250 joints and a coupling between all of them 2 MB."""
+MAX_BYTES = 10_000_000  # Six joints have some 5 kB; 250 joints and a coupling between all of them 2 MB.
 
 
 class Kind(NamedTuple):

@@ -17,21 +17,15 @@ from ..support.checks import Array
 from ..support.errors import InputError, TwistarmError
 from .solid import Solid
 
+# Radius of a link's capsule: in reaches of the arm, and at most in lengths of the link.
 THICK, STOUT = 0.025, 0.3
-"""Radius of a link's capsule: in reaches of the arm, and at most in lengths of the link."""
-
+# A mesh that is flatter than this part of its length gets this thickness, because a hull needs a volume.
 FLAT = 1e-6
-"""A mesh that is flatter than this part of its length gets this thickness, because a hull needs a volume."""
-
+# Qhull needs 4 s for 10,000 corners of one flat face, and 0.04 s once it has joggled them by 1e-8 of their size.
 MANY_CORNERS = 4000
-"""Qhull needs 4 s for 10,000 corners of one flat face, and 0.04 s once it has joggled them by 1e-8 of their size."""
-
+# The most triangles of one exact mesh, and of one whose hull is made. A finer mesh is simplified.
 MOST_TRIANGLES, MOST_OF_A_HULL = 200_000, 50_000
-"""The most triangles of one exact mesh, and of one whose hull is made. A finer mesh is simplified."""
-
-
-Pair = tuple[str, str]
-"""Two names of bodies in alphabetical order."""
+Pair = tuple[str, str]  # Two names of bodies in alphabetical order.
 
 
 class Triangles(NamedTuple):

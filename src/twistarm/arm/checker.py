@@ -13,11 +13,8 @@ from ..support.checks import Array
 from .bodies import Body
 from .pinocchio_model import PinocchioModel, import_pinocchio
 
-MANY = 150
-"""Bodies from which sorting them along the axes is quicker than all pairs of their boxes."""
-
-TOLERANCE = 1e-9
-"""Of the distance between convex shapes [m]."""
+MANY = 150  # Bodies from which sorting them along the axes is quicker than all pairs of their boxes.
+TOLERANCE = 1e-9  # Of the distance between convex shapes [m].
 
 
 class Checker:

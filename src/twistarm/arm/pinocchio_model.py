@@ -19,15 +19,12 @@ from ..support import wheels
 from ..support.checks import Array
 from ..support.errors import MissingExtraError
 
+# Pinocchio's data holds four tensors of nv³ numbers: 0.12 GB here, and the doctor has two. The largest robot known,
+# tiago_dual with two hands, has 101.
 MAX_MOVING_JOINTS = 150
-"""Pinocchio's data holds four tensors of nv³ numbers: 0.12 GB here, and the doctor has two. The largest robot
-known, tiago_dual with two hands, has 101."""
-
+# `pinocchio` on the registry is another project.
 _WHEEL = wheels.Wheel("pinocchio", "pin", has="buildModelFromXML", oldest="3.4")
-"""`pinocchio` on the registry is another project."""
-
-_STDERR = threading.Lock()
-"""The process has one file descriptor 2, so only one redirection runs at a time."""
+_STDERR = threading.Lock()  # The process has one file descriptor 2, so only one redirection runs at a time.
 
 
 class PinocchioModel:

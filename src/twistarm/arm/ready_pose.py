@@ -43,18 +43,14 @@ last stroke, a unit vector, square if level or vertical. Clearance is the lowest
 that of the tool above `LIFTED` and above `HANGING` below the shoulder. Arch and sag are the highest and the lowest
 corner above the line from shoulder to tool."""
 
+# Shares of the arm's size: the tool above the base plane, the tool below the shoulder, and the distance from the
+# first axis below which a tool faces nowhere.
 LIFTED, HANGING, NEAR_AXIS = 0.15, 0.2, 0.05
-"""Shares of the arm's size: the tool above the base plane, the tool below the shoulder, and the distance from the first
-axis below which a tool faces nowhere."""
-
+# The least σ_k/σ_1 of a regular configuration, and the cost of a singular one, larger than all other costs.
 SINGULAR, FORBIDDEN = 0.01, 1e3
-"""The least σ_k/σ_1 of a regular configuration, and the cost of a singular one, larger than all other costs."""
-
+# The least σ_k/σ_1 that counts towards the rank, because exports round axes, and the least that is told from 0.
 LOST, HOPELESS = 1e-3, 1e-6
-"""The least σ_k/σ_1 that counts towards the rank, because exports round axes, and the least that is told from 0."""
-
-DECIMALS = 6
-"""Decimals of compared costs, so that rounding does not choose between equal configurations."""
+DECIMALS = 6  # Decimals of compared costs, so that rounding does not choose between equal configurations.
 
 
 @dataclass(frozen=True)
@@ -173,37 +169,22 @@ class Merit:
 
 Rows = np.ndarray[tuple[int, ...], np.dtype[np.intp]]
 
+# Steps between values [rad, m]. A coordinate takes the first step that gives it `FEW` values.
 STEPS = {"rad": np.radians([15.0, 5.0, 1.0, 0.5, 0.1]), "m": np.array([0.05, 0.01, 0.005, 0.001])}
-"""Steps between values [rad, m]. A coordinate takes the first step that gives it `FEW` values."""
 
 FEW = 5
 
-WINDOW = {"rad": np.pi, "m": 1.0}
-"""The largest distance of a value from the middle of the range, or from 0."""
-
+WINDOW = {"rad": np.pi, "m": 1.0}  # The largest distance of a value from the middle of the range, or from 0.
+# Least distance from a bound, and the distance below which nearness costs, as shares of the range.
 MARGIN, COMFORT = 0.1, 0.25
-"""Least distance from a bound, and the distance below which nearness costs, as shares of the range."""
-
-BENT, NEAR = 0.25, 1.0
-"""Costs of a coordinate that is not at rest, and of a value at `MARGIN`."""
-
+BENT, NEAR = 0.25, 1.0  # Costs of a coordinate that is not at rest, and of a value at `MARGIN`.
+# Number of first configurations, and how many of them show the ranks and the usual overlaps.
 SAMPLES, KNOWING = 192, 24
-"""Number of first configurations, and how many of them show the ranks and the usual overlaps."""
-
-KEPT, ROUNDS = 4, 12
-"""How many configurations are improved, and in at most how many rounds."""
-
-RESTING = 0.45
-"""The share of coordinates that rest in the first configurations."""
-
-STRIDES = (-1, 1, -3, 3, -6, 6)
-"""Steps of a coordinate."""
-
-VERTICAL = 0.999
-"""The least |z| of the axis of a base turn, a unit vector."""
-
-USUALLY = 0.9
-"""Links that overlap in this share of configurations overlap by their drawing."""
+KEPT, ROUNDS = 4, 12  # How many configurations are improved, and in at most how many rounds.
+RESTING = 0.45  # The share of coordinates that rest in the first configurations.
+STRIDES = (-1, 1, -3, 3, -6, 6)  # Steps of a coordinate.
+VERTICAL = 0.999  # The least |z| of the axis of a base turn, a unit vector.
+USUALLY = 0.9  # Links that overlap in this share of configurations overlap by their drawing.
 
 
 def round_configuration(
@@ -310,8 +291,8 @@ def _neighbours(grid: Grid, moving: list[int], row: Rows) -> Rows:
     return np.array(rows)
 
 
+# The most shapes and pairs of shapes. A larger robot is a scene and is not checked.
 MOST_SHAPES, MOST_PAIRS = 500, 2_000
-"""The most shapes and pairs of shapes. A larger robot is a scene and is not checked."""
 
 GROUND = "the base plane"
 

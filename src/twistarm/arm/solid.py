@@ -9,8 +9,8 @@ from ..description.meshes.mesh import components, welded
 from ..support.checks import Array
 from ..theory.rotations import from_rpy
 
+# A ray along its z axis meets no edge of a mesh whose edges are along the axes.
 SKEW = from_rpy(np.array([0.7, 0.4, 0.9]))
-"""A ray along its z axis meets no edge of a mesh whose edges are along the axes."""
 
 
 class Solid:

@@ -10,8 +10,8 @@ from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED, JointLimits
 from ..support.messages import Quantity, Text, joined
 from .arm import Arm
 
+# Default limits per s and s². They leave time to let go of a key.
 DEFAULTS = {"velocity": {"rad": 1.0, "m": 0.25}, "acceleration": {"rad": 3.0, "m": 1.0}}
-"""Default limits per s and s². They leave time to let go of a key."""
 
 POWERS = {"velocity": "s", "acceleration": "s²"}
 

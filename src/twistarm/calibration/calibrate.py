@@ -22,20 +22,14 @@ Frame = Literal["fit", "held"]
 Log = Measurements | str | os.PathLike[str]
 
 FOLDS = 5
+# How far joints are out as a rule [m, rad, 1]: what the fit knows before the log.
 USUAL = {"zero": 0.2, "shift": 0.002, "tilt": 0.01, "scale": 0.1}
-"""How far joints are out as a rule [m, rad, 1]: what the fit knows before the log."""
-
+# A base that moved lowers the squares by more than so many times what six more parameters do by chance.
 MOVED = 6.0
-"""A base that moved lowers the squares by more than so many times what six more parameters do by chance."""
-
+# An axis that would tilt by more [rad], or move by more reaches, is no matter of tolerances.
 FAR_TILT, FAR_SHIFT = 0.2, 0.1
-"""An axis that would tilt by more [rad], or move by more reaches, is no matter of tolerances."""
-
-TURNED = 0.2
-"""Orientations that are out by more [rad] are written in another way."""
-
-LEAST_PART = 6
-"""Rows on each side of the moment when a base moved."""
+TURNED = 0.2  # Orientations that are out by more [rad] are written in another way.
+LEAST_PART = 6  # Rows on each side of the moment when a base moved.
 
 
 def calibrate(

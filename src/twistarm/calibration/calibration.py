@@ -27,16 +27,14 @@ from .geometry import Parameter
 from .measurements import Bools
 from .problem import LOUD, Problem
 
+# The share of the error of base and tool alone that the corrected arm must stay below, on rows not fitted.
 SURE = 0.95
-"""The share of the error of base and tool alone that the corrected arm must stay below, on rows not fitted."""
-
-ELSEWHERE = 5.0
-"""An expected error so many times that of rows left out shows that the log is from few places."""
+ELSEWHERE = 5.0  # An expected error so many times that of rows left out shows that the log is from few places.
 
 CANDIDATES = 1000
 
+# [m, rad] that the arm of the copy may differ from the corrected one: 16 digits of angles leave less.
 SAME = 1e-9
-"""[m, rad] that the arm of the copy may differ from the corrected one: 16 digits of angles leave less."""
 
 
 class Estimate(NamedTuple):

@@ -17,8 +17,8 @@ from ..theory.poe import columns, motions
 from ..theory.rotations import skew
 from ..theory.screws import adjoint_of, exp, inverse_of, to_screw
 
+# How an axis moves across itself: a slide has a direction and no place.
 OF_A_TURN, OF_A_SLIDE = ("shift x", "shift y", "tilt x", "tilt y"), ("tilt x", "tilt y")
-"""How an axis moves across itself: a slide has a direction and no place."""
 
 
 class Parameter(NamedTuple):

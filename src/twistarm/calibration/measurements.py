@@ -24,16 +24,14 @@ from ..theory.rotations import from_xyzw
 Bools = NDArray[np.bool_]
 Rows = NDArray[np.intp]
 
+# A row has some 150 bytes; a camera's half hour at 30 Hz is 8 MB.
 BOUNDS = Bounds(bytes=10_000_000, lines=100_000)
-"""A row has some 150 bytes; a camera's half hour at 30 Hz is 8 MB."""
 
 POSITION, ROTATION = ("x", "y", "z"), ("qx", "qy", "qz", "qw")
 
+# A logged quaternion is rounded to a few digits; one that is further from length 1 holds something else.
 UNIT_LENGTH_TOL = 0.01
-"""A logged quaternion is rounded to a few digits; one that is further from length 1 holds something else."""
-
-LITTLE = {"rad": float(np.radians(15.0)), "m": 0.05}
-"""A joint that moved by less has hardly moved."""
+LITTLE = {"rad": float(np.radians(15.0)), "m": 0.05}  # A joint that moved by less has hardly moved.
 
 NUMBERS = {"position": (3,), "rotation": (3, 3), "length": (), "noise": ()}
 NAMES = ("point", "plane", "wire")

@@ -16,20 +16,13 @@ from .geometry import Geometry, Parameter
 from .measurements import Bools, Measurements, Rows
 
 STEPS, TRIES, LEAST_DAMPING = 30, 8, 1e-9
-SETTLED = 1e-4
-"""Share of a standard deviation, squared, below which a step ends the descent."""
-
+SETTLED = 1e-4  # Share of a standard deviation, squared, below which a step ends the descent.
+# Standard deviation by unit beyond which the log does not show a parameter: most arms are out by less.
 MOST_STD = {"m": 0.003, "rad": 0.01, "1": 0.01}
-"""Standard deviation by unit beyond which the log does not show a parameter: most arms are out by less."""
-
+# The share of a column's square across the others below which it shows nothing: they are parallel within 0.06°.
 DEPENDENT = 1e-6
-"""The share of a column's square across the others below which it shows nothing: they are parallel within 0.06°."""
-
-ALIKE = 1.25
-"""Unknowns that show nearly alike are as good as each other: the first of them is chosen."""
-
-LOUD = 5.0
-"""Standard deviations from which a row is an outlier: of 10,000 rows with normal noise it is none."""
+ALIKE = 1.25  # Unknowns that show nearly alike are as good as each other: the first of them is chosen.
+LOUD = 5.0  # Standard deviations from which a row is an outlier: of 10,000 rows with normal noise it is none.
 
 
 @dataclass(frozen=True, eq=False)

@@ -40,31 +40,22 @@ KINDS = {
 }
 ANYTHING = "ratio, zero"
 
+# A claim must lower the sum of squares by five standard deviations; explanations within three are equally good.
 CLEAR, AS_GOOD = 25.0, 9.0
-"""A claim must lower the sum of squares by five standard deviations; explanations within three are equally good."""
-
-UNEXPLAINED = 9.0
-"""A greater mean square residual [standard deviations²] is not noise."""
+UNEXPLAINED = 9.0  # A greater mean square residual [standard deviations²] is not noise.
 
 SCALES = (1.0, 0.1, 0.25, 0.5, 0.75, 1.5, 2.0, 4.0, 10.0)
 OFFSETS = np.radians([0.0, 30.0, -30.0, 75.0, -75.0, 120.0, -120.0, 180.0])
+# Where the fit of one motor may start: its scale, and what its zero adds to the joint [rad, m].
 STARTS = np.array([(sign * s, e) for s in SCALES for sign in (1.0, -1.0) for e in OFFSETS])
-"""Where the fit of one motor may start: its scale, and what its zero adds to the joint [rad, m]."""
-
-MOST_CLAIMS = 6.0
-"""More is not claimed by and by: two motors of which anything is wrong, or six reversed ones."""
-
-MOST_SIGNS = 8
-"""Motors up to which every pattern of signs is tried."""
-
+MOST_CLAIMS = 6.0  # More is not claimed by and by: two motors of which anything is wrong, or six reversed ones.
+MOST_SIGNS = 8  # Motors up to which every pattern of signs is tried.
+# Moments of a fit and of a search for starts: neighbouring moments of a camera have the same errors.
 MOST_ROWS, FEW_ROWS = 200, 30
-"""Moments of a fit and of a search for starts: neighbouring moments of a camera have the same errors."""
-
+# Allowed contradiction of motors that share a joint [joint rad]: backlash and belts.
 SLACK = float(np.radians(1.0))
-"""Allowed contradiction of motors that share a joint [joint rad]: backlash and belts."""
-
+# Explanations that may be fitted, after what they claim.
 Candidates = Iterator[tuple[float, Callable[[], "Explanation"]]]
-"""Explanations that may be fitted, after what they claim."""
 
 
 @dataclass(frozen=True, eq=False)

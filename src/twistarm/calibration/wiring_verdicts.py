@@ -20,20 +20,15 @@ from .measurements import LITTLE, Measurements, read_measurements, require_metre
 from .problem import LOUD
 from .wiring import ANYTHING, KINDS, MOST_ROWS, Explanation, Found, Wiring, explained, sign_patterns
 
+# Normal errors of a scale, or of an offset by the joint's unit. They are no faults, even if the log shows them.
 NORMAL = {"1": 0.02, "rad": float(np.radians(1.0)), "m": 0.005}
-"""Normal errors of a scale, or of an offset by the joint's unit. They are no faults, even if the log shows them."""
-
+# Greatest standard deviations of a visible scale or offset.
 VISIBLE = {"1": 0.05, "rad": float(np.radians(2.0)), "m": 0.01}
-"""Greatest standard deviations of a visible scale or offset."""
-
+# One standard deviation [m, rad] of a base measured by tape, for logs that need it.
 USUAL_BASE = (0.01, float(np.radians(2.0)))
-"""One standard deviation [m, rad] of a base measured by tape, for logs that need it."""
-
+# On motors, the gravest first; that on the arm is the gravest of them.
 VERDICTS = "fault", "possible fault", "cannot tell"
-"""On motors, the gravest first; that on the arm is the gravest of them."""
-
-ROUNDING = 1e-6
-"""A smaller share of a motor's largest ratio, or of a direction that no log shows, is rounding."""
+ROUNDING = 1e-6  # A smaller share of a motor's largest ratio, or of a direction that no log shows, is rounding.
 
 BASE_KNOWN = (
     "measure the base anew, by the tool in several configurations; --base-position-noise (metres) and "
@@ -144,52 +139,66 @@ def check_wiring(
     Raises:
         InputError: The arm has no actuators, they do not determine its joints, or the log is unusable.
     """
-    motors = require_motors(arm)
+    motors, whole = require_motors(arm), _readable(log, arm)
     noises = {"base_position_noise": base_position_noise, "base_orientation_noise": base_orientation_noise}
     given = [None if noise is None else as_number(noise, name, 0.0) for name, noise in noises.items()]
     noise = as_positive(position_noise, "position_noise"), as_positive(orientation_noise, "orientation_noise")
+    rows = np.unique(np.linspace(0, len(whole.theta) - 1, MOST_ROWS).astype(int))
+    usual = [most if std is None else std for std, most in zip(given, USUAL_BASE, strict=True)]
+    base, elsewhere = (given[0] or 0.0, given[1] or 0.0), (usual[0], usual[1])
+    wiring = Wiring(arm, motors, whole.of_rows(rows), noise, base, elsewhere)
+    return _report(Evidence(wiring, *explained(wiring)), replace(wiring, log=whole))
+
+
+def _readable(log: Measurements | str | os.PathLike[str], arm: Arm) -> Measurements:
+    """The log, or InputError if its rows do not show where the motors bring the tool."""
     whole = log if isinstance(log, Measurements) else read_measurements(log, arm, counts=True)
-    as_theta(whole.theta, len(motors.names), "counts", motors.names)
+    names = require_motors(arm).names
+    as_theta(whole.theta, len(names), "counts", names)
     if not len(whole.theta) or not whole.located.all():
         raise InputError("the log must hold a measured position x, y, z for each row of counts, one row or more")
     turned = np.isfinite(whole.rotation).all(axis=(1, 2))
     if turned.any() and not turned.all():
         raise InputError("measure the orientation in every row of the log, or in none")
     require_metres(whole, arm)
-    rows = np.unique(np.linspace(0, len(whole.theta) - 1, MOST_ROWS).astype(int))
-    usual = [most if std is None else std for std, most in zip(given, USUAL_BASE, strict=True)]
-    base, elsewhere = (given[0] or 0.0, given[1] or 0.0), (usual[0], usual[1])
-    wiring = Wiring(arm, motors, whole.of_rows(rows), noise, base, elsewhere)
-    evidence = Evidence(wiring, *explained(wiring))
-    everything, best = replace(wiring, log=whole), evidence.found.best
+    return whole
+
+
+def _report(evidence: Evidence, everything: Wiring) -> WiringReport:
+    """The verdicts, and the residuals over all rows of the log."""
+    best, sound = evidence.found.best, everything.problems[()]
     loud = everything.problems[best.swap].loudness(best.q)
-    worst = int(loud.argmax())
-    each = [MotorVerdict(name) for name in motors.names]
-    if not any(map(evidence.moved, range(wiring.k))):
-        each = [replace(one, remedy=evidence.advice(i)) for i, one in enumerate(each)]
-        verdict, what = "cannot tell", "no motor was moved, so the log shows nothing of any"
-    elif not wiring.explains(best):
-        odd = loud[worst] > LOUD * max(1.0, float(np.median(loud)))
-        said = f"row {worst + 1} fits least: measure it again, or leave it out" if odd else "check --position-noise"
-        verdict, what = "unexplained", f"no sign, ratio or zero of single motors explains the log; {said}"
-    else:
-        each = list(map(evidence.verdict, range(wiring.k)))
-        named = {found: [one.name for one in each if one.verdict == found] for found in VERDICTS}
-        named["possible fault"] += ["the base"] * evidence.of_base
-        verdict = next((found for found in VERDICTS if named[found]), "sound").removeprefix("possible ")
-        what = "; ".join(f"{found}: {', '.join(names)}" for found, names in named.items() if names)
-        what = what or "signs, ratios and zeros fit the log"
+    verdict, what, each = _verdicts(evidence, loud)
     before, after = (
         Residual(*np.sqrt((off.reshape(-1, 2, 3) ** 2).sum(axis=2).mean(axis=0)).tolist())
-        for off in (
-            everything.problems[()].misses(np.zeros(len(best.q))),
-            everything.problems[best.swap].misses(best.q),
-        )
+        for off in (sound.misses(np.zeros(len(best.q))), everything.problems[best.swap].misses(best.q))
     )
-    if not turned.any():
+    if not sound.measured[0, 3]:
         before, after = before._replace(rotation=None), after._replace(rotation=None)
     stands = inverse_of(exp(best.q[:6])) if best.q[:6].any() else None
-    return WiringReport(arm.name, verdict, what, tuple(each), len(whole.theta), before, after, worst + 1, stands)
+    return WiringReport(
+        everything.arm.name, verdict, what, tuple(each), len(loud), before, after, int(loud.argmax()) + 1, stands
+    )
+
+
+def _verdicts(evidence: Evidence, loud: Array) -> tuple[str, str, list[MotorVerdict]]:
+    """The verdict on the arm, in words too, and that on each motor; `loud` (K,) are the residuals of the rows [σ]."""
+    motors = range(evidence.wiring.k)
+    each = [MotorVerdict(name) for name in evidence.wiring.motors.names]
+    if not any(map(evidence.moved, motors)):
+        each = [replace(one, remedy=evidence.advice(i)) for i, one in enumerate(each)]
+        return "cannot tell", "no motor was moved, so the log shows nothing of any", each
+    if not evidence.wiring.explains(evidence.found.best):
+        worst = int(loud.argmax())
+        odd = loud[worst] > LOUD * max(1.0, float(np.median(loud)))
+        said = f"row {worst + 1} fits least: measure it again, or leave it out" if odd else "check --position-noise"
+        return "unexplained", f"no sign, ratio or zero of single motors explains the log; {said}", each
+    each = list(map(evidence.verdict, motors))
+    named = {found: [one.name for one in each if one.verdict == found] for found in VERDICTS}
+    named["possible fault"] += ["the base"] * evidence.of_base
+    gravest = next((found for found in VERDICTS if named[found]), "sound").removeprefix("possible ")
+    what = "; ".join(f"{found}: {', '.join(names)}" for found, names in named.items() if names)
+    return gravest, what or "signs, ratios and zeros fit the log", each
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,45 +10,28 @@ import numpy as np
 from ..arm.arm import Arm, require_arm
 from ..arm.pinocchio_model import why_no_pinocchio
 from ..description.bounds import WIDE
-from ..support.checks import Array, as_whole, frozen, require_callback
+from ..support.checks import Array, as_whole, frozen, reporting
 from ..support.display import Brief
 from ..support.errors import ComparisonError, InputError, MissingExtraError
 from ..theory.screws import adjoint, inverse
 from .other_readers import as_written, beyond_yourdfpy, yourdfpy_poses
 
+# Product of exponentials against Pinocchio: both in double precision, some ten multiplications long.
 POSE_TOL = 1e-12
-"""Product of exponentials against Pinocchio: both in double precision, some ten multiplications long."""
-
-AS_WRITTEN = "pinocchio as written"
-"""The engine that reads the unchanged text."""
-
-WRITTEN_TOL = 1e-10
-"""Its parser rounds an axis near x, y or z."""
-
+AS_WRITTEN = "pinocchio as written"  # The engine that reads the unchanged text.
+WRITTEN_TOL = 1e-10  # Its parser rounds an axis near x, y or z.
+# yourdfpy's scene graph takes a joint's pose within 1e-8 of the identity, or of the one before, for the same.
 YOURDFPY_TOL = 1e-7
-"""yourdfpy's scene graph takes a joint's pose within 1e-8 of the identity, or of the one before, for the same."""
-
+# What a fourth-order difference quotient with step 1e-3 leaves: h⁴ and ε/h, both below 1e-11, and room for size.
 DIFFERENCE_TOL = 1e-8
-"""What a fourth-order difference quotient with step 1e-3 leaves: h⁴ and ε/h, both below 1e-11, and room for size."""
-
-WIDE_ANGLE = 1e3
-"""rad; up to here an angle's own rounding stays below `POSE_TOL`."""
-
-STEP, SMALLEST_STEP = 1e-3, 1e-7
-"""Of the joint that moves most, in rad or m."""
-
-SLOW_SAMPLES = 100
-"""Configurations for the readers that walk all links in Python."""
-
+WIDE_ANGLE = 1e3  # rad; up to here an angle's own rounding stays below `POSE_TOL`.
+STEP, SMALLEST_STEP = 1e-3, 1e-7  # Of the joint that moves most, in rad or m.
+SLOW_SAMPLES = 100  # Configurations for the readers that walk all links in Python.
+# Links of a description for all readers and for yourdfpy, and joints of a chain times coordinates. Of larger ones
+# fewer configurations are compared, so that it takes as long and as much memory.
 USUAL_LINKS, YOURDFPY_LINKS, USUAL_PRODUCT = 150, 20, 1024
-"""Links of a description for all readers and for yourdfpy, and joints of a chain times coordinates. Of larger ones
-fewer configurations are compared, so that it takes as long and as much memory."""
-
-MOST_SAMPLES = 10_000_000
-"""Of an hour or so; more are a mistake."""
-
-Progress = Callable[[float], object]
-"""Called with the fraction done, 0 to 1."""
+MOST_SAMPLES = 10_000_000  # Of an hour or so; more are a mistake.
+Progress = Callable[[float], object]  # Called with the fraction done, 0 to 1.
 
 
 @dataclass(frozen=True, repr=False)
@@ -141,13 +124,11 @@ def crosscheck(
         InputError: An argument cannot be used. A difference raises nothing here: see `CrossCheck.require`.
     """
     theta = require_arm(arm).random_theta(rng, as_whole(samples, "samples", 1, MOST_SAMPLES))
-    require_callback(progress, "progress", "(fraction)")
-    parts = (_kinematics, _differences, _links, _as_written, _yourdfpy)
+    tell, parts = reporting(progress), (_kinematics, _differences, _links, _as_written, _yourdfpy)
     rows: list[EngineComparison] = []
     for done, part in enumerate(parts, start=1):
         rows += part(arm, theta)
-        if progress is not None:
-            progress(done / len(parts))
+        tell(done / len(parts))
     if arm.description is not None and arm.description.gravity is not None:  # an MJCF
         rows.append(_skipped("all links", "mujoco", "MuJoCo has read the file: it is no second account"))
     return CrossCheck(arm.name, tuple(rows))

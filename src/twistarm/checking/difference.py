@@ -30,20 +30,14 @@ NOT_COVERED = (
 )
 """What is not compared with a golden file."""
 
+# Smaller differences, below 1 µm and 1e-6 rad, come from rounding in an export, not from a changed description.
 SAME_TOL = 1e-6
-"""Smaller differences, below 1 µm and 1e-6 rad, come from rounding in an export, not from a changed description."""
-
+# Unit vectors whose product is nearer than this to -1 are opposite: no least turn takes one to the other.
 OPPOSITE = 1e-9
-"""Unit vectors whose product is nearer than this to -1 are opposite: no least turn takes one to the other."""
-
+# Relative: ratios and ticks are written by hand, and a ratio of 1e-4 m per rad is a usual one.
 SAME_RATIO_TOL = 1e-9
-"""Relative: ratios and ticks are written by hand, and a ratio of 1e-4 m per rad is a usual one."""
-
-SAME_MASS_TOL = 1e-5
-"""Relative, of masses and inertias: exports write six digits."""
-
-SAMPLES = 100
-"""Random configurations at which poses and Jacobians are compared."""
+SAME_MASS_TOL = 1e-5  # Relative, of masses and inertias: exports write six digits.
+SAMPLES = 100  # Random configurations at which poses and Jacobians are compared.
 
 NO_MASSES = "masses were not compared: what it is compared with holds none; a golden file that is written now does"
 
@@ -174,8 +168,7 @@ class Fact(NamedTuple):
     unit: str = ""
 
 
-Facts = Mapping[str, Mapping[str, Fact]]
-"""The facts of each joint, motor and link."""
+Facts = Mapping[str, Mapping[str, Fact]]  # The facts of each joint, motor and link.
 
 
 def _facts(arm: Arm, masses: Mapping[str, Body] | None) -> Facts:

@@ -22,11 +22,8 @@ from ..support.errors import InputError, missing_extra
 
 Bounds = dict[str, tuple[float, float]]
 
-LINKS = 100
-"""The most links for yourdfpy: it takes minutes for a longer chain."""
-
-UNIT_TOL = 1e-12
-"""A larger difference of an axis from a unit vector scales the way of a slide."""
+LINKS = 100  # The most links for yourdfpy: it takes minutes for a longer chain.
+UNIT_TOL = 1e-12  # A larger difference of an axis from a unit vector scales the way of a slide.
 
 
 def as_written(description: Description, values: Mapping[str, Array], base: str) -> tuple[Array, Bounds]:

@@ -15,31 +15,19 @@ from ..planning import PathError
 from ..support.errors import NotConvergedError, TwistarmError
 from ..support.interrupts import end_by, ended_like_ctrl_c
 from .command import Command, Group
-from .commands import (
-    arms,
-    baking,
-    calibrating,
-    checking,
-    designing,
-    driving,
-    guide,
-    inverse,
-    kinematics,
-    motion,
-    viewing,
-)
+from .commands import arms, baking, calibrating, checking, designing, driving, guide, kinematics, motion, viewing
 from .numbers import switch
 from .options import ArmCommand
 from .output import say
 from .wording import words_of
 
+# Exit codes: a bad answer, unusable input, a fault of twistarm, Ctrl-C.
 BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
-"""Exit codes: a bad answer, unusable input, a fault of twistarm, Ctrl-C."""
 
 COMMANDS: dict[str, tuple[Callable[..., Any], ...]] = {
     "An arm": (viewing.demo, arms.arms, arms.info, arms.init, checking.doctor, checking.check, checking.freeze,
                checking.collisions, baking.bake, baking.dh),
-    "Kinematics": (kinematics.fk, kinematics.jacobian, inverse.ik, designing.reach),
+    "Kinematics": (kinematics.fk, kinematics.jacobian, kinematics.ik, designing.reach),
     "Motion": (motion.plan, viewing.view, driving.servo, driving.follow),
     "Design": (designing.payload, designing.designs, designing.panel),
     "Hardware": (calibrating.wiring, calibrating.calibrate),

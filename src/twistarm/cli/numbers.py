@@ -38,25 +38,21 @@ SUCH_AS = {
 METAVARS = {units: units.upper().replace(" ", "|") for units in SUCH_AS} | {ANGLE: "ANGLE", NUMBER: "NUMBER"}
 VALUES, POSE, AXIS = "VALUES", "POSE", "AXIS"
 XYZ, RPY, WXYZ, XYZW, PLACE = "'X Y Z'", "'R P Y'", "'W X Y Z'", "'X Y Z W'", "'X Y YAW'"
+# The values in the help of options that take several words: numbers, and units after them.
 NUMBERS = (VALUES, POSE, AXIS, XYZ, RPY, WXYZ, XYZW, PLACE, *METAVARS.values())
-"""The values in the help of options that take several words: numbers, and units after them."""
-
-OfJoints = Mapping[str, float]
-"""A typed quantity of joints, by their units rad and m."""
-
-ROUNDING = 1e-6
-"""A smaller distance outside a limit [rad, m] is rounding of a printed number."""
+OfJoints = Mapping[str, float]  # A typed quantity of joints, by their units rad and m.
+ROUNDING = 1e-6  # A smaller distance outside a limit [rad, m] is rounding of a printed number.
 
 _NAMES = "|".join(sorted({unit for units in UNITS.values() for unit in units if unit[0].isalpha()}, key=len)[::-1])
+# A unit that may stand behind a number, a rate too.
 UNIT = rf"(?:{_NAMES}|°)(?:/s(?:\^?[23]|[²³])?)?(?![\w°/])"
-"""A unit that may stand behind a number, a rate too."""
 
 _PART = re.compile(
     rf"(?!-+(?!pi)[a-z])(?=.*[\w°])(?:[\d.]+(?:e[-+]?\d+)?|nan|inf|pi|{_NAMES}|[-−+*/^²°(),;\[\]])+", re.I
 )
 _VALUE = re.compile(rf"[^\s,;\[\]()]+(?:\s+{UNIT})?", re.IGNORECASE)
+# joint=value, where spaces may be in the name and around the sign.
 _PAIR = re.compile(rf"[\s,]*([^=]+?)\s*=\s*([^\s=,]+(?:\s+(?:{UNIT}))?)(?=[\s,]|$)", re.IGNORECASE)
-"""joint=value, where spaces may be in the name and around the sign."""
 
 
 def is_part(word: str) -> bool:

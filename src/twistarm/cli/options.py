@@ -197,14 +197,8 @@ def _keywords(
             meant = f"; did you mean --xacro {shlex.quote(f'{name}:={value}')}?" if equals else ""
             raise InputError(f"--xacro takes NAME:=VALUE; got {pair!r}{meant}")
         arguments[name] = value
-    always: dict[str, Any] = {
-        "base": base,
-        "tip": tip,
-        "package_dirs": package_dirs or (),
-        "xacro_args": arguments,
-        "srdf": srdf,
-    }
-    always |= {"ignore_packages": ignore_packages or (), "env_vars": env_vars or ()}
+    always: dict[str, Any] = {"base": base, "tip": tip, "srdf": srdf, "xacro_args": arguments}
+    always |= {"package_dirs": package_dirs or (), "ignore_packages": ignore_packages or (), "env_vars": env_vars or ()}
     return always | {name: value for name, value in {"limits": limits, "locked_joints": locked_joints}.items() if value}
 
 

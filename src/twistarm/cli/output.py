@@ -28,16 +28,12 @@ from ..support.messages import Text
 from .tables import Table
 from .wording import words
 
-PIPED_WIDTH = 160
-"""Columns without a terminal."""
+PIPED_WIDTH = 160  # Columns without a terminal.
 
 STDOUT = "-"
 
-Kinds = Mapping[str, tuple[str, ...]]
-"""The kinds of files that a command can write, with their endings."""
-
-Contents = Mapping[str, Callable[[], str | bytes]]
-"""What makes the content of a file, by its kind."""
+Kinds = Mapping[str, tuple[str, ...]]  # The kinds of files that a command can write, with their endings.
+Contents = Mapping[str, Callable[[], str | bytes]]  # What makes the content of a file, by its kind.
 
 
 def say(*lines: object, file: TextIO | None = None) -> None:

@@ -22,13 +22,11 @@ from .output import note, warn
 
 Target = Pose | Approach | Position
 
-TURNS = ("rpy", "quaternion", "quaternion_xyzw", "direction")
-"""What turns the tool: one of them at most."""
+TURNS = ("rpy", "quaternion", "quaternion_xyzw", "direction")  # What turns the tool: one of them at most.
 
 Repeated = list[Any] | None
 
-ROWS_SHOWN = 20
-"""The most rows of answers and line numbers to show."""
+ROWS_SHOWN = 20  # The most rows of answers and line numbers to show.
 
 
 def _axis(text: str, option: str, radians: bool) -> Array:
@@ -109,8 +107,7 @@ class TypedTargets:
 
 TargetOptions = Annotated[TypedTargets, Shared(TypedTargets, panel="The target")]
 
-BOUNDS = Bounds(bytes=15_000_000, lines=100_000)
-"""A row of seven numbers with all their digits has 140 bytes."""
+BOUNDS = Bounds(bytes=15_000_000, lines=100_000)  # A row of seven numbers with all their digits has 140 bytes.
 
 STDIN = "-"
 
@@ -134,8 +131,7 @@ TARGET_NAMES = (
 )
 """Names of the columns of targets, here and elsewhere."""
 
-TWO_MEANINGS = {"rx", "ry", "rz"}
-"""Some call the parts of a rotation vector so, others roll, pitch and yaw."""
+TWO_MEANINGS = {"rx", "ry", "rz"}  # Some call the parts of a rotation vector so, others roll, pitch and yaw.
 
 
 def few(lines: Sequence[int]) -> str:

@@ -21,11 +21,8 @@ from ..support.csv_lines import csv_text
 from ..support.errors import printable
 from ..theory.rotations import to_quaternion_wxyz, to_rpy
 
-GAP = 2
-"""Characters between two columns."""
-
-LEAST_TEXT = 20
-"""A narrow terminal leaves columns of text so many characters."""
+GAP = 2  # Characters between two columns.
+LEAST_TEXT = 20  # A narrow terminal leaves columns of text so many characters.
 
 
 @dataclass(frozen=True)

@@ -13,23 +13,17 @@ from ..support.errors import InputError, listed
 from .document import Reading, floats
 from .tree import Joint
 
+# Deviation of an axis's length from 1 that gives a finding. The rounding of CAD exports is finer.
 AXIS_TOL = 1e-3
-"""Deviation of an axis's length from 1 that gives a finding. The rounding of CAD exports is finer."""
-
-SNAP = 2e-12
-"""An axis so near to x, y or z is rounded to it. Pinocchio's parser rounds too, at 1e-12."""
-
+SNAP = 2e-12  # An axis so near to x, y or z is rounded to it. Pinocchio's parser rounds too, at 1e-12.
+# The number for "no limit" in a URDF, whose readers refuse infinity. Read as infinity, like any more.
 WIDE = 1e9
-"""The number for "no limit" in a URDF, whose readers refuse infinity. Read as infinity, like any more."""
 
 LIMIT_NAMES = ("lower", "upper", "velocity", "effort")
 SOFT_NAMES = ("soft_lower_limit", "soft_upper_limit")
 
-ROUNDED = 0.01
-"""[rad, m]: a limit in another file that is rounded differs by less."""
-
-MOST_SHOWN = 12
-"""Joints in one finding."""
+ROUNDED = 0.01  # [rad, m]: a limit in another file that is rounded differs by less.
+MOST_SHOWN = 12  # Joints in one finding.
 
 Bounds = tuple[float, float]
 

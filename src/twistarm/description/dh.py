@@ -34,21 +34,18 @@ from .writing import add_joint
 
 CONVENTIONS = ("standard", "modified")
 TYPES = ("revolute", "prismatic")
-FIXED = "fixed"
-"""The type of a row without a joint, before the first or behind the last."""
+FIXED = "fixed"  # The type of a row without a joint, before the first or behind the last.
 BASE, TOOL = "base", "tool"
 
-PARAMETERS = {"a": "m", "alpha": "rad", "d": "m", "theta": "rad"}
-"""The numbers of a row and their quantities."""
-
+PARAMETERS = {"a": "m", "alpha": "rad", "d": "m", "theta": "rad"}  # The numbers of a row and their quantities.
+# The limits of a row and their quantities, for a turn and for a slide.
 LIMITS = {"lower": ("rad", "m"), "upper": ("rad", "m"), "velocity": ("rad/s", "m/s"), "effort": ("N m", "N")}
-"""The limits of a row and their quantities, for a turn and for a slide."""
 
 WORDS = ("joint", "type", "convention")
 COLUMNS = (*WORDS, *PARAMETERS, *LIMITS)
 KNOWN = {name: name for name in COLUMNS} | {"α": "alpha", "θ": "theta"}
+# Angles [rad] that may stand without a unit. Longer ones are in degrees, mostly.
 LONGEST = {"alpha": TURN, "theta": TURN, "lower": 4 * TURN, "upper": 4 * TURN}
-"""Angles [rad] that may stand without a unit. Longer ones are in degrees, mostly."""
 
 UNDECIDED = (
     "say the convention, standard (Paul, Spong, Siciliano) or modified (Craig): in a column `convention` of the CSV "

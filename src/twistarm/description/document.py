@@ -21,11 +21,9 @@ from ..support.messages import Text, package_folder
 from .findings import Finding, Place, finding, refusal, refused
 from .packages import PackageIndex
 
+# Far above any length, angle, mass or multiplier of a robot. Products of larger numbers overflow.
 LARGEST = 1e9
-"""Far above any length, angle, mass or multiplier of a robot. Products of larger numbers overflow."""
-
-MAX_BYTES = 20_000_000
-"""A whole humanoid's URDF has some 200 kB, a robot cell's a few MB."""
+MAX_BYTES = 20_000_000  # A whole humanoid's URDF has some 200 kB, a robot cell's a few MB.
 
 MALFORMED = {
     errors.codes[errors.XML_ERROR_MISPLACED_XML_PI]: "begin the file with <?xml …?>, before comments and spaces",
@@ -34,8 +32,7 @@ MALFORMED = {
 }
 """Remedies for broken XML, by expat's code."""
 
-MAX_NESTING = 100
-"""No description nests deeper. Python's XML writer recurses."""
+MAX_NESTING = 100  # No description nests deeper. Python's XML writer recurses.
 
 
 def floats(text: str, count: int) -> list[float]:

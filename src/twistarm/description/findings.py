@@ -101,8 +101,7 @@ CODES: dict[str, Code] = {
 """Every code a finding may carry. `docs/findings.md` is made from this table."""
 
 
-LONGEST_PLACE, LONGEST_WHAT = 300, 1000
-"""Characters: names in a description may have thousands."""
+LONGEST_PLACE, LONGEST_WHAT = 300, 1000  # Characters: names in a description may have thousands.
 
 
 @dataclass(frozen=True)

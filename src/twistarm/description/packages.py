@@ -17,26 +17,16 @@ from ..support.errors import InputError, closest, shown
 from ..support.files import as_path, is_file, open_regular
 from ..support.messages import Text, package_folder
 
-MAX_DEPTH = 4
-"""Depth of the search for packages under a folder of the user."""
-
-MAX_PARENTS = 8
-"""Parents of the description that the search covers, with their children."""
-
-NEAR = 3
-"""Parents of the description that may be its package."""
-
-MANIFEST_BYTES = 16_384
-"""Bytes read of a package.xml. The name is near the head, behind a licence at most."""
-
+MAX_DEPTH = 4  # Depth of the search for packages under a folder of the user.
+MAX_PARENTS = 8  # Parents of the description that the search covers, with their children.
+NEAR = 3  # Parents of the description that may be its package.
+MANIFEST_BYTES = 16_384  # Bytes read of a package.xml. The name is near the head, behind a licence at most.
+# The folders of a workspace with its packages, with those that colcon installs, and the folder between.
 SOURCES, INSTALLED, SHARE = "src", "install", "share"
-"""The folders of a workspace with its packages, with those that colcon installs, and the folder between."""
-
+# Names of folders that usually lie inside the folder of an arm.
 PARTS = ("urdf", "xacro", "robots", "robot", "description", "model", "models")
-"""Names of folders that usually lie inside the folder of an arm."""
-
+# Folders of a robot's package. It has one of them, or a xacro or URDF file.
 MARKS = ("urdf", "xacro", "robots", "meshes", "models", "launch", "worlds", "config")
-"""Folders of a robot's package. It has one of them, or a xacro or URDF file."""
 
 NAMES = {
     "ignore_packages": (re.compile(r"\w[\w.-]*"), "names of packages, as in $(find NAME)/…"),

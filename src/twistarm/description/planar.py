@@ -16,8 +16,7 @@ from .bounds import read_axis
 from .document import Reading
 from .structure import end_of
 
-SUFFIXES = ("_x", "_y", "_rz")
-"""Endings of the coordinates' names, in the order of `joints.planar`."""
+SUFFIXES = ("_x", "_y", "_rz")  # Endings of the coordinates' names, in the order of `joints.planar`.
 
 
 def coordinate_names(joint: str) -> tuple[str, str, str]:

@@ -7,8 +7,7 @@ import xml.etree.ElementTree as ET
 from typing import NamedTuple
 from xml.parsers import expat
 
-_START_TAG = re.compile(rb"<(?:[^>\"']|\"[^\"]*\"|'[^']*')*>")
-"""A start tag. A > may stand inside quotes."""
+_START_TAG = re.compile(rb"<(?:[^>\"']|\"[^\"]*\"|'[^']*')*>")  # A start tag. A > may stand inside quotes.
 
 
 class Span(NamedTuple):

@@ -13,23 +13,18 @@ from ..support.errors import closest, listed
 from .document import Reading
 from .findings import refusal
 
-MAX_LINKS_DEEP = 1000
-"""Longest chain of links. Pinocchio's parser overflows its stack at some 4,000."""
-
+MAX_LINKS_DEEP = 1000  # Longest chain of links. Pinocchio's parser overflows its stack at some 4,000.
+# The largest robots have some 150 links and 300 shapes, a whole cell a few thousand. Pinocchio compares each name
+# with all before, and Ctrl-C waits for it. It takes a fifth of a second for 4,000 names, and five seconds for
+# 20,000.
 MAX_PARTS = {"link": 4_000, "joint": 4_000, "visual": 10_000, "collision": 10_000}
-"""The largest robots have some 150 links and 300 shapes, a whole cell a few thousand. Pinocchio compares each name with
-all before, and Ctrl-C waits for it. It takes a fifth of a second for 4,000 names, and five seconds for 20,000."""
-
-MAX_NAME = 500
-"""Characters of a link's or joint's name."""
-
-MOST_HINTS = 10
-"""Most mistakes with a closest name. Each search goes through all names."""
+MAX_NAME = 500  # Characters of a link's or joint's name.
+MOST_HINTS = 10  # Most mistakes with a closest name. Each search goes through all names.
 
 VERSIONS = ("1.0", "1.1", "1.2")
 
+# Attributes of later versions, with their version.
 LATER = {"quat_xyzw": "1.1", "acceleration": "1.2", "deceleration": "1.2", "jerk": "1.2"}
-"""Attributes of later versions, with their version."""
 
 ATTRIBUTES = {
     "origin": ("xyz", "rpy", "quat_xyzw"),
@@ -52,8 +47,7 @@ CONTENTS = {
 }
 """Elements with the elements in them that are read. All but shapes may stand there once."""
 
-SIMILAR = 0.75
-"""Similarity of a word and its misspelling: `orgin` is one, `physics` belongs to another tool."""
+SIMILAR = 0.75  # Similarity of a word and its misspelling: `orgin` is one, `physics` belongs to another tool.
 
 
 def check_structure(robot: ET.Element, reading: Reading) -> None:

@@ -100,14 +100,10 @@ def is_flange(name: str) -> bool:
     return tells_of("flange", name) and not tells_of("ornament", name)
 
 
+# The kind of a body. A `limb` may be part of an arm.
 Part = Literal["limb", "locomotion", "finger", "rod", "head"]
-"""The kind of a body. A `limb` may be part of an arm."""
-
-CARRIED = 3
-"""Least joints that carry a hand without a hand's name."""
-
-PARALLEL = 0.95
-"""Least cosine of the angle between the axes of two opposed fingers."""
+CARRIED = 3  # Least joints that carry a hand without a hand's name.
+PARALLEL = 0.95  # Least cosine of the angle between the axes of two opposed fingers.
 
 
 @dataclass(eq=False)
@@ -293,11 +289,9 @@ RULES: Mapping[Part, Callable[[Body], Iterable[Body]]] = {
 """What a body carries of each kind but limbs. Each rule sees the children that the rules before it left as limbs."""
 
 
-SHOWN = 6
-"""Most candidates in one sentence."""
-
+SHOWN = 6  # Most candidates in one sentence.
+# Least joints of an arm on a robot that rolls or walks. One fewer is enough with a hand or a tool's name.
 ARM = 3
-"""Least joints of an arm on a robot that rolls or walks. One fewer is enough with a hand or a tool's name."""
 
 
 class Choice(NamedTuple):

@@ -85,8 +85,8 @@ class Semantics:
 JointType = Literal["revolute", "continuous", "prismatic", "fixed", "planar", "floating"]
 Shape = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
 
+# The usual acceleration of free fall [m/s²], in axes of a base that stands upright.
 GRAVITY = (0.0, 0.0, -9.81)
-"""The usual acceleration of free fall [m/s²], in axes of a base that stands upright."""
 
 
 @dataclass(frozen=True)

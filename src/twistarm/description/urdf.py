@@ -25,11 +25,8 @@ from .planar import split_planar_joints
 from .structure import check_structure, end_of, note_unread_words, root_links
 from .tree import Description, Joint, JointType, Link, Mimic
 
-MOST_TURNED = 6.3
-"""A whole turn [rad], generously rounded."""
-
-Rates = dict[str, dict[str, float]]
-"""The numbers of each joint's `<limit>` as written, by joint name."""
+MOST_TURNED = 6.3  # A whole turn [rad], generously rounded.
+Rates = dict[str, dict[str, float]]  # The numbers of each joint's `<limit>` as written, by joint name.
 
 _MACRO = re.compile(r"<xacro:macro\s[^>]*?\bname\s*=\s*[\"']([^\"']+)")
 
@@ -246,5 +243,5 @@ def _for_pinocchio(robot: ET.Element, joints: Mapping[str, Joint]) -> str:
     return ET.tostring(made, encoding="unicode")
 
 
+# Elements with attributes for Pinocchio.
 _COPIED = {"origin": ("xyz", "rpy", "quat_xyzw"), "mass": ("value",), "inertia": INERTIA}
-"""Elements with attributes for Pinocchio."""

@@ -12,7 +12,7 @@ from ..checking.doctor.motions import POOR
 from ..ik import reachable, solve_ik
 from ..ik.targets import Target
 from ..planning import JointMove, PathError, plan
-from ..support.checks import Array, require, require_callback
+from ..support.checks import Array, reporting, require
 from ..support.display import Brief
 from ..support.errors import InputError, LimitError, NotConvergedError, TwistarmError, shown
 from ..support.messages import joined
@@ -23,8 +23,7 @@ from .panel import Panel
 from .parking import Progress, best_parking
 from .payload import payload, with_extremes
 
-SAMPLES, CUBES = 2000, 40
-"""Configurations, and cubes along the diameter of the ball that holds the tool."""
+SAMPLES, CUBES = 2000, 40  # Configurations, and cubes along the diameter of the ball that holds the tool.
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -80,11 +79,10 @@ def compare_designs(
         require(panel, Panel, "panel", "which load_panel reads")
     names = [require_arm(arm).name for arm in arms]
     names = [f"{name} ({i + 1})" if names.count(name) > 1 else name for i, name in enumerate(names)]
-    tell, found = require_callback(progress, "progress", "(fraction)"), list[Design]()
+    tell, found = reporting(progress), list[Design]()
     for name, arm in zip(names, arms, strict=True):
         found.append(_design(name, arm, poses, panel))
-        if tell is not None:
-            tell(len(found) / len(arms))
+        tell(len(found) / len(arms))
     return tuple(found)
 
 

@@ -20,8 +20,8 @@ from ..support.fields import Check, anything, fields, inside, list_of, one_of, v
 from ..support.files import as_path
 from ..theory import screws
 
+# The farthest place, longest travel and lead [m], most turns and tasks: beyond them units are wrong.
 FAR, LONGEST, LEAD, TURNS, MOST_TASKS = 10.0, 1.0, 0.1, 20.0, 200
-"""The farthest place, longest travel and lead [m], most turns and tasks: beyond them units are wrong."""
 
 KINDS: dict[str, tuple[float, Constrained, bool]] = {
     "press": (1.0, "approach", True),

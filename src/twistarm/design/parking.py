@@ -17,7 +17,7 @@ from ..ik.solution import in_one_line
 from ..ik.targets import Approach
 from ..planning import FreeMove, JointMove, PathError, Segment, Trajectory, plan
 from ..planning.configurations import branches
-from ..support.checks import Array, Matrix, as_frame, as_pose, require, require_callback
+from ..support.checks import Array, Matrix, as_frame, as_pose, reporting, require
 from ..support.display import Brief
 from ..support.errors import InputError
 from ..support.messages import joined
@@ -25,20 +25,15 @@ from ..theory import screws
 from ..theory.manipulability import scaled_jacobian
 from .panel import Panel, PanelTask
 
+# Configurations of a task that are measured, starts that are tried, and the margin [rad, m] that is enough.
 SAMPLES, BRANCHES, ROOM = 101, 8, 0.1
-"""Configurations of a task that are measured, starts that are tried, and the margin [rad, m] that is enough."""
-
+# About how many poses each of the two grids has, and that by tasks, at most; and how many poses are checked.
 POSES, TARGETS, CANDIDATES = 4000, 100_000, 3
-"""About how many poses each of the two grids has, and that by tasks, at most; and how many poses are checked."""
-
-YAW, FINEST = np.radians(15.0), 0.02
-"""The steps of a grid: in yaw, and at least in x and y [m]."""
-
+YAW, FINEST = np.radians(15.0), 0.02  # The steps of a grid: in yaw, and at least in x and y [m].
+# Codes for reasons of `PathError`. Those of the others are their words.
 CODES = {"limit": "blocked_by_limits", "collision": "in_collision"}
-"""Codes for reasons of `PathError`. Those of the others are their words."""
-
+# Words for the checkpoints of a task.
 POINTS = "in front of it", "at its place", "half-way", "at its end", "away from it"
-"""Words for the checkpoints of a task."""
 
 Progress = Callable[[float], object]
 
@@ -129,7 +124,7 @@ def check_panel(
         InputError: An argument cannot be used.
     """
     inside, results = _scene(arm, panel, scene), []
-    tell = require_callback(progress, "progress", "(fraction)") or (lambda part: None)
+    tell = reporting(progress)
     origin = as_frame(as_pose(np.eye(4) if base is None else base, "base"), "base")
     g = screws.inverse(origin) @ panel.pose
     if inside is not None and panel.size is not None:
@@ -163,7 +158,7 @@ def best_parking(arm: Arm, panel: Panel, scene: Scene | None = None, progress: P
         TwistarmError: The arm is not in the compiled core. The message says how to get it.
     """
     inside = _scene(arm, panel, scene)
-    tell = require_callback(progress, "progress", "(fraction)") or (lambda part: None)
+    tell = reporting(progress)
     around = ranges = _within_reach(arm, panel)
     seen, best, most = np.empty((0, 4)), ranges.mean(axis=1), (-1, 0.0)
     for grid in range(2):

@@ -18,17 +18,11 @@ from ..support.checks import LARGEST_ARRAY, Array, as_number, as_whole
 from ..support.display import Brief
 from ..support.errors import InputError, listed
 
-DT = 0.01
-"""Time between states of a motion [s]."""
-
-UNLOADED = 1e-9
-"""An effort per mass [N m/kg, N/kg] below this is the rounding of 0."""
-
-TOLD = ("inertial-unusable", "mass-missing", "inertia-implausible")
-"""Findings that make torques wrong."""
-
+DT = 0.01  # Time between states of a motion [s].
+UNLOADED = 1e-9  # An effort per mass [N m/kg, N/kg] below this is the rounding of 0.
+TOLD = ("inertial-unusable", "mass-missing", "inertia-implausible")  # Findings that make torques wrong.
+# Samples from which each cost descends, and its steps: they begin at a quarter of the range.
 STARTS, ROUNDS = 4, 24
-"""Samples from which each cost descends, and its steps: they begin at a quarter of the range."""
 
 
 class Needs(NamedTuple):

@@ -22,12 +22,8 @@ TEMPLATES = Path(__file__).with_name("templates")
 
 SUFFIXES = (".hpp", ".hh", ".hxx", ".h")
 
-KEEPS = ("nothing", "point", "plane")
-"""`twistarm::closed_form::keeps`, in its order."""
-
-
-MOTION = ("lower", "upper", "velocity", "acceleration")
-"""Limits of a joint's motion."""
+KEEPS = ("nothing", "point", "plane")  # `twistarm::closed_form::keeps`, in its order.
+MOTION = ("lower", "upper", "velocity", "acceleration")  # Limits of a joint's motion.
 
 
 def core_headers() -> Path:

@@ -18,8 +18,7 @@ TEMPLATE = Path(__file__).with_name("templates") / "arm.m.in"
 
 SUFFIX = ".m"
 
-LONGEST = 63
-"""Most characters of a name in MATLAB."""
+LONGEST = 63  # Most characters of a name in MATLAB.
 
 KEYWORDS = """
     break case catch classdef continue do else elseif end enumeration events for function global if methods otherwise
@@ -27,11 +26,9 @@ KEYWORDS = """
 """
 """Keywords of MATLAB and Octave."""
 
+# Configurations with which the file tests itself: the ready pose, and random ones inside the limits.
 VECTORS = 5
-"""Configurations with which the file tests itself: the ready pose, and random ones inside the limits."""
-
-TOLERANCE = 1e-9
-"""Tolerance of the test [m, and none]. Rounding is far smaller, a wrong sign far larger."""
+TOLERANCE = 1e-9  # Tolerance of the test [m, and none]. Rounding is far smaller, a wrong sign far larger.
 
 
 def matlab_text(arm: Arm, file: str | None = None) -> str:

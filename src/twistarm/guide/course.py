@@ -28,11 +28,10 @@ PARTS = (
     Part("4 Your arm", ("4_capstone", "4_calibration")),
 )
 
+# The names of the lessons, in the order of the course.
 LESSONS = tuple(name for part in PARTS for name in part.lessons)
-"""The names of the lessons, in the order of the course."""
-
+# The lesson beside the course: errors of the team's guide, each with a number computed in it.
 ERRATA = "errata"
-"""The lesson beside the course: errors of the team's guide, each with a number computed in it."""
 
 SECTIONS = (
     ("2.1.1", "Rotation matrices, Euler angles, where they fail", "2_1_1_rotation_matrices"),

@@ -37,14 +37,9 @@ class StopReason(Enum):
     IN_COLLISION = "every configuration found that meets the target collides"
 
 
-STOPS = tuple(StopReason)
-"""The reasons by their numbers in an answer."""
-
-NOT_FINISHED = -1
-"""In place of a reason: the time was up before the target was finished."""
-
-Record = NDArray[np.void]
-"""An answer (), or the answers (N,) of a batch, with the fields of `record_type`."""
+STOPS = tuple(StopReason)  # The reasons by their numbers in an answer.
+NOT_FINISHED = -1  # In place of a reason: the time was up before the target was finished.
+Record = NDArray[np.void]  # An answer (), or the answers (N,) of a batch, with the fields of `record_type`.
 
 
 @cache

@@ -26,8 +26,7 @@ from .task_space import ORIENTATION_TOL, POSITION_TOL
 if TYPE_CHECKING:
     from ..collision import Contact, Scene
 
-Progress = Callable[[float], object]
-"""Called with the fraction done."""
+Progress = Callable[[float], object]  # Called with the fraction done.
 
 MAX_THREADS = 256
 

@@ -18,20 +18,13 @@ from .task_space import Tolerances
 
 TIMED_OUT, BLOCKED = STOPS.index(StopReason.TIMED_OUT), STOPS.index(StopReason.BLOCKED_BY_LIMITS)
 
-OTHER_SEED = 0x5EED
-"""Of the searches after which limits are the reason."""
-
-SAMPLES = 5
-"""Values tried for a joint that the target does not determine, its bounds included."""
-
+OTHER_SEED = 0x5EED  # Of the searches after which limits are the reason.
+SAMPLES = 5  # Values tried for a joint that the target does not determine, its bounds included.
+# Greatest errors [m, rad] of what the closed form finds, which is exact whatever the tolerances are.
 EXACT = 1e-6
-"""Greatest errors [m, rad] of what the closed form finds, which is exact whatever the tolerances are."""
-
+# Error [m, rad] of the nearest configuration for certainty that no configuration meets the target exactly.
 FAR = 1e-5
-"""Error [m, rad] of the nearest configuration for certainty that no configuration meets the target exactly."""
-
-BARELY_OUTSIDE = 1e-4
-"""A configuration outside the limits by less than this [rad, m] proves nothing."""
+BARELY_OUTSIDE = 1e-4  # A configuration outside the limits by less than this [rad, m] proves nothing.
 
 
 def decide(arm: Arm, target: AnyTarget, answer: Record, patient: bool) -> None:

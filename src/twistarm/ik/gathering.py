@@ -26,20 +26,13 @@ from .solution import IKResult
 from .solve import solve_ik
 from .task_space import Tolerances
 
-STARTS = 1000
-"""Searches where no closed form is known."""
-
+STARTS = 1000  # Searches where no closed form is known.
+# Searches besides elimination, or a family that the axes miss. They find what rounding loses.
 EXTRA_SEARCHES = 64
-"""Searches besides elimination, or a family that the axes miss. They find what rounding loses."""
-
+# Shares of the way from one configuration to another at which the target must be met if both are of one branch.
 BETWEEN = np.linspace(0.0, 1.0, 9)[1:-1]
-"""Shares of the way from one configuration to another at which the target must be met if both are of one branch."""
-
-SAME_VALUE = 1e-9
-"""A joint within this [rad, m] of theta0's value has that value."""
-
-MOST_COMBINATIONS = 4096
-"""Values of several sampled joints together."""
+SAME_VALUE = 1e-9  # A joint within this [rad, m] of theta0's value has that value.
+MOST_COMBINATIONS = 4096  # Values of several sampled joints together.
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,8 +14,7 @@ from ..support.checks import Array
 
 TURN = 2.0 * math.pi
 
-WHOLE_TURN_TOL = 1e-9
-"""Greatest rounding of a whole multiplier, and of a pitch of 0 [m/rad]."""
+WHOLE_TURN_TOL = 1e-9  # Greatest rounding of a whole multiplier, and of a pitch of 0 [m/rad].
 
 
 Mask = NDArray[np.bool_]

@@ -26,23 +26,13 @@ from .request import Request, checked
 from .targets import FARTHEST, AnyTarget, Approach, Pose, Position, TargetLike, TolerancedPose, checked_target
 from .task_space import ORIENTATION_TOL, POSITION_TOL
 
-STEPS = 50
-"""Steps toward the smallest radius. Each of them gives a bound."""
-
-SHORTEST = 1e-6
-"""Shorter distances [m] count as this in a step's weights."""
-
-ROUNDING = 1e-9
-"""What the radius has beyond the bound [m]."""
-
-CHUNK = 4096
-"""Targets after which a search begins at theta0 again, not at the answer before."""
-
+STEPS = 50  # Steps toward the smallest radius. Each of them gives a bound.
+SHORTEST = 1e-6  # Shorter distances [m] count as this in a step's weights.
+ROUNDING = 1e-9  # What the radius has beyond the bound [m].
+CHUNK = 4096  # Targets after which a search begins at theta0 again, not at the answer before.
+# Searches for a target that the closed form excludes. The nearest configuration may still be within the tolerances.
 NEARLY = 4
-"""Searches for a target that the closed form excludes. The nearest configuration may still be within the tolerances."""
-
-AT_ONCE = 16 * CHUNK
-"""Targets whose closed forms are in memory at once: six configurations of each take 40 MB."""
+AT_ONCE = 16 * CHUNK  # Targets whose closed forms are in memory at once: six configurations of each take 40 MB.
 
 
 class Reached(NamedTuple):

@@ -18,13 +18,12 @@ from .task_space import Tolerances
 
 T = TypeVar("T")
 
-LEAST_TOLERANCE = 1e-12
-"""Smaller tolerances need more digits than forward kinematics has."""
+LEAST_TOLERANCE = 1e-12  # Smaller tolerances need more digits than forward kinematics has.
 
 MAX_RESTARTS = 1_000_000
 
+# A start beyond this [rad, m] is a mistake in the units. Whole turns toward it would cost the answer its digits.
 FARTHEST_START = 1e6
-"""A start beyond this [rad, m] is a mistake in the units. Whole turns toward it would cost the answer its digits."""
 
 POSTURES = ("theta0", "middle")
 

@@ -12,11 +12,9 @@ import numpy as np
 from ..support.checks import Array
 from ..theory.rotations import skew
 
+# Trace below which (beyond 139°) the axis is read from R + Rᵀ, because R − Rᵀ fades towards a half turn.
 NEAR_HALF_TURN = -0.5
-"""Trace below which (beyond 139°) the axis is read from R + Rᵀ, because R − Rᵀ fades towards a half turn."""
-
-SMALL_ANGLE = 1e-4
-"""Below this [rad] the series' next term is under double precision."""
+SMALL_ANGLE = 1e-4  # Below this [rad] the series' next term is under double precision.
 
 
 def chord(R: Array) -> Array:

@@ -13,23 +13,13 @@ from .closed_form.roots import DEPENDENT, Asked, apart
 from .ranges import TURN, joint_ranges
 from .request import Deadline
 
-STEP = 0.2
-"""Along a self-motion, the norm over the joints [rad, m]."""
-
+STEP = 0.2  # Along a self-motion, the norm over the joints [rad, m].
+# Most steps along a curve, in either sense, and straight toward another answer.
 CURVE_STEPS, STRAIGHT_STEPS = 200, 50
-"""Most steps along a curve, in either sense, and straight toward another answer."""
-
-NEIGHBOUR = 0.5
-"""Two answers nearer than this [rad, m] are together if halfway the target is met, ..."""
-
-BENT = 0.1
-"""... after a correction of at most this share of their distance."""
-
-ACCURACY = 1e-10
-"""Greatest errors [m, rad] on the way."""
-
-MOST_COMPARED = 300
-"""Answers of a family, evenly chosen, that may be the nearest to another."""
+NEIGHBOUR = 0.5  # Two answers nearer than this [rad, m] are together if halfway the target is met, ...
+BENT = 0.1  # ... after a correction of at most this share of their distance.
+ACCURACY = 1e-10  # Greatest errors [m, rad] on the way.
+MOST_COMPARED = 300  # Answers of a family, evenly chosen, that may be the nearest to another.
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,26 +31,17 @@ OFF_BY = {
 }
 """What the angle of an orientation error is, by the kind of target."""
 
-AT_BOUND = 1e-6
-"""How near [rad, m] to its bound a joint stands at it."""
-
-NEGLIGIBLE = math.radians(0.005)
-"""Angles [rad] that would be printed as 0.00°."""
-
-NARROW_MISS = 10.0
-"""A target that is missed by fewer tolerances may have been asked for too exactly."""
-
+AT_BOUND = 1e-6  # How near [rad, m] to its bound a joint stands at it.
+NEGLIGIBLE = math.radians(0.005)  # Angles [rad] that would be printed as 0.00°.
+NARROW_MISS = 10.0  # A target that is missed by fewer tolerances may have been asked for too exactly.
+# How many times as wide a position tolerance is tried where the rotation is missed.
 WIDER = (2.0, 4.0, NARROW_MISS)
-"""How many times as wide a position tolerance is tried where the rotation is missed."""
-
-SEARCHES = 100
-"""So many, at most, each time."""
+SEARCHES = 100  # So many, at most, each time.
 
 ANOTHER_BRANCH = "the target is near the pose of theta0, but the answer is not near theta0"
 NEAREST_ELSEWHERE = "the nearest configuration is not near theta0, where the arm stays farther from the target"
 
-MANY_JOINTS = 16
-"""On arms with more joints, the nearest-configuration search finds one of very many minima."""
+MANY_JOINTS = 16  # On arms with more joints, the nearest-configuration search finds one of very many minima.
 
 PERHAPS_NEARER = "an arm of so many joints may come nearer: try another rng or theta0"
 

@@ -22,11 +22,9 @@ from .task_space import ORIENTATION_TOL, POSITION_TOL
 if TYPE_CHECKING:
     from ..collision import Scene
 
+# Widths [rad, m] of the starts about theta0 in each round of searches; inf for the whole range.
 SPREADS = (0.3, 1.0, np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
-"""Widths [rad, m] of the starts about theta0 in each round of searches; inf for the whole range."""
-
-SEARCHES = 64
-"""Searches of each round."""
+SEARCHES = 64  # Searches of each round.
 
 
 def solve_ik(

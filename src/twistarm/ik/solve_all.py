@@ -29,8 +29,7 @@ if TYPE_CHECKING:
 
 DEFAULT_SAMPLES = 32
 
-ROUNDING = 1e-9
-"""Greatest errors [m, rad] of an exact answer, whatever the tolerances are."""
+ROUNDING = 1e-9  # Greatest errors [m, rad] of an exact answer, whatever the tolerances are.
 
 
 def solve_ik_all(

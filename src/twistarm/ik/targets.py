@@ -42,11 +42,10 @@ from .task_space import Rows, excess, offset_rows
 
 NONE, TWO, THREE = (frozen(np.zeros(count)) for count in (0, 2, 3))
 
+# Allowed rounding of a quaternion's length. A greater error means that it is something else.
 UNIT_LENGTH_TOL = 0.01
-"""Allowed rounding of a quaternion's length. A greater error means that it is something else."""
-
+# A target beyond this [m] is a mistake in the units. Its square would exceed the range in which errors add up.
 FARTHEST = 1e6
-"""A target beyond this [m] is a mistake in the units. Its square would exceed the range in which errors add up."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -346,8 +345,7 @@ class TolerancedPose(Brief):
 AnyTarget = Pose | Position | Approach | TolerancedPose
 Target = AnyTarget
 
-TargetLike = AnyTarget | Matrix
-"""What a caller may ask for: a target, or a bare pose (4, 4)."""
+TargetLike = AnyTarget | Matrix  # What a caller may ask for: a target, or a bare pose (4, 4).
 
 SHAPE_HINTS = {
     (3,): "; did you mean Position([x, y, z])?",
@@ -356,12 +354,9 @@ SHAPE_HINTS = {
 }
 """By how many numbers there are."""
 
+# Kinds of targets, by `kind`. The core receives `numbers`: g; p; p, direction, tool axis; g, tolerance, 1 for base.
 KINDS = (Pose, Position, Approach, TolerancedPose)
-"""Kinds of targets, by `kind`. The core receives `numbers`: g; p; p, direction, tool axis; g, tolerance, 1 for base."""
-
-
-MOST_NUMBERS = 23
-"""Of a `TolerancedPose`."""
+MOST_NUMBERS = 23  # Of a `TolerancedPose`.
 
 
 def target_for(arm: Arm, value: Any) -> AnyTarget:

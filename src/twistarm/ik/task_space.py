@@ -9,11 +9,9 @@ import numpy as np
 
 from ..support.checks import Array
 
-Rows = tuple[Array, Array]
-"""(error (k,), rows (k, n))."""
-
+Rows = tuple[Array, Array]  # (error (k,), rows (k, n)).
+# What every call tolerates unless it says otherwise [m, rad]: finer than a drive, coarser than what CAD rounds.
 POSITION_TOL, ORIENTATION_TOL = 1e-5, 5e-5
-"""What every call tolerates unless it says otherwise [m, rad]: finer than a drive, coarser than what CAD rounds."""
 
 
 @dataclass(frozen=True)

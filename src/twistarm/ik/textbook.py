@@ -19,24 +19,19 @@ from .request import Deadline, Request
 from .targets import AnyTarget
 from .task_space import Tolerances, excess_rows
 
+# Weight of a squared radian relative to the squared reach in the error E, which is 0 at an answer.
 ROTATION_WEIGHT = 0.2
-"""Weight of a squared radian relative to the squared reach in the error E, which is 0 at an answer."""
-
+# λ = DAMPING · E + LEAST_DAMPING: strong far from the target, vanishing with the error (Chan & Lawrence).
 DAMPING, LEAST_DAMPING = 0.03, 1e-9
-"""λ = DAMPING · E + LEAST_DAMPING: strong far from the target, vanishing with the error (Chan & Lawrence)."""
-
+# Errors [m, rad] below which a search has met its target, and below which it also stops.
 EXACT, POLISHED = 1e-6, 1e-9
-"""Errors [m, rad] below which a search has met its target, and below which it also stops."""
 
 ITERATIONS = 30
+# An iteration that leaves E above PROGRESS times the best is a stall. A search ends after STALLS of them.
 PROGRESS, STALLS = 0.8, 4
-"""An iteration that leaves E above PROGRESS times the best is a stall. A search ends after STALLS of them."""
-
+# Up to here [reaches, rad] a target is near the pose of theta0, ...
 NEAR_POSITION, NEAR_ORIENTATION = 0.02, math.radians(3.0)
-"""Up to here [reaches, rad] a target is near the pose of theta0, ..."""
-
-OTHER_BRANCH = 0.2
-"""... and an answer that moves a coordinate by more than this [rad, m] is on another branch."""
+OTHER_BRANCH = 0.2  # ... and an answer that moves a coordinate by more than this [rad, m] is on another branch.
 
 
 class Search(NamedTuple):

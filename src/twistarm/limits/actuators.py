@@ -16,14 +16,11 @@ from ..support.units import factor
 from .joint_limits import JointLimits
 
 TURNING_UNITS, LINEAR_UNITS = ("rad", "deg", "turn"), ("m", "mm")
+# Units of the counts of a drive that turns or pushes. For ticks see `ticks_per_turn`.
 UNITS = (*TURNING_UNITS, "tick", *LINEAR_UNITS)
-"""Units of the counts of a drive that turns or pushes. For ticks see `ticks_per_turn`."""
-
+# Relative to the equilibrated G. Gear ratios have a few digits, so their differences are not smaller.
 RANK_TOL = 1e-9
-"""Relative to the equilibrated G. Gear ratios have a few digits, so their differences are not smaller."""
-
-NOT_GIVEN = JointLimits.unbounded(0)
-"""Limits of no motor: replaced by unbounded ones for all motors."""
+NOT_GIVEN = JointLimits.unbounded(0)  # Limits of no motor: replaced by unbounded ones for all motors.
 
 
 @dataclass(frozen=True, eq=False, repr=False)

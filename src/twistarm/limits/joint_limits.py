@@ -16,11 +16,9 @@ from ..support.errors import InputError, shown, unknown_name
 FIELDS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 RATES = FIELDS[2:]
 
+# Types whose coordinate is a length; every other one is an angle, a helical joint's too.
 SLIDING = frozenset({"prismatic"})
-"""Types whose coordinate is a length; every other one is an angle, a helical joint's too."""
-
-AS_GOOD_AS_UNBOUNDED = 1e4
-"""Greatest position [rad, m]. Files write larger numbers for "no limit"."""
+AS_GOOD_AS_UNBOUNDED = 1e4  # Greatest position [rad, m]. Files write larger numbers for "no limit".
 
 
 @dataclass(frozen=True, repr=False)

@@ -18,14 +18,10 @@ from .segments import Move, Segment, as_segments
 from .time_law import PathBounds
 from .trajectory import Trajectory
 
-SAMPLES = 2000
-"""How many instants of a motion are sampled: ten or more in each stretch that is no sliver."""
-
+SAMPLES = 2000  # How many instants of a motion are sampled: ten or more in each stretch that is no sliver.
+# Shares that differ by no more than this are equal. So one of several proportional joints is named.
 EQUAL_SHARE = 1e-3
-"""Shares that differ by no more than this are equal. So one of several proportional joints is named."""
-
-SLIVER = 5e-3
-"""A stretch shorter than this part of the motion belongs to the one before it."""
+SLIVER = 5e-3  # A stretch shorter than this part of the motion belongs to the one before it.
 
 
 @dataclass(frozen=True)

@@ -19,43 +19,31 @@ from ..support.checks import Array
 from ..theory import rotations
 from .curves import MovingTarget, errors_from
 
-EXACT = 1e-9
-"""Configurations meet the curve to this [m, rad], so that the spline through them is smooth."""
+EXACT = 1e-9  # Configurations meet the curve to this [m, rad], so that the spline through them is smooth.
 
 ALL_BUT_EXACT = Tolerances(EXACT, EXACT)
 
-LONGEST_JUMP = 0.5
-"""A joint that moves farther [rad, m] from rung to rung leaps."""
+LONGEST_JUMP = 0.5  # A joint that moves farther [rad, m] from rung to rung leaps.
 
 STEPS = 12
 
+# Of a step, as part of the squared error and at least. It is short far from targets and near singularities, and no
+# joint turns far to correct rounding of an axis.
 DAMPING, LEAST_DAMPING = 0.05, 1e-6
-"""Of a step, as part of the squared error and at least. It is short far from targets and near singularities, and no
-joint turns far to correct rounding of an axis.
-"""
-
+# Factor and limit of the least damping, which grows where a step increases errors.
 GROWTH, MOST_GROWTH = 10.0, 1e8
-"""Factor and limit of the least damping, which grows where a step increases errors."""
-
-MOST_WEIGHT = 1e3
-"""Greatest weight of an error with a narrow tolerance relative to one with a wide tolerance."""
-
-LIMIT = 1e-12
-"""A joint this near to a limit [rad, m] is at it."""
-
+MOST_WEIGHT = 1e3  # Greatest weight of an error with a narrow tolerance relative to one with a wide tolerance.
+LIMIT = 1e-12  # A joint this near to a limit [rad, m] is at it.
+# Searches from random starts, besides the one from the arm's configuration; also the most closed-form answers.
 MANY = 96
-"""Searches from random starts, besides the one from the arm's configuration; also the most closed-form answers."""
-
+# Values tried for the turn about an approach's axis, and for each joint that changes no other.
 FREE_VALUES = 12
-"""Values tried for the turn about an approach's axis, and for each joint that changes no other."""
-
+# Configurations nearer together than this [rad, m] in every joint are one. Branches may come close to each other.
 DISTINCT = 0.02
-"""Configurations nearer together than this [rad, m] in every joint are one. Branches may come close to each other."""
 
 SEED = 0
 
-Solutions = tuple[Array, NDArray[np.bool_]]
-"""Configurations (k, n), and which of them meet their targets (k,)."""
+Solutions = tuple[Array, NDArray[np.bool_]]  # Configurations (k, n), and which of them meet their targets (k,).
 
 
 def solve_near(

@@ -12,19 +12,13 @@ from ..support.checks import Array
 from ..support.errors import InputError
 from ..theory import rotations, screws
 
+# Three points are collinear if their triangle is lower than this share of its longest side, or than so many metres.
+# Rounding of a configuration would otherwise choose the plane of the circle.
 FLAT, LOW = 1e-5, 2e-5
-"""Three points are collinear if their triangle is lower than this share of its longest side, or than so many metres.
-Rounding of a configuration would otherwise choose the plane of the circle.
-"""
-
-NO_MOTION = 1e-9
-"""A curve that goes no farther than this [m, rad] goes nowhere."""
-
+NO_MOTION = 1e-9  # A curve that goes no farther than this [m, rad] goes nowhere.
+# Places along a curve at which several whole turns are not all back at their beginning.
 SPREAD: Array = np.arange(1.0, 17.0) * 0.6180339887498949 % 1.0
-"""Places along a curve at which several whole turns are not all back at their beginning."""
-
-SAME = 1e-8
-"""Numbers of targets that differ by less are the same."""
+SAME = 1e-8  # Numbers of targets that differ by less are the same.
 
 
 @dataclass(frozen=True)

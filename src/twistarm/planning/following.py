@@ -21,40 +21,27 @@ from .within import POSITION_TOL as ROUNDING
 
 Flags = NDArray[np.bool_]
 
+# From rung to rung [m, rad] solve_ik stays on its branch where it can.
 FIRST_STEP, FIRST_TURN = 0.01, np.radians(1.0)
-"""From rung to rung [m, rad] solve_ik stays on its branch where it can."""
 
 MOST_RUNGS = 2048
 
-MIN_RUNGS = 4
-"""Rungs of the shortest curve."""
-
-SMALLEST_STEP = 8
-"""A rung without an answer is tried again nearer, back to this fraction (1/8) of the step."""
-
-LEAST_DISTANCE = 2**-12
-"""Least distance of rungs in s. A path that needs less does not continue."""
-
-MOST_HALVINGS = 4096
-"""Rungs in between of one climb, at most."""
-
-
+MIN_RUNGS = 4  # Rungs of the shortest curve.
+SMALLEST_STEP = 8  # A rung without an answer is tried again nearer, back to this fraction (1/8) of the step.
+LEAST_DISTANCE = 2**-12  # Least distance of rungs in s. A path that needs less does not continue.
+MOST_HALVINGS = 4096  # Rungs in between of one climb, at most.
+# Greatest distance of the tool from the curve [m, rad]. Wider tolerances replace it.
 POSITION_TOL, ANGLE_TOL = 1e-4, np.radians(0.05)
-"""Greatest distance of the tool from the curve [m, rad]. Wider tolerances replace it."""
-
+# Share of `POSITION_TOL` and `ANGLE_TOL` that check points may use. The rest is for what lies between them.
 RESERVE = 0.95
-"""Share of `POSITION_TOL` and `ANGLE_TOL` that check points may use. The rest is for what lies between them."""
-
+# Intervals of check points in each piece of a path, and the most on a whole path of many pieces.
 FEWEST_CHECKS, CHECKS, MOST_CHECKS = 4, 16, 40_000
-"""Intervals of check points in each piece of a path, and the most on a whole path of many pieces."""
-
+# A path within tolerances is only sampled more densely where it uses less than this share of them.
 SHARE = 0.95
-"""A path within tolerances is only sampled more densely where it uses less than this share of them."""
 
 MOST_SAMPLES = 4096
 
-ROUNDS = 12
-"""Halvings of intervals in which the tool is too far from the curve."""
+ROUNDS = 12  # Halvings of intervals in which the tool is too far from the curve.
 
 
 @dataclass(frozen=True, eq=False)

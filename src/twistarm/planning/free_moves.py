@@ -18,23 +18,15 @@ from ..support.messages import Argument, Quantity, Text
 from .refusal import PathError
 from .trajectory import Trajectory
 
+# How far [m] states keep from everything, so that the ways between them do too; less where start or goal is nearer.
 CLEARANCE = 0.004
-"""How far [m] states keep from everything, so that the ways between them do too; less where start or goal is nearer."""
-
+# Distance [rad, m] of the checked states of a path, for one attempt after the other.
 STEPS = (0.1, 0.05, 0.02, 0.01, 0.005)
-"""Distance [rad, m] of the checked states of a path, for one attempt after the other."""
-
+# For the last tries: the share of the clearance that states keep, that of the time, and the distances of states.
 LAST_SHARE, LAST_TIME, LAST_STEPS = 0.05, 0.5, (0.02, 0.01, 0.005)
-"""For the last tries: the share of the clearance that states keep, that of the time, and the distances of states."""
-
-UNLIMITED = 2.0 * np.pi
-"""How far joints without limits may go beyond start and goal."""
-
-REACH = 0.5
-"""The longest way [rad, m] that a tree grows at once."""
-
-SHORTCUTS = 50
-"""Random shortcuts that are tried on a path."""
+UNLIMITED = 2.0 * np.pi  # How far joints without limits may go beyond start and goal.
+REACH = 0.5  # The longest way [rad, m] that a tree grows at once.
+SHORTCUTS = 50  # Random shortcuts that are tried on a path.
 
 
 def free_path(

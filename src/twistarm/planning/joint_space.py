@@ -29,11 +29,8 @@ if TYPE_CHECKING:
     from ..collision import Scene
 
 Kind = Literal["s_curve", "time_optimal", "cubic", "quintic"]
-LAWS: tuple[Kind, ...] = ("s_curve", "time_optimal")
-"""Kinds that find the times of the waypoints."""
-
-SPLINES: tuple[Kind, ...] = ("cubic", "quintic")
-"""Kinds for given times."""
+LAWS: tuple[Kind, ...] = ("s_curve", "time_optimal")  # Kinds that find the times of the waypoints.
+SPLINES: tuple[Kind, ...] = ("cubic", "quintic")  # Kinds for given times.
 
 FITS = {
     ("cubic", False): spline.cubic,
@@ -43,23 +40,15 @@ FITS = {
 }
 """The spline of each kind: through the waypoints, or resting at each."""
 
+# With at most so many waypoints the centripetal spline is a candidate. It is slow on many uneven ones.
 FEW_WAYPOINTS = 30
-"""With at most so many waypoints the centripetal spline is a candidate. It is slow on many uneven ones."""
-
+# A path that takes longer than the fastest by this factor without jerk limits gets no s-curve.
 WORTH_A_LAW = 1.05
-"""A path that takes longer than the fastest by this factor without jerk limits gets no s-curve."""
-
+# Through more waypoints only the path of the highest degree gets an s-curve: its law is the shortest, or nearly.
 MANY_WAYPOINTS = 300
-"""Through more waypoints only the path of the highest degree gets an s-curve: its law is the shortest, or nearly."""
-
-FIRST_PART = 0.8
-"""Share of the work when the motion without stops is there."""
-
-MOST_STOPS = 16
-"""Greatest number of stops on the way, unless the motion stops after every leg."""
-
-SHORT = 0.4
-"""A leg is short if it takes less than this share of the time of either leg beside it."""
+FIRST_PART = 0.8  # Share of the work when the motion without stops is there.
+MOST_STOPS = 16  # Greatest number of stops on the way, unless the motion stops after every leg.
+SHORT = 0.4  # A leg is short if it takes less than this share of the time of either leg beside it.
 
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 

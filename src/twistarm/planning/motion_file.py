@@ -24,8 +24,8 @@ from ..theory.rotations import from_quaternion_wxyz, from_rpy
 from .motion import LAWS
 from .segments import ArcMove, Dwell, FreeMove, Goal, JointMove, LineMove, Move, ScrewMove, Segment
 
+# How far the first motion moves a joint from the ready pose, or as far as its limits allow.
 STEP = {"rad": 0.2, "m": 0.05}
-"""How far the first motion moves a joint from the ready pose, or as far as its limits allow."""
 
 KINDS = {"joint": JointMove, "free": FreeMove, "line": LineMove, "screw": ScrewMove, "arc": ArcMove, "dwell": Dwell}
 
@@ -40,8 +40,8 @@ OPTIONS = tuple(option.name for option in dataclasses.fields(Move))
 
 ROTATIONS = ("rpy", "quaternion_wxyz", "direction")
 
+# Entries of a target that have no meaning without one of the others.
 GO_WITH = {"tool_axis": ("direction",), "tolerance": ("rpy", "quaternion_wxyz"), "frame": ("tolerance",)}
-"""Entries of a target that have no meaning without one of the others."""
 
 
 @dataclass(frozen=True)

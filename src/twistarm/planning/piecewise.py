@@ -22,17 +22,11 @@ from ..support.checks import Array, frozen
 
 Indices = NDArray[np.intp]
 
-BISECTIONS = 30
-"""An extreme located to 2⁻³⁰ of its segment has its value to 2⁻⁶⁰: the slope there is zero."""
-
-PRECISION = 1e-10
-"""How near, relatively, a bound comes to the largest magnitude that it bounds."""
-
-ROUNDING = 1e-9
-"""A piece may exceed its greatest length by this share before it is cut again."""
-
+BISECTIONS = 30  # An extreme located to 2⁻³⁰ of its segment has its value to 2⁻⁶⁰: the slope there is zero.
+PRECISION = 1e-10  # How near, relatively, a bound comes to the largest magnitude that it bounds.
+ROUNDING = 1e-9  # A piece may exceed its greatest length by this share before it is cut again.
+# A joint that moves by less [rad, m] stays where it is, and so does a cut nearer to a breakpoint by such a share.
 STILL = 1e-12
-"""A joint that moves by less [rad, m] stays where it is, and so does a cut nearer to a breakpoint by such a share."""
 
 
 def derivative(coefficients: Array, order: int = 1) -> Array:

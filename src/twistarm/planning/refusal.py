@@ -19,19 +19,14 @@ from .configurations import LONGEST_JUMP, branches
 from .following import Blocked, Node, climb, follow, way
 from .piecewise import JointPath
 
-AT_LIMIT = 0.01
-"""A joint nearer to its limit than this [rad, m] at the end of a path is at the limit."""
-
-MORE_ROOM = 0.5
-"""Extra room [rad, m] for a joint, to see whether its limit blocks the path."""
-
+AT_LIMIT = 0.01  # A joint nearer to its limit than this [rad, m] at the end of a path is at the limit.
+MORE_ROOM = 0.5  # Extra room [rad, m] for a joint, to see whether its limit blocks the path.
+# A configuration is nearly singular below this least singular value, with metres divided by the arm's reach.
 SINGULAR = 0.05
-"""A configuration is nearly singular below this least singular value, with metres divided by the arm's reach."""
 
 CERTAIN = "; no configuration inside the limits meets it farther on, that is certain"
 
-MAX_OTHER_STARTS = 2
-"""Other configurations from which the path may be followed that are tried."""
+MAX_OTHER_STARTS = 2  # Other configurations from which the path may be followed that are tried.
 
 
 class PathError(TwistarmError):

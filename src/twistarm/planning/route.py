@@ -29,18 +29,12 @@ from .waypoints import UNWRAP, unwrapped
 if TYPE_CHECKING:
     from ..collision import Scene
 
+# Waypoints (k, n) of a path that collides with nothing, from a start to a goal (n,).
 FreePath = Callable[[Array, Array], Array]
-"""Waypoints (k, n) of a path that collides with nothing, from a start to a goal (n,)."""
-
-NEAREST = 8
-"""How many of the nearest start configurations of a run of curves are tried before all others."""
-
-FOLLOWED = 4
-"""How many ways through a ladder, least joint motion first, are tried."""
-
-
+NEAREST = 8  # How many of the nearest start configurations of a run of curves are tried before all others.
+FOLLOWED = 4  # How many ways through a ladder, least joint motion first, are tried.
+# Radius of a corner on a free way: greatest share of the way to the nearer neighbour, and of the arm's reach.
 CORNER_SHARE, LARGEST_CORNER = 0.45, 0.1
-"""Radius of a corner on a free way: greatest share of the way to the nearer neighbour, and of the arm's reach."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +59,8 @@ class PathPart:
         return self.segment
 
 
+# The end of a run so far: theta (n,), cost [s], and the last node of the curve before (None at the beginning).
 _End = tuple[Array, float, Node | None]
-"""The end of a run so far: theta (n,), cost [s], and the last node of the curve before (None at the beginning)."""
 
 
 class _BlockedError(Exception):

@@ -11,35 +11,22 @@ from .piecewise import Indices, JointPath, bernstein, bisected, derivative, eval
 from .time_law import PathBounds, TimeLaw, distinct_instants
 from .time_optimal import LimitedPath, first_grid, on_grid
 
+# Window widths to try, as multiples of the rise time of the slowest rate to its acceleration limit.
 WINDOWS = (1.0, 2.0, 2.8)
-"""Window widths to try, as multiples of the rise time of the slowest rate to its acceleration limit."""
-
+# Greatest number of laws for each width; so many in a row that are not shorter by this share end it.
 ROUNDS, PATIENCE, GAIN = 8, 4, 5e-3
-"""Greatest number of laws for each width; so many in a row that are not shorter by this share end it."""
-
+# Laws along so many pieces take long, and change little from one to the next: the first without a gain ends it.
 MANY_PIECES = 900
-"""Laws along so many pieces take long, and change little from one to the next: the first without a gain ends it."""
-
+# A ceiling is divided by this power of the piece's need of slowing, which counts within these bounds.
 POWER, LEAST, MOST = 0.7, 0.9, 1.2
-"""A ceiling is divided by this power of the piece's need of slowing, which counts within these bounds."""
-
-HEADROOM = 1.05
-"""A ceiling is at most the speed by this factor, so that it may rise again."""
-
+HEADROOM = 1.05  # A ceiling is at most the speed by this factor, so that it may rise again.
+# Share of the jerk for the bend of the path. The rest is for changes of the acceleration along it.
 BEND_SHARE = 0.9
-"""Share of the jerk for the bend of the path. The rest is for changes of the acceleration along it."""
-
-PIECES = 64
-"""Least number of pieces of the path, so that a ceiling is low only in a short part."""
-
-SAMPLES = np.array([[0.0], [0.5], [1.0 - 1e-9]])
-"""Where in each of its pieces a law is looked at."""
-
-BISECTIONS = 60
-"""To find when a place is reached, to rounding."""
-
+PIECES = 64  # Least number of pieces of the path, so that a ceiling is low only in a short part.
+SAMPLES = np.array([[0.0], [0.5], [1.0 - 1e-9]])  # Where in each of its pieces a law is looked at.
+BISECTIONS = 60  # To find when a place is reached, to rounding.
+# The jerk in the seven phases of a double-S profile, as a share of its greatest.
 SIGNS: Array = np.array([1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0])
-"""The jerk in the seven phases of a double-S profile, as a share of its greatest."""
 
 
 def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:

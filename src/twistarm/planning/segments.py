@@ -14,8 +14,8 @@ from ..support.checks import Array, Row, as_flag, as_floats, as_number, as_posit
 from ..support.display import Brief
 from ..support.errors import InputError, shown
 
+# End of a move: a configuration (n,), {joint: value}, its name, a target, or a pose (4, 4).
 Goal = Row | Mapping[str, float] | str | AnyTarget
-"""End of a move: a configuration (n,), {joint: value}, its name, a target, or a pose (4, 4)."""
 
 Constrained = Literal["pose", "approach", "position"]
 CONSTRAINED: tuple[Constrained, ...] = ("pose", "approach", "position")

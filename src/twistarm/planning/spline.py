@@ -19,11 +19,9 @@ from ..support.checks import Array, frozen
 from ..support.errors import missing_extra
 from .piecewise import bernstein, derivative, evaluate, rescaled
 
+# Factor that lowers a joint's velocity at a waypoint until the joint stays inside; below such a share it is zero.
 EASING, LEAST_SHARE = 0.7, 0.05
-"""Factor that lowers a joint's velocity at a waypoint until the joint stays inside; below such a share it is zero."""
-
-ROUNDING = 1e-10
-"""Beyond a limit by less [rad, m] is rounding."""
+ROUNDING = 1e-10  # Beyond a limit by less [rad, m] is rounding.
 
 Mask = NDArray[np.bool_]
 

@@ -17,31 +17,20 @@ from .route import PathPart
 from .segments import Move
 from .within import POSITION_TOL, farthest_outside
 
-BEND_PIECES = 8
-"""Pieces of a rounded corner. Each has a speed limit."""
-
-STRAIGHT_PIECES = 32
-"""Pieces of a straight joint path where the tool's speed is limited."""
-
-SPEED_SAMPLES = 64
-"""Intervals in each piece of a path, to find the tool's greatest speed."""
-
+BEND_PIECES = 8  # Pieces of a rounded corner. Each has a speed limit.
+STRAIGHT_PIECES = 32  # Pieces of a straight joint path where the tool's speed is limited.
+SPEED_SAMPLES = 64  # Intervals in each piece of a path, to find the tool's greatest speed.
+# Samples of the tool along a path, to find where it leaves the ball. Bisection refines the crossing.
 SAMPLES = 256
-"""Samples of the tool along a path, to find where it leaves the ball. Bisection refines the crossing."""
 
 BISECTIONS = 40
 
-ROUNDING = 1e-12
-"""A piece shorter than this part of its path is rounding."""
-
-ROOM = 0.9
-"""Greatest share of a path that rounded corners take together."""
-
+ROUNDING = 1e-12  # A piece shorter than this part of its path is rounding.
+ROOM = 0.9  # Greatest share of a path that rounded corners take together.
+# Where the tool moves by less [m], it only turns: a rounded corner would skip its orientation there.
 LEAST = 1e-4
-"""Where the tool moves by less [m], it only turns: a rounded corner would skip its orientation there."""
-
+# How often a corner shrinks that leaves the ball or the position limits, and by what factor.
 SHRINKS, SMALLER = 20, 0.8
-"""How often a corner shrinks that leaves the ball or the position limits, and by what factor."""
 
 
 class Corner(NamedTuple):

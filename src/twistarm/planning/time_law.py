@@ -17,14 +17,11 @@ from ..support.checks import Array, frozen
 from .piecewise import Indices, JointPath, bisected, composed, derivative, largest, rescaled, shifted
 from .within import MARGIN, require_span, slowed_by
 
+# Rise time [s] to the acceleration limit for joints without a jerk limit, in laws that limit the jerk.
 RISE = 0.1
-"""Rise time [s] to the acceleration limit for joints without a jerk limit, in laws that limit the jerk."""
-
-APART = 1e-12
-"""Instants nearer than this part of the whole are one."""
-
+APART = 1e-12  # Instants nearer than this part of the whole are one.
+# Coefficients of the fraction travelled in the fraction u of the time, highest power first.
 UNIT = np.array([6.0, -15.0, 10.0, 0.0, 0.0, 0.0])
-"""Coefficients of the fraction travelled in the fraction u of the time, highest power first."""
 
 BISECTIONS = 60
 

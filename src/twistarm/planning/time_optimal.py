@@ -19,32 +19,17 @@ from .piecewise import JointPath
 from .time_law import APART, PathBounds, TimeLaw
 from .within import MARGIN, SHORTEST, require_span
 
-FIRST_INTERVALS = 150
-"""Intervals to begin with, about."""
-
-LEAST_PER_PIECE = 2
-"""Intervals to begin with on each piece of the path."""
-
-GAIN = 1e-3
-"""The grid is fine enough when a finer one shortens the motion by less than this share."""
-
-UNUSED_PER_GAIN = 4.0
-"""The grid loses one in so many parts of the time that the limits leave unused."""
-
+FIRST_INTERVALS = 150  # Intervals to begin with, about.
+LEAST_PER_PIECE = 2  # Intervals to begin with on each piece of the path.
+GAIN = 1e-3  # The grid is fine enough when a finer one shortens the motion by less than this share.
+UNUSED_PER_GAIN = 4.0  # The grid loses one in so many parts of the time that the limits leave unused.
+# Intervals are halved if their loss exceeds this share of the motion's time, divided among all of them.
 LOSS = 3e-3
-"""Intervals are halved if their loss exceeds this share of the motion's time, divided among all of them."""
-
-ROUNDS = 10
-"""How often intervals are halved at most."""
-
-MAX_INTERVALS = 5000
-"""A grid of more intervals is not refined: a trajectory has a piece for each."""
-
-LEAST_DEGREE = 2
-"""A straight line counts as a parabola: its curvature is a polynomial too."""
-
+ROUNDS = 10  # How often intervals are halved at most.
+MAX_INTERVALS = 5000  # A grid of more intervals is not refined: a trajectory has a piece for each.
+LEAST_DEGREE = 2  # A straight line counts as a parabola: its curvature is a polynomial too.
+# The kinds of motion that need no core.
 WITHOUT_CORE = " (not kind='quintic', straight joint moves from rest to rest, or splines at given times)"
-"""The kinds of motion that need no core."""
 
 
 def time_optimal(path: JointPath, bounds: PathBounds) -> TimeLaw:

@@ -64,17 +64,14 @@ FORMATS: Mapping[str, Format] = {
 }
 """All kinds of files of motions. A name's ending counts in any letters."""
 
+# Seconds between two points: a message counts nanoseconds, and a polynomial divides by the fifth power.
 SHORTEST_STEP = 0.9e-9
-"""Seconds between two points: a message counts nanoseconds, and a polynomial divides by the fifth power."""
-
+# Times [s], positions [rad, m] and rates of every arm are far smaller. Larger values overflow in polynomials.
 LARGEST = 1e9
-"""Times [s], positions [rad, m] and rates of every arm are far smaller. Larger values overflow in polynomials."""
-
+# Rates disagree with values by this median factor. Steps above that share of the greatest count, so many at least.
 DISAGREES, COMPARED, FEWEST, TINY = 5.0, 0.1, 3, 1e-300
-"""Rates disagree with values by this median factor. Steps above that share of the greatest count, so many at least."""
-
+# A polynomial between two points may leave a position limit by so much [rad, m], as that of a coarse file does.
 SWING = 1e-4
-"""A polynomial between two points may leave a position limit by so much [rad, m], as that of a coarse file does."""
 
 
 def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:

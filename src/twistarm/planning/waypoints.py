@@ -23,34 +23,23 @@ from ..support.messages import Argument, Quantity, Text, joined
 from .spline import scipy
 from .within import LONGEST, SHORTEST
 
-MERGE_TOL = 1e-6
-"""Consecutive waypoints nearer than this [rad, m] in every joint are one."""
-
-MOST_NAMED = 12
-"""So many merged waypoints are named, and about so many joints that turn far."""
-
+MERGE_TOL = 1e-6  # Consecutive waypoints nearer than this [rad, m] in every joint are one.
+MOST_NAMED = 12  # So many merged waypoints are named, and about so many joints that turn far.
+# Times closer than this share of the duration are a mistake. No spline can be computed for them.
 LEAST_SEGMENT = 1e-7
-"""Times closer than this share of the duration are a mistake. No spline can be computed for them."""
-
+# Greatest power of ten of λ or 1/λ of a smoothing spline, and steps to find it.
 STIFFEST, BISECTIONS = 12.0, 30
-"""Greatest power of ten of λ or 1/λ of a smoothing spline, and steps to find it."""
-
+# Weight of the first and the last waypoint. The spline passes them to rounding, and then they are put in.
 PINNED = 1e9
-"""Weight of the first and the last waypoint. The spline passes them to rounding, and then they are put in."""
-
-LEAST_STEP = 0.1
-"""Least distance between two middles, in tolerances."""
-
-FEWEST = 5
-"""A smoothing spline needs so many waypoints."""
-
+LEAST_STEP = 0.1  # Least distance between two middles, in tolerances.
+FEWEST = 5  # A smoothing spline needs so many waypoints.
+# A joint that turns farther than this [rad] can reach the same place by a shorter way.
 HALF_TURN = np.pi * (1.0 + 1e-9)
-"""A joint that turns farther than this [rad] can reach the same place by a shorter way."""
 
 UNWRAP = Argument("unwrap", True)
 
+# Configurations as arrays, mappings {joint: value} or names of states, and targets of the tool.
 Waypoints = RealArray | Sequence[Row | Mapping[str, float] | str | TargetLike]
-"""Configurations as arrays, mappings {joint: value} or names of states, and targets of the tool."""
 
 
 def as_tolerances(position_tol: float | None, orientation_tol: float | None) -> Tolerances:

@@ -15,23 +15,15 @@ from ..support.units import theta_hint
 from .piecewise import derivative, extremes, largest
 from .trajectory import RATE_UNITS, Trajectory
 
+# Excess over a position limit [rad, m] that is rounding of a motion that ends on the limit.
 POSITION_TOL = 1e-9
-"""Excess over a position limit [rad, m] that is rounding of a motion that ends on the limit."""
-
+# How far beyond a position limit [rad, m] a given configuration, or that of a file, counts as on the limit.
 GIVEN_TOL = 1e-6
-"""How far beyond a position limit [rad, m] a given configuration, or that of a file, counts as on the limit."""
-
+# How far beyond its limits a measured start may be. The motion then returns inside first.
 RETURN = {"rad": 0.2, "m": 0.02}
-"""How far beyond its limits a measured start may be. The motion then returns inside first."""
-
-RATE_TOL = 1e-9
-"""Relative excess over a rate limit that is rounding of a motion timed to meet it exactly."""
-
-MARGIN = 1e-10
-"""Times exceed the limits' least times by this share, so that rounding falls on the safe side."""
-
-SHORTEST, LONGEST = 1e-9, 1e9
-"""Lengths [s] of motions whose coefficients keep clear of overflow."""
+RATE_TOL = 1e-9  # Relative excess over a rate limit that is rounding of a motion timed to meet it exactly.
+MARGIN = 1e-10  # Times exceed the limits' least times by this share, so that rounding falls on the safe side.
+SHORTEST, LONGEST = 1e-9, 1e9  # Lengths [s] of motions whose coefficients keep clear of overflow.
 
 RATES = ("velocity", "acceleration", "jerk")
 

@@ -15,11 +15,9 @@ from .errors import SHOWN, InputError, RoundedPoseWarning, closest, one_line, sh
 Array = NDArray[np.float64]
 
 RealArray = NDArray[np.floating[Any]] | NDArray[np.integer[Any]]
+# Numbers in a row, as a caller may write them; unlike NumPy's `ArrayLike`, a text is none.
 Row = RealArray | Sequence[float]
-"""Numbers in a row, as a caller may write them; unlike NumPy's `ArrayLike`, a text is none."""
-
-Matrix = RealArray | Sequence[Row]
-"""Rows of numbers, as a caller may write them."""
+Matrix = RealArray | Sequence[Row]  # Rows of numbers, as a caller may write them.
 
 Given = ArrayLike | Matrix
 
@@ -27,32 +25,16 @@ T = TypeVar("T")
 
 SEEDS = 2**64
 
-NO_NUMBERS = {"c": "complex numbers", "U": "text", "S": "text"}
-"""Kinds of NumPy's types, in words."""
-
-LARGEST = 1e300
-"""Numbers beyond are no quantity of this world, and sums of them overflow."""
-
-LARGEST_WHOLE = 2**53 - 1
-"""Up to here every reader's numbers are whole."""
-
-LONGEST_NUMBER = 400
-"""Characters of a written number."""
-
-LARGEST_ARRAY = 10**9
-"""More along one axis is a mistake."""
-
+NO_NUMBERS = {"c": "complex numbers", "U": "text", "S": "text"}  # Kinds of NumPy's types, in words.
+LARGEST = 1e300  # Numbers beyond are no quantity of this world, and sums of them overflow.
+LARGEST_WHOLE = 2**53 - 1  # Up to here every reader's numbers are whole.
+LONGEST_NUMBER = 400  # Characters of a written number.
+LARGEST_ARRAY = 10**9  # More along one axis is a mistake.
+# How far a matrix may be from a rotation: as far as three printed decimals bring it. Farther, it is a mistake.
 ORTHONORMAL_TOL = 1e-3
-"""How far a matrix may be from a rotation: as far as three printed decimals bring it. Farther, it is a mistake."""
-
-ROUNDED_TOL = 1e-6
-"""Beyond this more than single precision was lost, and it is said that a pose was rounded."""
-
-LAST_ROW_TOL = 1e-6
-"""How far a pose's last row may be from 0 0 0 1."""
-
-CLEAN_TOL = 1e-14
-"""Below this a rotation is left as it is: its error is already that of double precision."""
+ROUNDED_TOL = 1e-6  # Beyond this more than single precision was lost, and it is said that a pose was rounded.
+LAST_ROW_TOL = 1e-6  # How far a pose's last row may be from 0 0 0 1.
+CLEAN_TOL = 1e-14  # Below this a rotation is left as it is: its error is already that of double precision.
 
 
 def as_floats(value: Given, name: str, what: str = "an array of real numbers") -> Array:
@@ -207,6 +189,11 @@ def require_callback(value: Any, name: str, arguments: str) -> Callable[..., obj
     if value is not None and not callable(value):
         raise InputError(f"{name} must be a function of {arguments}, or None; got {shown(value)}")
     return value
+
+
+def reporting(progress: Any) -> Callable[[float], object]:
+    """What is called with the fraction done: `progress`, or nothing for None. InputError where it is no function."""
+    return require_callback(progress, "progress", "(fraction)") or (lambda fraction: None)
 
 
 def require_clock(value: Any, name: str) -> Callable[[], Any]:

@@ -18,8 +18,7 @@ from .fields import inside
 from .files import as_path, open_regular, why_no_file
 from .units import column, factor
 
-MAX_LINE = 100_000
-"""Characters of a line: a thousand columns of numbers with all their digits are 20,000."""
+MAX_LINE = 100_000  # Characters of a line: a thousand columns of numbers with all their digits are 20,000.
 
 
 class Bounds(NamedTuple):

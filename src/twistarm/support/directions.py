@@ -8,11 +8,8 @@ import numpy as np
 
 from .checks import Array
 
-EQUAL = 1e-6
-"""Components of unit vectors that differ by less are equally large."""
-
-ALONG_AXIS = 0.995
-"""Cosine from which on a direction goes by the name of an axis, 5.7° from it."""
+EQUAL = 1e-6  # Components of unit vectors that differ by less are equally large.
+ALONG_AXIS = 0.995  # Cosine from which on a direction goes by the name of an axis, 5.7° from it.
 
 
 def leading(sizes: Array) -> int:

@@ -11,11 +11,8 @@ import numpy as np
 
 from .errors import shown
 
-LONGEST_ROW = 8
-"""Numbers in a row before the shape alone is told."""
-
-ZERO = 1e-12
-"""Smaller numbers are the rounding of a zero."""
+LONGEST_ROW = 8  # Numbers in a row before the shape alone is told.
+ZERO = 1e-12  # Smaller numbers are the rounding of a zero.
 
 
 class Brief:

@@ -15,20 +15,17 @@ from typing import Any
 
 from .messages import Text
 
-PACKAGE = os.path.dirname(os.path.dirname(__file__))
-"""The folder of this package."""
-
+PACKAGE = os.path.dirname(os.path.dirname(__file__))  # The folder of this package.
+# Characters of a value that a message repeats: it is the caller's own, and names or the first numbers are enough.
 SHOWN = 80
-"""Characters of a value that a message repeats: it is the caller's own, and names or the first numbers are enough."""
 
 _BRIEF = Repr()
 _BRIEF.maxstring = _BRIEF.maxother = SHOWN
 
+# Characters of a message: a description may hold names of any length, and a line has to be read.
 LONGEST = 1800
-"""Characters of a message: a description may hold names of any length, and a line has to be read."""
-
+# Characters of a name that is compared with others: that takes time by the product of their lengths.
 LONGEST_COMPARED = 200
-"""Characters of a name that is compared with others: that takes time by the product of their lengths."""
 
 
 class TwistarmError(Exception):

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from .checks import as_number, require_choice
 from .errors import InputError, TwistarmError, closest, listed, shown
 
+# What a field may hold: it makes of the value, and the field's name for errors, what the field means.
 Check = Callable[[Any, str], Any]
-"""What a field may hold: it makes of the value, and the field's name for errors, what the field means."""
 
 
 @contextmanager

@@ -12,20 +12,18 @@ from typing import BinaryIO
 
 from .errors import InputError, shown
 
+# Names, in any letters, of what a team wrote itself: no output takes its place unasked.
 DESCRIPTIONS = (".urdf", ".xacro", ".srdf", ".sdf", ".xml", ".toml", ".yaml", ".yml")
-"""Names, in any letters, of what a team wrote itself: no output takes its place unasked."""
 
 WRITTEN_YAML = "# written by twistarm"
+# What YAML of ours begins with, and URDF ends with: it is no team's own text and may be replaced.
 WRITTEN_XML = "<!-- written by twistarm -->"
-"""What YAML of ours begins with, and URDF ends with: it is no team's own text and may be replaced."""
 
 NO_SUCH_FILE, FOLDER = "no such file", "a folder"
 
+# How a file is opened to read, without waiting for a writer. A system has only some of these flags.
 READING = sum(getattr(os, name, 0) for name in ("O_RDONLY", "O_NONBLOCK", "O_NOCTTY", "O_CLOEXEC", "O_BINARY"))
-"""How a file is opened to read, without waiting for a writer. A system has only some of these flags."""
-
-TEMPORARY = ".twistarm.part"
-"""How the names of our temporary files end."""
+TEMPORARY = ".twistarm.part"  # How the names of our temporary files end.
 
 
 def is_file(path: Path) -> bool:

@@ -28,14 +28,11 @@ UNITS: Mapping[str, Mapping[str, float]] = {
 A rate such as "rad/s" or "m/s²" is a quantity, too: see `factor`.
 """
 
-RATE = re.compile(r"(.*?)\s*/\s*s(?:(?:\^|\*\*)?([23²³]))?")
-"""A unit per s, s² or s³: the unit and the power."""
-
+RATE = re.compile(r"(.*?)\s*/\s*s(?:(?:\^|\*\*)?([23²³]))?")  # A unit per s, s² or s³: the unit and the power.
+# A number and its unit.
 NUMBER = re.compile(r"\s*([-+−]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)\s*(.*?)\s*", re.DOTALL)
-"""A number and its unit."""
-
+# A column's name with or without its unit: `x`, `x [mm]`, `roll (deg)`, `elbow_deg`.
 HEADER = re.compile(r"(.*?)(?:\s*[\[(]\s*([^\])]*?)\s*[\])]|[_ ](m|cm|mm|rad|deg|degrees))?")
-"""A column's name with or without its unit: `x`, `x [mm]`, `roll (deg)`, `elbow_deg`."""
 
 
 def units_of(quantity: str) -> tuple[str, ...]:
@@ -88,11 +85,8 @@ def column(header: str, known: Mapping[str, str]) -> tuple[str | None, str]:
     return None, ""
 
 
-TURN = 2.0 * math.pi
-"""A larger roll, pitch or yaw is one in degrees."""
-
-FAR = 20.0
-"""Nobody asks for a target at so many times the arm's reach."""
+TURN = 2.0 * math.pi  # A larger roll, pitch or yaw is one in degrees.
+FAR = 20.0  # Nobody asks for a target at so many times the arm's reach.
 
 
 def angle_hint(angles: Array) -> str:

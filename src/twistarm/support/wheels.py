@@ -14,8 +14,8 @@ from typing import Any
 
 from .errors import MissingExtraError, TwistarmError
 
+# Variables by which a shell puts other modules and libraries before those of wheels.
 _PATHS = ("PYTHONPATH", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH")
-"""Variables by which a shell puts other modules and libraries before those of wheels."""
 
 
 @dataclass(frozen=True)

@@ -19,14 +19,13 @@ from numpy.typing import NDArray
 
 import twistarm
 
-from ..support.checks import as_whole, require_callback, require_method
+from ..support.checks import as_whole, reporting, require_method
 from ..support.errors import SHOWN, InputError, TwistarmError, one_line
 from ..support.files import as_path, open_regular, write_whole
 
 Arrays = Mapping[str, NDArray[Any]]
 
-AHEAD = 256
-"""Chunks given to an executor at a time. More would keep their arguments in memory for nothing."""
+AHEAD = 256  # Chunks given to an executor at a time. More would keep their arguments in memory for nothing.
 
 MOST_WORKERS = 1024
 
@@ -66,7 +65,7 @@ class Sweep:
         Raises:
             InputError: An argument cannot be used, or the executor failed. The message says how to resume.
         """
-        tell = require_callback(progress, "progress", "(fraction)") or float
+        tell = reporting(progress)
         threads = as_whole(os.cpu_count() if workers is None else workers, "workers", 1, MOST_WORKERS)
         if executor is not None:
             require_method(executor, "executor", "submit")

@@ -27,22 +27,15 @@ from .voxel_map import Grid, ReachMap, digest_of
 if TYPE_CHECKING:
     from ..collision import Scene
 
+# The 26 directions to the neighbours of a cube.
 AROUND = tuple(each for each in product((-1.0, 0.0, 1.0), repeat=3) if any(each))
-"""The 26 directions to the neighbours of a cube."""
 
 MOST_DIRECTIONS = 10_000
 
-MOST_BYTES = 2e9
-"""Memory of the largest map: of each cube a byte for each direction, and 12 more."""
-
-CHUNK = 4096
-"""Targets of a chunk. Fewer make more files, and more a longer wait at Ctrl-C."""
-
-RESTARTS = 100
-"""Searches for a target. With 32 a map of an arm of six joints misses 1 % of its cubes."""
-
-CONE = np.cos(np.radians(20.0))
-"""A random configuration counts for the nearest direction, within this angle."""
+MOST_BYTES = 2e9  # Memory of the largest map: of each cube a byte for each direction, and 12 more.
+CHUNK = 4096  # Targets of a chunk. Fewer make more files, and more a longer wait at Ctrl-C.
+RESTARTS = 100  # Searches for a target. With 32 a map of an arm of six joints misses 1 % of its cubes.
+CONE = np.cos(np.radians(20.0))  # A random configuration counts for the nearest direction, within this angle.
 
 
 def reach_map(
@@ -96,14 +89,8 @@ def reach_map(
 
         require_scene(scene, arm).find_allowed_pairs()
         told = [scene_text(scene.content(), Path()), scene._description.text, scene.exact, sorted(scene.allowed)]
-    centre, radius = sphere(require_arm(arm))
-    if side > radius:
-        raise InputError(f"voxel must be at most the arm's reach, {radius:.3g} m; got {side:g}: lengths are in metres")
-    grid, each = Grid.about(centre, radius, side), max(len(towards), 1)
-    if grid.count * (each + 12) > MOST_BYTES:
-        fits = side * (grid.count * (each + 12) / MOST_BYTES) ** (1 / 3)
-        many = f"{grid.count:,} cubes, too many for {MOST_BYTES / 1e9:g} GB of memory"
-        raise InputError(f"a voxel of {side:g} m makes {many}; a voxel of {1.1 * fits:.2g} m fits")
+    each = max(len(towards), 1)
+    grid = _grid(require_arm(arm), side, each)
     settings = {"method": method, "samples": count, "scene": "" if scene is None else repr(scene)}
     sweep = Sweep(
         _by_ik if by_ik else _by_fk,
@@ -121,6 +108,19 @@ def reach_map(
     counts = seen.reshape(*grid.shape, each).sum(axis=-1, dtype=np.uint16)
     quantities = {name: values.reshape(grid.shape) for name, values in best.items()}
     return ReachMap(arm.name, arm.base, digest_of(arm), grid, towards, counts, **quantities, settings=settings)
+
+
+def _grid(arm: Arm, side: float, each: int) -> Grid:
+    """The grid for so many directions. InputError for cubes larger than the arm, and for a map beyond the memory."""
+    centre, radius = sphere(arm)
+    if side > radius:
+        raise InputError(f"voxel must be at most the arm's reach, {radius:.3g} m; got {side:g}: lengths are in metres")
+    grid = Grid.about(centre, radius, side)
+    if grid.count * (each + 12) > MOST_BYTES:
+        fits = side * (grid.count * (each + 12) / MOST_BYTES) ** (1 / 3)
+        many = f"{grid.count:,} cubes, too many for {MOST_BYTES / 1e9:g} GB of memory"
+        raise InputError(f"a voxel of {side:g} m makes {many}; a voxel of {1.1 * fits:.2g} m fits")
+    return grid
 
 
 def _directions(given: Any) -> Array:

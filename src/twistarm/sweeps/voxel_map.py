@@ -21,8 +21,7 @@ from ..support.files import as_path, open_regular, write_whole
 
 FORMAT = "twistarm reach map 1"
 
-LARGEST = 1e6
-"""The largest side of a cube [m] in a file."""
+LARGEST = 1e6  # The largest side of a cube [m] in a file.
 
 ARRAYS = ("directions", "counts", "manipulability", "margin")
 

@@ -11,14 +11,9 @@ from ..support.checks import Array, as_whole
 from ..support.directions import nearest_axes, signed
 from ..support.display import Brief
 
-NO_MOTION = 1e-9
-"""A singular value this small beside the largest is the rounding of 0."""
-
-BESIDE = 1e-4
-"""How far beside a singular configuration one looks for the motions that it lacks [scaled rad]."""
-
-SEEN = 1e-3
-"""Of that distance: a singular value which is larger there is not the square of it."""
+NO_MOTION = 1e-9  # A singular value this small beside the largest is the rounding of 0.
+BESIDE = 1e-4  # How far beside a singular configuration one looks for the motions that it lacks [scaled rad].
+SEEN = 1e-3  # Of that distance: a singular value which is larger there is not the square of it.
 
 
 @dataclass(frozen=True, repr=False)

@@ -17,14 +17,10 @@ from ..support.errors import InputError, shown, without_places
 from ..support.fields import Check, fields, list_of, numbers, one_of
 from ..support.strict_json import decoded, encode
 
-Message = dict[str, Any]
-"""A message to the pages: its `type`, and the fields of that type in the schema."""
-
+Message = dict[str, Any]  # A message to the pages: its `type`, and the fields of that type in the schema.
+# Greatest joint values [rad, m]. Larger ones come from no arm and would overflow the drawing.
 LARGEST_VALUE = 1e6
-"""Greatest joint values [rad, m]. Larger ones come from no arm and would overflow the drawing."""
-
-LONGEST_NAME = 1000
-"""Most characters of a name, so that an error stays readable."""
+LONGEST_NAME = 1000  # Most characters of a name, so that an error stays readable.
 
 
 @dataclass(frozen=True)
@@ -109,8 +105,8 @@ SCHEMA: Mapping[str, Mapping[str, Mapping[str, str]]] = json.loads(
 REQUESTS = {kind: {name: _check(word) for name, word in fields.items()} for kind, fields in SCHEMA["requests"].items()}
 
 
+# Returns what a part of the view shows now. A returned message never changes.
 Source = Callable[[], Iterable[Message]]
-"""Returns what a part of the view shows now. A returned message never changes."""
 
 
 class ChangePublisher:

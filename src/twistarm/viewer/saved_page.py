@@ -31,23 +31,12 @@ from .scene.arm_drawing import Drawing
 from .scene.kinematics import kinematics
 from .stage import Stage
 
-PLAYED = ("time", "running", "speed", "loop")
-"""State of a playback that the page continues."""
-
-SAME = 1e-9
-"""An arm within this [rad, m] of a trajectory's theta is on the trajectory."""
-
-SAMPLE_TIME = 1.0 / 30.0
-"""Time between samples [s]. The page interpolates between them."""
-
-MOST_SAMPLES = 2000
-"""Most samples of a motion, which keep the file within a megabyte."""
-
-DECIMALS = 9
-"""Decimals of values in rad and m."""
-
-MOST_NUMBERS = 250
-"""Most samples with numbers of the theory: some 600 kB for seven joints."""
+PLAYED = ("time", "running", "speed", "loop")  # State of a playback that the page continues.
+SAME = 1e-9  # An arm within this [rad, m] of a trajectory's theta is on the trajectory.
+SAMPLE_TIME = 1.0 / 30.0  # Time between samples [s]. The page interpolates between them.
+MOST_SAMPLES = 2000  # Most samples of a motion, which keep the file within a megabyte.
+DECIMALS = 9  # Decimals of values in rad and m.
+MOST_NUMBERS = 250  # Most samples with numbers of the theory: some 600 kB for seven joints.
 
 NUMBERS_PER_SECOND = 15.0
 
@@ -196,8 +185,7 @@ def _rounded(value: Any) -> Any:
 
 # the page --------------------------------------------------------------------------------------------
 
-HEIGHT = 480
-"""Height of a frame [pixels]. It is as wide as the notebook's output."""
+HEIGHT = 480  # Height of a frame [pixels]. It is as wide as the notebook's output.
 
 STYLE = "width:100%;border:1px solid #8884;border-radius:8px;color-scheme:normal"
 
@@ -228,11 +216,10 @@ def _frame(name: str, height: float, content: str) -> str:
     return f'<iframe title="{escape(name)} · twistarm" height="{pixels}" style="{STYLE}" {content}></iframe>'
 
 
+# How the page's modules export: a definition at the start of a line.
 EXPORT = r"^export ((?:async )?function|class|const) ([\w$]+)"
-"""How the page's modules export: a definition at the start of a line."""
-
+# State of the page that saved it: camera and choices. share.js writes it in place of the braces.
 STATE = '<script type="application/json" id="state">{}</script>'
-"""State of the page that saved it: camera and choices. share.js writes it in place of the braces."""
 
 RANDOM_NAME = rb"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}"
 

@@ -52,11 +52,9 @@ FLAGS = (
     "--force-device-scale-factor=1",
 )
 
+# [ms] of the page's own time, which stands still while its scripts work: the camera and the floor come in frames.
 BUDGET = "--virtual-time-budget=2000"
-"""[ms] of the page's own time, which stands still while its scripts work: the camera and the floor come in frames."""
-
-TIMEOUT = 60.0
-"""Most seconds for a picture or print. Software rendering of 4096 × 4096 pixels takes some 12 s."""
+TIMEOUT = 60.0  # Most seconds for a picture or print. Software rendering of 4096 × 4096 pixels takes some 12 s.
 
 
 def find_browser() -> str:
@@ -150,8 +148,8 @@ def fault(data: bytes, size: tuple[int, int]) -> str | None:
     return None
 
 
+# Sides of a picture [pixels]. In smaller ones the legend hides the arm. Larger ones may be scaled down.
 SMALLEST, LARGEST = 200, 4096
-"""Sides of a picture [pixels]. In smaller ones the legend hides the arm. Larger ones may be scaled down."""
 
 
 def save_png(

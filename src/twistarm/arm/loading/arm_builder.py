@@ -30,15 +30,12 @@ from ..arm import Arm
 from ..arm_data import Coupling
 from .load import assemble, proven
 
-BASE = "base"
-"""The root link: the base frame, in which everything is given."""
-
-UNIT = 1e-12
-"""Largest rounding of a unit twist, and of the pitch of a revolute one for each metre of reach."""
+BASE = "base"  # The root link: the base frame, in which everything is given.
+UNIT = 1e-12  # Largest rounding of a unit twist, and of the pitch of a revolute one for each metre of reach.
 
 _BOUND, _RATE = partial(as_number, least=-np.inf, most=np.inf), partial(as_positive, most=np.inf)
+# The limits of a joint and their checks.
 LIMITS = {"lower": _BOUND, "upper": _BOUND, "velocity": _RATE, "effort": _RATE}
-"""The limits of a joint and their checks."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,14 +39,10 @@ from ...theory.screws import inverse, to_screw
 from ..arm import Arm, require_arm
 from .arm_builder import UNIT, ArmBuilder, arm_of_urdf
 
+# Axes at a smaller angle [rad] count as parallel. The foot of their common normal is beyond double precision.
 PARALLEL = 1e-7
-"""Axes at a smaller angle [rad] count as parallel. The foot of their common normal is beyond double precision."""
-
-MOST_PARALLEL = 0.1
-"""rad. A table whose axes may be farther apart is another arm's."""
-
-EXACT = 1e-14
-"""A smaller number of a row is rounding."""
+MOST_PARALLEL = 0.1  # rad. A table whose axes may be farther apart is another arm's.
+EXACT = 1e-14  # A smaller number of a row is rounding.
 
 OF_COUPLED = Text(
     "Its screws and coupling are in arm.screws and arm.coupling, and `twistarm bake` writes them; with the joints that "
@@ -55,8 +51,7 @@ OF_COUPLED = Text(
 )
 """What to do instead of a table."""
 
-SAMPLES = 20
-"""Random configurations at which a table is compared with its arm."""
+SAMPLES = 20  # Random configurations at which a table is compared with its arm.
 
 
 def arm_from_dh(

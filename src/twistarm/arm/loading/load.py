@@ -32,12 +32,10 @@ from ..baking import BAKED, SUFFIX, fields_of, unsealed
 from ..pinocchio_model import why_no_pinocchio
 from .overrides import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
 
-DESCRIPTIONS = (".urdf", ".xacro", ".xml", "arm.toml")
-"""How the names of files end that a folder is given for."""
+DESCRIPTIONS = (".urdf", ".xacro", ".xml", "arm.toml")  # How the names of files end that a folder is given for.
 
 PROOF_SAMPLES = 5
-PROOF_TOL = 1e-9
-"""Largest difference of the two double precision accounts, relative to the arm's size."""
+PROOF_TOL = 1e-9  # Largest difference of the two double precision accounts, relative to the arm's size.
 
 Folders = Iterable[str | os.PathLike[str]]
 

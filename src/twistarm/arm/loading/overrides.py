@@ -20,14 +20,11 @@ from ...support.checks import Array
 from ...support.errors import InputError, closest, listed
 from ..arm import Arm
 
+# What a caller may give as limits=: all of them, some of them, or a joint_limits.yaml.
 Changes = JointLimits | Mapping[str, Any] | str | os.PathLike[str]
-"""What a caller may give as limits=: all of them, some of them, or a joint_limits.yaml."""
-
-LOCK_TOL = 1e-6
-"""A pose that puts a locked joint this near [rad, m] to where it is locked means the same."""
-
+LOCK_TOL = 1e-6  # A pose that puts a locked joint this near [rad, m] to where it is locked means the same.
+# MoveIt's assistant writes four decimals: a state at a limit may read that far [rad, m] beyond it.
 STATE_TOL = 1e-4
-"""MoveIt's assistant writes four decimals: a state at a limit may read that far [rad, m] beyond it."""
 
 
 def fitted_limits(

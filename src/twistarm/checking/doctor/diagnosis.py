@@ -15,18 +15,7 @@ from ...description.findings import Finding, Place, finding
 from ...description.tree import Description
 from ...support.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
 from ...support.files import as_path
-from .motions import (
-    check_abilities,
-    check_axes,
-    check_collisions,
-    check_off_the_chain,
-    check_postures,
-    check_reach,
-    check_tool,
-    check_without_effect,
-    check_zero,
-)
-from .numbers import check_inertias, check_limits, check_meshes, check_mimics
+from . import motions, numbers
 
 _ORDER = ("error", "warning", "info")
 
@@ -102,25 +91,26 @@ def examine(source: str | os.PathLike[str] | Arm, **load: Any) -> Diagnosis:
 def examine_arm(arm: Arm) -> Diagnosis:
     """`examine` for an arm."""
     able = abilities_of(arm)
-    found = [*arm.findings, *check_zero(arm), *check_reach(arm), *check_postures(arm, able.rank)]
-    found += [*check_abilities(arm, able), *check_without_effect(arm), *check_axes(arm)]
+    found = [*arm.findings, *motions.check_zero(arm), *motions.check_reach(arm)]
+    found += [*motions.check_postures(arm, able.rank), *motions.check_abilities(arm, able)]
+    found += [*motions.check_without_effect(arm), *motions.check_axes(arm)]
     if arm.description is not None:
         found += _of_description(arm.description, arm)
-        found += [*check_tool(arm, arm.description), *check_off_the_chain(arm, arm.description)]
-        found += check_collisions(arm)
+        found += [*motions.check_tool(arm, arm.description), *motions.check_off_the_chain(arm, arm.description)]
+        found += motions.check_collisions(arm)
     return Diagnosis(_in_order(found), arm.description, arm, able)
 
 
 def _of_description(description: Description, arm: Arm | None) -> Iterator[Finding]:
     """What needs no tip."""
-    yield from check_limits(description, arm)
+    yield from numbers.check_limits(description, arm)
     try:
         couplings = arm.couplings if arm else resolve_couplings(description, {})
     except DescriptionError:  # it is what the arm was refused for
         couplings = {}
-    yield from check_mimics(description, couplings, arm.moving_names if arm else ())
-    yield from check_inertias(description)
-    yield from check_meshes(description)
+    yield from numbers.check_mimics(description, couplings, arm.moving_names if arm else ())
+    yield from numbers.check_inertias(description)
+    yield from numbers.check_meshes(description)
 
 
 def _in_order(findings: Iterable[Finding]) -> tuple[Finding, ...]:

@@ -31,32 +31,17 @@ from ...support.messages import Argument, Text, plural
 from ...theory.manipulability import scaled_jacobian
 from .numbers import LONGEST_REACH, OTHER, SHOWN, grouped
 
+# A condition number beyond which a configuration is singular in practice: one direction a thousand times slower.
 SINGULAR = 1e3
-"""A condition number beyond which a configuration is singular in practice: one direction a thousand times slower."""
-
-POOR = 100.0
-"""A ready pose worse than this is worth a word, if there is one that is ten times better."""
-
-NO_MOTION = 1e-9
-"""A column of the Jacobian this small [m/reach, rad] is zero but for rounding."""
-
-ABOUT = 1.0 - 1e-6
-"""Cosine from which on a rotation is about an axis."""
-
-OUT = 0.1
-"""How far out [m] the tool of the snippet is, where no shape tells."""
-
-SIDED = 3.0
-"""How many times as far as to the other side the shapes of a link reach to the tool."""
-
+POOR = 100.0  # A ready pose worse than this is worth a word, if there is one that is ten times better.
+NO_MOTION = 1e-9  # A column of the Jacobian this small [m/reach, rad] is zero but for rounding.
+ABOUT = 1.0 - 1e-6  # Cosine from which on a rotation is about an axis.
+OUT = 0.1  # How far out [m] the tool of the snippet is, where no shape tells.
+SIDED = 3.0  # How many times as far as to the other side the shapes of a link reach to the tool.
+# Random configurations, and the share of them in which a pair collides by its drawing and not by the motion.
 SAMPLES, OFTEN = 100, 0.8
-"""Random configurations, and the share of them in which a pair collides by its drawing and not by the motion."""
-
-MOST_BODIES = 100
-"""The most bodies to check: their pairs take 1 s. A robot with more is left out."""
-
-KINDS, WORDS = 4, 6
-"""Kinds of almost exact axes, and rounded angles, named before the rest is counted."""
+MOST_BODIES = 100  # The most bodies to check: their pairs take 1 s. A robot with more is left out.
+KINDS, WORDS = 4, 6  # Kinds of almost exact axes, and rounded angles, named before the rest is counted.
 
 
 def place_of(arm: Arm) -> Place:

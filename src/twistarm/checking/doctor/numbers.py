@@ -20,50 +20,24 @@ from ...support.checks import Array
 from ...support.errors import listed
 from ...support.files import is_file, open_regular
 
-LONGEST_REACH = 20.0
-"""[m]; in millimetres every arm is longer."""
-
+LONGEST_REACH = 20.0  # [m]; in millimetres every arm is longer.
+# Two turns each way: a joint that turns further has a slip ring or limits in degrees. And no arm's rail is as long.
 WIDEST = {"rad": 13.0, "m": 10.0}
-"""Two turns each way: a joint that turns further has a slip ring or limits in degrees. And no arm's rail is as long."""
-
-WIDEST_DEGREES = 720.0
-"""Beyond this, limits make no sense in degrees either."""
-
-FASTEST = {"rad": 50.0, "m": 10.0}
-"""Eight turns a second, and 10 m/s: joints of arms are slower by far."""
-
-TINY = {"rad": 0.01, "m": 1e-4}
-"""Half a degree, and a tenth of a millimetre: less is no motion."""
-
-SLACK = 1e-3
-"""[rad, m]: limits that were rounded miss each other by less."""
-
+WIDEST_DEGREES = 720.0  # Beyond this, limits make no sense in degrees either.
+FASTEST = {"rad": 50.0, "m": 10.0}  # Eight turns a second, and 10 m/s: joints of arms are slower by far.
+TINY = {"rad": 0.01, "m": 1e-4}  # Half a degree, and a tenth of a millimetre: less is no motion.
+SLACK = 1e-3  # [rad, m]: limits that were rounded miss each other by less.
+# The unit that implausible numbers are probably in, and its size.
 OTHER = {"rad": ("degrees", math.radians(1.0)), "m": ("millimetres", 1e-3)}
-"""The unit that implausible numbers are probably in, and its size."""
-
-TINY_MASS = 1e-6
-"""[kg]: no part of an arm weighs a milligram; exports write such numbers for "none"."""
-
-HUGE_MASS = 500.0
-"""[kg]: no link of an arm weighs as much; in grams most weigh more."""
-
-FARTHEST_CENTRE = 3.0
-"""[m] from the link's frame; in millimetres it is mostly further."""
-
+TINY_MASS = 1e-6  # [kg]: no part of an arm weighs a milligram; exports write such numbers for "none".
+HUGE_MASS = 500.0  # [kg]: no link of an arm weighs as much; in grams most weigh more.
+FARTHEST_CENTRE = 3.0  # [m] from the link's frame; in millimetres it is mostly further.
+# [m]: √(I/m) is a length inside the body. In kg mm² or g mm² it comes out a thousand times longer and more.
 LARGEST_GYRATION = 3.0
-"""[m]: √(I/m) is a length inside the body. In kg mm² or g mm² it comes out a thousand times longer and more."""
-
-SHARE = 0.05
-"""How far principal moments may miss what physics demands: few exports round as coarsely."""
-
-SMALLEST = 1e-9
-"""[kg m²]: a gram, a millimetre wide; less is the rounding of nothing."""
-
-PLACEHOLDERS = 3
-"""So many links with the very same mass and inertia were not measured."""
-
-SHOWN = 6
-"""Names in one finding before the rest is counted."""
+SHARE = 0.05  # How far principal moments may miss what physics demands: few exports round as coarsely.
+SMALLEST = 1e-9  # [kg m²]: a gram, a millimetre wide; less is the rounding of nothing.
+PLACEHOLDERS = 3  # So many links with the very same mass and inertia were not measured.
+SHOWN = 6  # Names in one finding before the rest is counted.
 
 
 def grouped(code: str, description: Description, parts: Sequence[Joint | Link], what: str, remedy: str) -> Finding:
@@ -202,17 +176,13 @@ def _moments(body: Body) -> Array:
     return np.asarray(np.linalg.eigvalsh(body.inertia), dtype=np.float64)
 
 
-TOO_LARGE = 20.0
-"""Times the arm's own size: no link is as long."""
-
-TOO_SMALL = 1.0 / 50.0
-"""Of the arm's own size: of all its meshes the largest is longer."""
+TOO_LARGE = 20.0  # Times the arm's own size: no link is as long.
+TOO_SMALL = 1.0 / 50.0  # Of the arm's own size: of all its meshes the largest is longer.
 
 _POINTER = b"version https://git-lfs"
 
 
-Use = tuple[Path, tuple[float, ...]]
-"""A mesh file, and the scale that one shape uses it at."""
+Use = tuple[Path, tuple[float, ...]]  # A mesh file, and the scale that one shape uses it at.
 
 
 def check_meshes(description: Description) -> Iterator[Finding]:

@@ -27,17 +27,11 @@ from ...description.urdf import build_description
 from ...support.errors import InputError
 from ...support.files import is_file, writable
 
-UNIT = 1e-9
-"""An axis whose length is off by more is written anew."""
-
-SAMPLES = 20
-"""Random joint values at which every link's pose is compared."""
-
-SAME = 1e-12
-"""[m, rad], for each metre that the robot is large: the numbers are written in full."""
-
+UNIT = 1e-9  # An axis whose length is off by more is written anew.
+SAMPLES = 20  # Random joint values at which every link's pose is compared.
+SAME = 1e-12  # [m, rad], for each metre that the robot is large: the numbers are written in full.
+# Of a joint.
 SAME_FIELDS = ("parent", "child", "lower", "upper", "velocity", "effort", "acceleration", "jerk", "mimic")
-"""Of a joint."""
 
 COPY = "copy.urdf"
 

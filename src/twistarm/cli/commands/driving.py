@@ -15,28 +15,9 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line, usually_limited
+from ...control import stream
 from ...control.servo import ServoSettings
 from ...control.servo.settings import ON_UNREACHABLE, SLIDE
-from ...control.stream import (
-    Cycle,
-    Feedback,
-    FollowControl,
-    FollowCycle,
-    FollowOptions,
-    Interlock,
-    Recorder,
-    SerialRobot,
-    SimulatedJoints,
-    Sink,
-    StreamOptions,
-    StreamReport,
-    UdpFeedback,
-    UdpSink,
-    UdpSource,
-    read_key,
-    run,
-)
-from ...control.stream import follow as follow_on
 from ...control.stream.cycles import checked_rate
 from ...control.stream.following import START_TOLERANCE, TRACKING_TOLERANCE
 from ...control.stream.motion_clock import motion_of
@@ -53,6 +34,7 @@ from .motion import Acceleration, Velocity, capped, motion_of_file
 from .viewing import PageOptions
 
 Hertz = Annotated[float, quantity("Hz", "Cycles per second.")]
+Joints = tuple[stream.Sink, stream.Feedback, Callable[[Any], object]]
 Tolerance = Annotated[
     Any, quantity("rad m", "How far a joint may be from where it is commanded to be; rad and m without a unit.")
 ]
@@ -97,7 +79,7 @@ class Robot:
         if self.velocity_mode and self.is_simulated:
             raise InputError("--velocity-mode is for a robot that takes rates alone: it needs --udp or --serial")
         Outputs(kinds={"mcap": (".mcap",)}, force=self.force).named(*self.written)
-        key = None if self.key is None else read_key(self.key)
+        key = None if self.key is None else stream.read_key(self.key)
         object.__setattr__(self, "admitted", {"senders": tuple(self.senders or ()), "key": key})
 
     @property
@@ -122,26 +104,28 @@ class Robot:
             "velocity_mode": self.velocity_mode,
         }  # fmt: skip
 
-    def joints(self, arm: Arm, theta: Array, stack: ExitStack) -> tuple[Sink, Feedback, Callable[[Any], object]]:
+    def joints(
+        self, arm: Arm, theta: Array, stack: ExitStack
+    ) -> tuple[stream.Sink, stream.Feedback, Callable[[Any], object]]:
         """Open the links to the robot, and what takes each cycle: a recorder of both, if there is --record.
 
         Without a robot, return simulated joints at theta (n,).
         """
         how: dict[str, Any] = {"timeout": self.feedback_timeout, "units": self.units}
-        sink: Sink
-        feedback: Feedback
+        sink: stream.Sink
+        feedback: stream.Feedback
         if self.serial is not None:
-            sink = feedback = stack.enter_context(SerialRobot(arm, *port_of(self.serial), **how))
+            sink = feedback = stack.enter_context(stream.SerialRobot(arm, *port_of(self.serial), **how))
         elif self.udp is None or self.listen is None:
-            sink = feedback = SimulatedJoints(arm, theta)
+            sink = feedback = stream.SimulatedJoints(arm, theta)
         else:
             how |= self.admitted
-            feedback = stack.enter_context(UdpFeedback(arm, *address(self.listen, "--listen"), **how))
-            to_robot = UdpSink(arm, *address(self.udp, "--udp"), key=self.admitted["key"], units=self.units)
+            feedback = stack.enter_context(stream.UdpFeedback(arm, *address(self.listen, "--listen"), **how))
+            to_robot = stream.UdpSink(arm, *address(self.udp, "--udp"), key=self.admitted["key"], units=self.units)
             sink = stack.enter_context(to_robot)
         if self.record is None:
             return sink, feedback, lambda cycle: None
-        recorder = stack.enter_context(Recorder(arm, self.record, sink))
+        recorder = stack.enter_context(stream.Recorder(arm, self.record, sink))
         return recorder, feedback, recorder
 
 
@@ -210,16 +194,16 @@ def servo(
         source_of_commands.timeout = command_timeout
         if commands is not None:
             here = address(commands, "--commands")
-            datagrams = UdpSource(driven, *here, timeout=command_timeout, **robot.admitted)
+            datagrams = stream.UdpSource(driven, *here, timeout=command_timeout, **robot.admitted)
             source_of_commands = stack.enter_context(datagrams)
         page.show_address(viewer, out.words, assumed=defaults_line(driven))
 
-        def each(cycle: Cycle) -> None:
+        def each(cycle: stream.Cycle) -> None:
             viewer.show_servo(cycle)
             keep(cycle)
 
-        report = run(
-            driven, source_of_commands, sink, feedback, StreamOptions(
+        report = stream.run(
+            driven, source_of_commands, sink, feedback, stream.StreamOptions(
                 **robot.options(rate, near), command_timeout=command_timeout, scene=scene,
                 settings=viewer.servo_settings(settings),
             ), duration=duration, on_cycle=each,
@@ -236,7 +220,7 @@ def _inside(arm: Arm, typed: JointValues) -> Array:
     return theta
 
 
-def _loop(arm: Arm, report: StreamReport) -> dict[str, Any]:
+def _loop(arm: Arm, report: stream.StreamReport) -> dict[str, Any]:
     """The report of the loop."""
     return {"arm": arm, **vars(report), "ok": report.ok}
 
@@ -254,8 +238,7 @@ StartTolerance = Annotated[
 
 KEYS = "space pauses and resumes, q stops"
 
-AT_ONCE = 64
-"""The most bytes to read between two cycles."""
+AT_ONCE = 64  # The most bytes to read between two cycles.
 
 
 def follow(
@@ -287,7 +270,7 @@ def follow(
     planned = motion_of(usually_limited(driven), read)
     at_start = np.clip(planned.waypoints[0], arm.limits.lower, arm.limits.upper)
     x = at_start if theta is None else _inside(arm, theta)
-    out, control, interlock = answer.words, FollowControl(), Interlock()
+    out, control, interlock = answer.words, stream.FollowControl(), stream.Interlock()
     with ExitStack() as stack:
         sink, feedback, keep = robot.joints(driven, x, stack)
         viewer = stack.enter_context(page.viewer(driven, x))
@@ -298,7 +281,7 @@ def follow(
         if typed is not None:
             say(KEYS, file=out)
 
-        def each(cycle: FollowCycle) -> None:
+        def each(cycle: stream.FollowCycle) -> None:
             viewer.show_servo(cycle)
             keep(cycle)
             progress(max(0.0, cycle.at) / cycle.duration if cycle.duration else 1.0)
@@ -306,11 +289,11 @@ def follow(
                 say(f"at {cycle.at:.2f} s: {label}", file=out)
             obey(typed, control, interlock)
 
-        options = FollowOptions(
+        options = stream.FollowOptions(
             **robot.options(rate, tracked), interlock=interlock, speed=speed, approach=approach, start_tolerance=start,
             control=control,
         )  # fmt: skip
-        report = follow_on(driven, planned, sink, feedback, options, on_cycle=each)
+        report = stream.follow(driven, planned, sink, feedback, options, on_cycle=each)
     names = report.joint_names
     data = {
         "arm": arm, **entries(report, "ok completed at duration speed"), "ending": report.stream.ending,
@@ -322,7 +305,7 @@ def follow(
     return 0 if report.ok else 1
 
 
-def obey(typed: Callable[[], str] | None, control: FollowControl, interlock: Interlock) -> None:
+def obey(typed: Callable[[], str] | None, control: stream.FollowControl, interlock: stream.Interlock) -> None:
     """Obey the keys typed since the last cycle. Resuming enables a robot that stopped itself."""
     for pressed in typed() if typed is not None else "":
         if pressed in "qQ":

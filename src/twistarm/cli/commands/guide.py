@@ -23,8 +23,7 @@ from ..numbers import argument, option, switch, whole
 from ..options import ArmCommand, ArmGroup, ArmOption, Json, Source, answers
 from ..output import Outputs, progress_bar, say, warn
 
-SITE = Path("guide_site")
-"""The folder of the site where nobody names another."""
+SITE = Path("guide_site")  # The folder of the site where nobody names another.
 
 guide = typer.Typer(
     name="guide",

@@ -43,8 +43,8 @@ CAP = "At most this for every joint, or for those in its unit; the arm's own lim
 Velocity = Annotated[OfJoints | None, quantity("rad/s m/s", CAP)]
 Acceleration = Annotated[OfJoints | None, quantity("rad/s² m/s²", CAP)]
 
+# Seconds for the way of a free move, and how far [m] it keeps from everything.
 MAX_TIME, CLEARANCE = 5.0, 0.004
-"""Seconds for the way of a free move, and how far [m] it keeps from everything."""
 
 
 def planned(
@@ -85,11 +85,9 @@ def capped(
     return limits.with_(lowered, arm.joint_names)
 
 
-MOST_STRETCHES = 8
-"""So many rows of active limits are shown; --json has them all."""
-
+MOST_STRETCHES = 8  # So many rows of active limits are shown; --json has them all.
+# The kinds of files that hold a motion.
 MOTION_KINDS = {kind: form.endings for kind, form in FORMATS.items() if form.write}
-"""The kinds of files that hold a motion."""
 
 Written = Annotated[
     Outputs,

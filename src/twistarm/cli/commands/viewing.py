@@ -27,8 +27,7 @@ from ..output import Outputs, say, warn
 from ..rows import TypedTargets
 from .arms import info
 from .checking import check
-from .inverse import ik
-from .kinematics import fk, jacobian
+from .kinematics import fk, ik, jacobian
 from .motion import MOTION_KINDS, motion_of_file, plan
 
 VIEW_KINDS = {"html": (".html", ".htm"), "png": (".png",)}

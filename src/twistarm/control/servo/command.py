@@ -29,11 +29,10 @@ from ...support.errors import InputError, listed, shown
 TOOL, BASE = "tool", "base"
 FRAMES = (TOOL, BASE)
 
+# Greatest rates [m/s, rad/s] and positions [m] of an arm. Larger ones come from wrong units or broken messages.
 FASTEST, FARTHEST = 1e4, 1e6
-"""Greatest rates [m/s, rad/s] and positions [m] of an arm. Larger ones come from wrong units or broken messages."""
-
+# Names of held components in (vx, vy, vz, wx, wy, wz).
 HELD = {"position": (True, True, True, False, False, False), "orientation": (False, False, False, True, True, True)}
-"""Names of held components in (vx, vy, vz, wx, wy, wz)."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -139,8 +138,8 @@ class PoseCommand(Brief):
 # `kind`, `flags` (1 for base axes, 2 << k for held component k) and `numbers` say the same to the compiled core.
 AnyCommand = TwistCommand | JogCommand | PoseCommand
 
+# What a step accepts: a command, six numbers for a twist in tool axes, or None.
 CommandLike = AnyCommand | Row | None
-"""What a step accepts: a command, six numbers for a twist in tool axes, or None."""
 
 
 def held_components(hold: Any) -> tuple[bool, ...]:

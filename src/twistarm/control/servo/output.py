@@ -54,14 +54,9 @@ REASON_OF_CAUSE = (
 )  # fmt: skip
 """The reason for each `servo_cause` of the core, in its order."""
 
-NOTABLE_LOSS = 0.02
-"""Least lost share of a command that the output mentions."""
-
-ALL = 0.95
-"""A larger lost share counts as all of it."""
-
-STANDSTILL = 1e-3
-"""An arm that executes less than this share of the command counts as standing."""
+NOTABLE_LOSS = 0.02  # Least lost share of a command that the output mentions.
+ALL = 0.95  # A larger lost share counts as all of it.
+STANDSTILL = 1e-3  # An arm that executes less than this share of the command counts as standing.
 
 _NOTHING_LOST = frozen(np.zeros(6))
 

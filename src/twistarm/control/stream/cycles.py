@@ -37,11 +37,8 @@ from .protocols import (
 )
 from .report import Ending, FeedbackWatch, StreamReport, Tally, with_counts
 
-ROUNDING = 1e-6
-"""Part of a period that is rounding."""
-
-BRAKING_SPARE = 0.5
-"""Extra seconds for braking, beyond twice velocity over acceleration."""
+ROUNDING = 1e-6  # Part of a period that is rounding.
+BRAKING_SPARE = 0.5  # Extra seconds for braking, beyond twice velocity over acceleration.
 
 
 @dataclass(frozen=True, eq=False, repr=False)

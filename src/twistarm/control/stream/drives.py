@@ -17,61 +17,33 @@ from ...support.checks import Array, as_number, frozen, require, require_clock
 from ...support.errors import InputError
 from .protocols import Measured, Setpoint, one_or_each
 
-SUBSTEP = 0.002
-"""Longest step of the simulation [s]."""
-
+SUBSTEP = 0.002  # Longest step of the simulation [s].
+# Gain of the drives' position loop [1/s]: an error falls to a third in 25 ms, as with small servo drives.
 GAIN = 40.0
-"""Gain of the drives' position loop [1/s]: an error falls to a third in 25 ms, as with small servo drives."""
-
-HOLD_AFTER = 0.1
-"""Seconds without a new setpoint after which the drives hold their position."""
-
+HOLD_AFTER = 0.1  # Seconds without a new setpoint after which the drives hold their position.
+# What drives can do beyond the arm's limits. Without a reserve a late joint never catches up with a motion at its
+# limits, and overshoots when it brakes.
 VELOCITY_RESERVE, ACCELERATION_RESERVE = 1.2, 2.0
-"""What drives can do beyond the arm's limits. Without a reserve a late joint never catches up with a motion at its
-limits, and overshoots when it brakes.
-"""
-
-ARRIVED = 1e-9
-"""A joint this near its goal [rad, m] is at it."""
-
-LONGEST_QUEUE = 10_000
-"""Most setpoints under way. More mean that a latency was given in milliseconds."""
-
-GAIN_ERROR = 0.13
-"""Greatest relative error of a drive's rate, from its motor and gear ratio."""
-
+ARRIVED = 1e-9  # A joint this near its goal [rad, m] is at it.
+LONGEST_QUEUE = 10_000  # Most setpoints under way. More mean that a latency was given in milliseconds.
+GAIN_ERROR = 0.13  # Greatest relative error of a drive's rate, from its motor and gear ratio.
+# Shares of the arm's limits for the servo. The rest is for gains below 1 and for corrections.
 VELOCITY_SHARE, ACCELERATION_SHARE = 0.85, 0.9
-"""Shares of the arm's limits for the servo. The rest is for gains below 1 and for corrections."""
-
+# Gain of the position loop [1/s]: an error falls to a third in 0.2 s. It is stable with a delay error of 0.1 s.
 STIFFNESS = 5.0
-"""Gain of the position loop [1/s]: an error falls to a third in 0.2 s. It is stable with a delay error of 0.1 s."""
-
-CORRECTION = 0.15
-"""Greatest correction, as a share of a joint's velocity limit."""
-
-STILL = 1e-3
-"""A joint slower than this [rad/s, m/s] should rest. A slower correction counts as 0."""
-
-NEAR_AT_REST = 2e-3
-"""A resting joint is corrected to within this [rad, m], and again from twice this error."""
-
+CORRECTION = 0.15  # Greatest correction, as a share of a joint's velocity limit.
+STILL = 1e-3  # A joint slower than this [rad/s, m/s] should rest. A slower correction counts as 0.
+NEAR_AT_REST = 2e-3  # A resting joint is corrected to within this [rad, m], and again from twice this error.
+# Delay from a setpoint to the joint state with its effect [s]: first guess and maximum.
 DELAY, LONGEST_DELAY = 0.07, 0.3
-"""Delay from a setpoint to the joint state with its effect [s]: first guess and maximum."""
-
-SPACING = 0.004
-"""Least time between remembered rates [s]."""
-
+SPACING = 0.004  # Least time between remembered rates [s].
+# Half a step of a 12-bit encoder [rad]. A moving joint with a smaller error is not corrected.
 HALF_STEP = 0.8e-3
-"""Half a step of a 12-bit encoder [rad]. A moving joint with a smaller error is not corrected."""
-
+# Initial standard deviations of a position [rad, m], a gain, and the delay [s].
 FIRST_DEVIATION = np.array([5e-4, 0.15, 0.05])
-"""Initial standard deviations of a position [rad, m], a gain, and the delay [s]."""
-
+# Their random-walk changes in a second of motion; for the position also at rest.
 WALK = np.array([1.5e-3, 5e-3, 5e-3])
-"""Their random-walk changes in a second of motion; for the position also at rest."""
-
-NOISE, JITTER = 0.7e-3, 0.006
-"""Standard deviations of a measured position [rad, m] and of its time [s]."""
+NOISE, JITTER = 0.7e-3, 0.006  # Standard deviations of a measured position [rad, m] and of its time [s].
 
 
 class SimulatedJoints:

@@ -23,23 +23,14 @@ from .motion_clock import SLOPE, LimitedMotion, MotionClock, motion_of, way_ther
 from .protocols import EMERGENCY_STOP, LONGEST_REASON, Clock, Feedback, LoopOptions, Setpoint, Sink, one_or_each
 from .report import MOVED, Ending, StreamReport
 
+# Allowed distance of a joint from the command [rad, m]. Nobody corrects it by hand, unlike with a servo.
 TRACKING_TOLERANCE = 0.1
-"""Allowed distance of a joint from the command [rad, m]. Nobody corrects it by hand, unlike with a servo."""
-
+# Allowed distance of a joint from the motion's start [rad, m]: half a degree or a centimetre.
 START_TOLERANCE = 0.01
-"""Allowed distance of a joint from the motion's start [rad, m]: half a degree or a centimetre."""
-
-PATIENCE = 3.0
-"""Seconds without a joint state after which a motion of a resting arm is given up."""
-
-SETTLING = 1.0
-"""Seconds at the motion's end for the measured arm to arrive."""
-
-HALF_WAY = 0.5
-"""Rate of the clock below which it can always be slowed: a quarter of the accelerations."""
-
-AS_PLANNED = 0.9995
-"""Share of the trajectory's speed that counts as full speed."""
+PATIENCE = 3.0  # Seconds without a joint state after which a motion of a resting arm is given up.
+SETTLING = 1.0  # Seconds at the motion's end for the measured arm to arrive.
+HALF_WAY = 0.5  # Rate of the clock below which it can always be slowed: a quarter of the accelerations.
+AS_PLANNED = 0.9995  # Share of the trajectory's speed that counts as full speed.
 
 PAUSED = "paused"
 

@@ -23,11 +23,8 @@ from ..servo.step import COMMANDS
 from .messages import MotorSide, StateMessage, motor_side, obey_interlock_message, parse_command
 from .protocols import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Interlock, Measured, Reading
 
-LONGEST_SENDER = 100
-"""Most characters of a sender's name in a message."""
-
-MAX_OTHER_NAMES = 20
-"""Most unknown names to keep for messages."""
+LONGEST_SENDER = 100  # Most characters of a sender's name in a message.
+MAX_OTHER_NAMES = 20  # Most unknown names to keep for messages.
 
 
 @dataclass(frozen=True)

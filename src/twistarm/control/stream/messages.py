@@ -32,14 +32,10 @@ from ..servo import AnyCommand, JogCommand, PoseCommand, TwistCommand
 from .cycles import Cycle
 from .protocols import STATES, WORDS, Interlock, Setpoint, Sink
 
-QUATERNION_TOL = 1e-3
-"""Allowed error of a quaternion's length: four printed decimals."""
-
-UNITS = ("joint", "motor", "counts")
-"""Units of values to and from a robot."""
-
+QUATERNION_TOL = 1e-3  # Allowed error of a quaternion's length: four printed decimals.
+UNITS = ("joint", "motor", "counts")  # Units of values to and from a robot.
+# Text in every interlock message. The search for it is cheap even in a flood of messages.
 INTERLOCK = b'"interlock"'
-"""Text in every interlock message. The search for it is cheap even in a flood of messages."""
 
 DIAGNOSTIC, KEYS = "diagnostic_msgs/msg/", ("status", "reason", "joint", "scale", "interlock")
 

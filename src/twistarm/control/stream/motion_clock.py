@@ -16,14 +16,10 @@ from ...support.checks import Array, require
 from ...support.errors import InputError, closest, listed
 from ...support.messages import Argument, Quantity, Text, joined
 
-JUMP = 1e-4
-"""Jump of a velocity, as a share of its limit, that is rounding."""
-
+JUMP = 1e-4  # Jump of a velocity, as a share of its limit, that is rounding.
+# Greatest change of the rate per second: from full speed to rest in at least a quarter of a second.
 SLOPE = 4.0
-"""Greatest change of the rate per second: from full speed to rest in at least a quarter of a second."""
-
-HALVINGS = 20
-"""Bisections for the change of rate: precise to a millionth."""
+HALVINGS = 20  # Bisections for the change of rate: precise to a millionth.
 
 
 def motion_of(arm: Arm, trajectory: Trajectory) -> Trajectory:

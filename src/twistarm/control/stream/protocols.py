@@ -19,28 +19,17 @@ from ...support.display import Brief
 from ...support.errors import InputError, TwistarmError, one_line, shown
 from ..servo import AnyCommand, ServoOutput, ServoState
 
+# Seconds that a command is valid: five messages at 25 Hz, which pages and game pads manage.
 COMMAND_TIMEOUT = 0.2
-"""Seconds that a command is valid: five messages at 25 Hz, which pages and game pads manage."""
-
-FEEDBACK_TIMEOUT = 0.2
-"""Seconds that a joint state is valid. Most drives report at 50 Hz or faster."""
-
-TOLERANCE = 0.2
-"""Allowed distance of a joint from the command [rad, m]. An operator corrects it."""
-
-LATEST = 1e12
-"""Seconds (30,000 years) beyond any clock, except one that counts nanoseconds."""
+FEEDBACK_TIMEOUT = 0.2  # Seconds that a joint state is valid. Most drives report at 50 Hz or faster.
+TOLERANCE = 0.2  # Allowed distance of a joint from the command [rad, m]. An operator corrects it.
+LATEST = 1e12  # Seconds (30,000 years) beyond any clock, except one that counts nanoseconds.
 
 ENABLED, STOPPED, EMERGENCY_STOP = "enabled", "stopped", "emergency stop"
 
-STATES = (ENABLED, STOPPED, EMERGENCY_STOP)
-"""States of an interlock, and those that a robot may report."""
-
-WORDS = ("enable", "stop", "emergency stop", "clear")
-"""Words that messages may send to an interlock."""
-
-LONGEST_REASON = 200
-"""Most characters of a reason. It may come from outside and is in every message."""
+STATES = (ENABLED, STOPPED, EMERGENCY_STOP)  # States of an interlock, and those that a robot may report.
+WORDS = ("enable", "stop", "emergency stop", "clear")  # Words that messages may send to an interlock.
+LONGEST_REASON = 200  # Most characters of a reason. It may come from outside and is in every message.
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -37,8 +37,8 @@ class Ending(Enum):
     SERVO_FAILED = "the servo failed"
 
 
+# A resting joint that moves farther [rad, m] is moved by others. Noise and the last of a motion are below.
 MOVED = 0.01
-"""A resting joint that moves farther [rad, m] is moved by others. Noise and the last of a motion are below."""
 
 ON_REQUEST = (Ending.DURATION, Ending.DONE, Ending.INTERRUPTED, Ending.ARRIVED, Ending.STOPPED)
 

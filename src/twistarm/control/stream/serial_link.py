@@ -27,21 +27,15 @@ LETTERS = {ENABLED: "E", STOPPED: "S", EMERGENCY_STOP: "X"}
 
 STATE_OF = {letter: word for word, letter in LETTERS.items()}
 
-LONGEST_LINE = 4096
-"""Most bytes of a line: twice a joint state of 250 joints."""
+LONGEST_LINE = 4096  # Most bytes of a line: twice a joint state of 250 joints.
 
 LARGEST_BAUDRATE = 10**9
 
-BAUDRATE = 115_200
-"""Default baud rate: 11.5 kB/s, enough for setpoints of six joints at 100 Hz."""
-
+BAUDRATE = 115_200  # Default baud rate: 11.5 kB/s, enough for setpoints of six joints at 100 Hz.
+# Most seconds of a write. pyserial also counts time in which a busy computer delays the program. A link that needs
+# longer is too slow for any rate.
 LONGEST_WRITE = 0.05
-"""Most seconds of a write. pyserial also counts time in which a busy computer delays the program. A link that needs
-longer is too slow for any rate.
-"""
-
-MOST_PER_CYCLE = 16 * 1024
-"""Bytes read in one cycle: ten times what 1 Mbaud brings in 10 ms."""
+MOST_PER_CYCLE = 16 * 1024  # Bytes read in one cycle: ten times what 1 Mbaud brings in 10 ms.
 
 
 class SerialLines(Closeable):

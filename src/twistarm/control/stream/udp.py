@@ -20,19 +20,12 @@ from .inbox import CommandInput, Inbox, StateInbox, StateInput
 from .messages import motor_side, parse_state, setpoint_message
 from .protocols import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Setpoint, UndeliveredError
 
-LOOPBACK = "127.0.0.1"
-"""Default host. Only programs on this machine may then move the arm."""
-
+LOOPBACK = "127.0.0.1"  # Default host. Only programs on this machine may then move the arm.
+# Bytes of the system's buffer, which it doubles: one message of the largest size, or some 350 small ones. A larger
+# buffer would only deliver older messages in a flood.
 BUFFER = 128 * 1024
-"""Bytes of the system's buffer, which it doubles: one message of the largest size, or some 350 small ones. A larger
-buffer would only deliver older messages in a flood.
-"""
-
-MOST_PER_CYCLE = 512
-"""Datagrams read in one cycle, about a millisecond's work: more than the buffer holds."""
-
-WINDOW = 2 * 10**9
-"""Nanoseconds for the difference of two computers' clocks plus the travel of a datagram."""
+MOST_PER_CYCLE = 512  # Datagrams read in one cycle, about a millisecond's work: more than the buffer holds.
+WINDOW = 2 * 10**9  # Nanoseconds for the difference of two computers' clocks plus the travel of a datagram.
 
 
 class Socket(Closeable):

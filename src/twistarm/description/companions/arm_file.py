@@ -27,8 +27,8 @@ from .data_files import parse_toml, unusable
 if TYPE_CHECKING:
     from ..dh import DhTable
 
+# Limits that a motor may have. Data sheets give no jerk.
 MOTOR_LIMITS = ("lower", "upper", "velocity", "acceleration", "effort")
-"""Limits that a motor may have. Data sheets give no jerk."""
 
 
 @dataclass(frozen=True)

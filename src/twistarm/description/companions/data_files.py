@@ -15,8 +15,7 @@ from ...support.units import factor
 from ..document import read_text
 from ..findings import Place, refusal
 
-MAX_BYTES = 64_000
-"""An arm.toml has some 5 kB."""
+MAX_BYTES = 64_000  # An arm.toml has some 5 kB.
 
 
 def unusable(path: Path, what: str, remedy: str = "") -> DescriptionError:
@@ -54,8 +53,8 @@ def toml_text(text: str) -> str:
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
+# Tags that the joint_limits.yaml of ROS put before a number.
 TAGS = {"degrees": factor("deg", "rad"), "radians": 1.0}
-"""Tags that the joint_limits.yaml of ROS put before a number."""
 
 # YAML 1.1 takes 1e-3 for a text because it has no point; ROS's own parser and YAML 1.2 take it for a number.
 _EXPONENT = re.compile(r"[-+]?[0-9][0-9_]*[eE][-+]?[0-9]+")

@@ -18,11 +18,9 @@ from ..document import existing_file, read_text
 from ..findings import Finding, Place, finding
 from .data_files import parse_yaml, unusable
 
-MAX_BYTES = 250_000
-"""A file for a whole humanoid has some 10 kB."""
-
+MAX_BYTES = 250_000  # A file for a whole humanoid has some 10 kB.
+# How deep parameters nest around joint_limits (`/**: ros__parameters: robot_description_planning:`).
 MAX_NESTING = 6
-"""How deep parameters nest around joint_limits (`/**: ros__parameters: robot_description_planning:`)."""
 
 _position = partial(as_number, least=-inf, most=inf, unit="rad or m, or !degrees")
 _rate = partial(as_number, least=0.0, most=inf, unit="per s, s², s³; N m or N")

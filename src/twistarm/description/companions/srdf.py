@@ -23,14 +23,10 @@ from ..findings import Finding, Place, finding, refusal
 from ..packages import package_index
 from ..tree import Description, EndEffector, Group, GroupState, Joint, Pair, Semantics, pair
 
-MAX_BYTES = 1_000_000
-"""A whole humanoid's SRDF has some 200 kB."""
-
-FOLDERS = ("config", "srdf")
-"""Folders of packages with such files, in the description's folder or one above."""
-
+MAX_BYTES = 1_000_000  # A whole humanoid's SRDF has some 200 kB.
+FOLDERS = ("config", "srdf")  # Folders of packages with such files, in the description's folder or one above.
+# The MoveIt package of the same workspace: one or two folders above the description's.
 MOVEIT = "*_moveit_config"
-"""The MoveIt package of the same workspace: one or two folders above the description's."""
 
 
 def files_beside(file: Path, pattern: str) -> tuple[Path, ...]:

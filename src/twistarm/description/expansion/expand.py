@@ -22,13 +22,13 @@ from ..findings import Finding, refusal
 from ..packages import PackageIndex
 from .expansion import HERE, MISSING_PACKAGE, PACKAGE, PLACE, REPLACED, Expansion
 
+# ROS 2's is the same code and serves; ROS 1's lacks what `Expansion` replaces.
 _WHEEL = Wheel("xacro", "xacro", has="process_file", oldest="2.1")
-"""ROS 2's is the same code and serves; ROS 1's lacks what `Expansion` replaces."""
 
 _NAME = f"{__package__}._xacro"
 
+# xacro keeps arguments, file stack and verbosity in module globals: one expansion at a time.
 _LOCK = threading.Lock()
-"""xacro keeps arguments, file stack and verbosity in module globals: one expansion at a time."""
 
 
 class Expanded(NamedTuple):

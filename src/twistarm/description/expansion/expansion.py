@@ -24,22 +24,16 @@ from ..packages import PackageIndex, is_package_name
 from ..structure import ATTRIBUTES, CONTENTS
 from .expressions import LEFT_OUT, evaluate, type_of
 
+# What `$(find NAME)` gives before the package's name. The folder stays out of the texts, which users may pass on.
 PACKAGE = "package://"
-"""What `$(find NAME)` gives before the package's name. The folder stays out of the texts, which users may pass on."""
-
-HERE = f"{PACKAGE}./"
-"""The description's own folder."""
-
-WORKING_FOLDER = ".cwd"
-"""The working folder, written as a package's name."""
-
+HERE = f"{PACKAGE}./"  # The description's own folder.
+WORKING_FOLDER = ".cwd"  # The working folder, written as a package's name.
+# The folder of an unknown package, for a file in it that is to be opened.
 MISSING_PACKAGE = "/package-not-found/"
-"""The folder of an unknown package, for a file in it that is to be opened."""
 
 XACRO = "http://www.ros.org/wiki/xacro"
 
-QUIET = ("message", "warning", "error", "print_location")
-"""Functions of xacro that write on the terminal."""
+QUIET = ("message", "warning", "error", "print_location")  # Functions of xacro that write on the terminal.
 
 REPLACED = (
     *("_global_symbols", "substitution_args_context", "filestack", "macrostack", "verbosity", "all_includes"),
@@ -48,11 +42,10 @@ REPLACED = (
 )
 """Names in the module `xacro` that an expansion replaces."""
 
+# Words of xacro that mean nothing without their prefix.
 BARE = ("arg", "call", "if", "include", "insert_block", "macro", "property", "unless")
-"""Words of xacro that mean nothing without their prefix."""
-
+# Elements of URDF, or of other programs, that are no calls of macros of these names.
 URDF = {*ATTRIBUTES, "geometry", "material", "transmission", "sensor", "gazebo", "ros2_control", "dynamics"}
-"""Elements of URDF, or of other programs, that are no calls of macros of these names."""
 
 _FIND = re.compile(r"\$\(find ([^)\s]+)\)")
 
@@ -335,8 +328,7 @@ def _document(text: str, path: Path) -> Any:
         raise refusal("xml-malformed", Place(str(path), error.lineno), f"{name.lstrip('<')}: {why}", remedy) from error
 
 
-PLACE = "place"
-"""The key of an element's `Place` among its data."""
+PLACE = "place"  # The key of an element's `Place` among its data.
 
 
 class _Builder(expatbuilder.ExpatBuilderNS):

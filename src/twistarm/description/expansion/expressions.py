@@ -17,17 +17,11 @@ from ..document import Refused
 
 REFUSED = "xacro-expression-refused"
 
-MAX_DEPTH = 100
-"""Levels of the syntax tree. A sum has as many as terms, and Python's compiler recurses."""
-
+MAX_DEPTH = 100  # Levels of the syntax tree. A sum has as many as terms, and Python's compiler recurses.
+# Types of values whose methods only compute.
 DATA = (str, bool, int, float, complex, list, tuple, dict, set, frozenset, range)
-"""Types of values whose methods only compute."""
-
-OUT = ("format", "format_map")
-"""Methods that reach attributes by themselves."""
-
-LEFT_OUT = ("vars", "hash", "slice")
-"""Functions of xacro that lead out of expressions."""
+OUT = ("format", "format_map")  # Methods that reach attributes by themselves.
+LEFT_OUT = ("vars", "hash", "slice")  # Functions of xacro that lead out of expressions.
 
 _WORDS = {ast.NamedExpr: "an assignment (:=)", ast.Await: "await", ast.Yield: "yield", ast.YieldFrom: "yield"}
 

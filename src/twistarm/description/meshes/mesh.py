@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from ...support.checks import Array, frozen
 from ...support.errors import DescriptionError
 
-LONGEST = 1e9
-"""Largest coordinate [m], as in a description. Its fourth power is still a finite number."""
+LONGEST = 1e9  # Largest coordinate [m], as in a description. Its fourth power is still a finite number.
 
 REMEDY = "export it as STL, OBJ, DAE, PLY or GLB"
 
@@ -104,23 +103,16 @@ class Mesh:
         return [simplified(piece.corners, ceil(share * len(piece.corners))) for piece in self.pieces]
 
 
-FINEST, COARSEST = 4096, 4
-"""Cells along the longest side of the mesh."""
-
-FEWEST = 8
-"""Cells along any other side, so that what is thin does not fall flat."""
-
+FINEST, COARSEST = 4096, 4  # Cells along the longest side of the mesh.
+FEWEST = 8  # Cells along any other side, so that what is thin does not fall flat.
+# Of the search for the grid, and triangles that it looks at: their number is met to a few percent.
 STEPS, SAMPLE = 10, 10_000
-"""Of the search for the grid, and triangles that it looks at: their number is met to a few percent."""
-
+# How much a vertex is drawn to the middle of its points where the planes through them say nothing.
 STRAY = 1e-3
-"""How much a vertex is drawn to the middle of its points where the planes through them say nothing."""
-
+# Cosine of the angle of a crease. Neighbouring faces at a larger angle keep a sharp edge between them.
 CREASE = np.cos(np.radians(35.0))
-"""Cosine of the angle of a crease. Neighbouring faces at a larger angle keep a sharp edge between them."""
-
+# Vertices closer than this share of the mesh's size are one. Some formats repeat them for each triangle.
 WELD = 1e-6
-"""Vertices closer than this share of the mesh's size are one. Some formats repeat them for each triangle."""
 
 Numbers = NDArray[np.int64]
 

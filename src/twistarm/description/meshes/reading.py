@@ -24,11 +24,9 @@ from ..document import decoded
 from ..packages import home_of, is_too_wide
 from .mesh import Colour, Mesh, Piece, RefusedError, UnreadableMeshError
 
+# Endings of materials and buffers, by format. Images are not drawn, so they are not opened.
 ENDINGS = {"obj": ".mtl", "gltf": ".bin", "glb": ".bin"}
-"""Endings of materials and buffers, by format. Images are not drawn, so they are not opened."""
-
-Stamps = dict[Path, tuple[int, ...] | None]
-"""Files, also missing ones, with their `stamp` when they were read."""
+Stamps = dict[Path, tuple[int, ...] | None]  # Files, also missing ones, with their `stamp` when they were read.
 
 
 class Resolver:
@@ -86,14 +84,10 @@ def as_utf8(data: bytes) -> bytes:
     return data
 
 
+# Bytes of a binary STL before the count of facets, before the first facet, and of one facet.
 COUNT, HEAD, FACET = 80, 84, 50
-"""Bytes of a binary STL before the count of facets, before the first facet, and of one facet."""
-
-LOOKED_AT = 1_000
-"""Bytes at the beginning of a text with its first facet."""
-
-MOST_MISSING = 1000
-"""A file that announces so many times its facets is not a binary STL."""
+LOOKED_AT = 1_000  # Bytes at the beginning of a text with its first facet.
+MOST_MISSING = 1000  # A file that announces so many times its facets is not a binary STL.
 
 _VERTEX = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", re.I)
 
@@ -116,23 +110,18 @@ def stl_corners(data: bytes) -> Array:
     return np.ndarray((promised, 3, 3), "<f4", data, HEAD + 12, (FACET, 12, 4))
 
 
+# Bytes of a mesh file, and of all that it refers to. The largest of some hundred arms has 5 MB.
 LARGEST_FILE = 100_000_000
-"""Bytes of a mesh file, and of all that it refers to. The largest of some hundred arms has 5 MB."""
-
+# Plain formats that exporters write. Archives unpack to any size, so they are not read. CAD formats are not either.
 FORMATS = ("stl", "obj", "dae", "ply", "glb", "gltf")
-"""Plain formats that exporters write. Archives unpack to any size, so they are not read. CAD formats are not either."""
-
+# Extensions of glTF whose buffers are packed.
 COMPRESSED = (b"KHR_draco_mesh_compression", b"EXT_meshopt_compression", b"KHR_meshopt_compression")
-"""Extensions of glTF whose buffers are packed."""
-
-MOST_KEPT = 2_000_000
-"""Triangles of all meshes that are kept: 140 MB."""
+MOST_KEPT = 2_000_000  # Triangles of all meshes that are kept: 140 MB.
 
 # 4.6 is the first with load_scene, which takes an opened file and asks our resolver for what that refers to.
 _TRIMESH = Wheel("trimesh", "trimesh", has="load_scene", oldest="4.6")
 
-SAMPLE = 3_000
-"""Vertices of a mesh that its outermost points are taken from."""
+SAMPLE = 3_000  # Vertices of a mesh that its outermost points are taken from.
 
 _LOCK = threading.RLock()
 _kept: OrderedDict[Path, tuple[Mesh, Stamps]] = OrderedDict()
@@ -190,8 +179,8 @@ def _read(path: Path, files: Stamps) -> Mesh:
         return Mesh(collada_pieces(data) if kind == "dae" else _by_trimesh(kind, data, path, files))
 
 
+# The beginning of a page in HTML, or the whole of `404: Not Found`.
 _PAGE = re.compile(rb"\s*(<!doctype\s+html|<html\b|\d{3}:? [a-z ]+\s*$)", re.I)
-"""The beginning of a page in HTML, or the whole of `404: Not Found`."""
 
 _COMMA = re.compile(rb"[\s>]([-+]?\d+,\d+(?:e[-+]?\d+)?)[\s<]", re.I)
 
@@ -259,8 +248,8 @@ def _colour(mesh: Any) -> Colour | None:
     return red, green, blue, alpha
 
 
+# Weights of red, green and blue by ITU-R BT.709. COLLADA 1.5 takes them for the opacity of a colour.
 LUMINANCE = (0.212671, 0.715160, 0.072169)
-"""Weights of red, green and blue by ITU-R BT.709. COLLADA 1.5 takes them for the opacity of a colour."""
 
 _DECLARATION = re.compile(r"\s*<\?xml[^>]*\?>")
 

@@ -25,16 +25,14 @@ from ..document import MAX_NESTING, Reading, Refused, parse_xml, read_inside, re
 from ..findings import refusal
 from ..packages import resolve_uri
 
+# What kinematics, masses and shapes without pictures do not need. A `<size>` can ask for any amount of memory.
 UNUSED = ("size", "statistic", "visual", "sensor", "custom", "extension", "texture", "hfield", "skin", "layer", "pair")
-"""What kinematics, masses and shapes without pictures do not need. A `<size>` can ask for any amount of memory."""
 
 NOT_READ = ("composite", "flexcomp", "plugin", "deformable", "flex", "flexvert", "flexstrain")
 
+# Settings of `<compiler>` that have no effect any more, or lose bodies and shapes.
 FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath", "fusestatic", "discardvisual")
-"""Settings of `<compiler>` that have no effect any more, or lose bodies and shapes."""
-
-MOST_BYTES = 200_000_000
-"""A mesh that MuJoCo weighs."""
+MOST_BYTES = 200_000_000  # A mesh that MuJoCo weighs.
 
 
 @dataclass
@@ -170,8 +168,8 @@ class Mjcf:
 
 
 TETRAHEDRON = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+# The mesh in place of one that MuJoCo need not weigh, or cannot read.
 FACES = (0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3)
-"""The mesh in place of one that MuJoCo need not weigh, or cannot read."""
 
 
 class Mesh(NamedTuple):

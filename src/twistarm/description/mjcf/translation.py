@@ -18,8 +18,7 @@ from ..tree import GRAVITY, GroupState, Semantics
 from ..writing import add_joint, add_mimic, add_origin, number_text
 from .compilation import Compiled, Mjcf, compiled, pose
 
-ROOT = "world"
-"""MuJoCo's name of the body that carries all others."""
+ROOT = "world"  # MuJoCo's name of the body that carries all others.
 
 TOLD = {
     "mjcf-scenery-left-out": ("left out", "describe obstacles in a scene.toml, and tighter limits in an arm.toml"),
@@ -29,17 +28,10 @@ TOLD = {
 }
 """The codes of findings about parts of an MJCF, what becomes of the parts, and the remedy."""
 
-SHOWN = 8
-"""Most parts in one finding."""
-
-HIDDEN = 3
-"""The first group of geoms that MuJoCo's viewer does not show. Collision shapes usually have it."""
-
-NEAR = 2e-3
-"""How far a rounded multiple of π/4 is from it, such as 1.57 or 3.14."""
-
-UNPAINTED = (0.5, 0.5, 0.5, 1.0)
-"""The colour of a geom that gives none, or has that of its material."""
+SHOWN = 8  # Most parts in one finding.
+HIDDEN = 3  # The first group of geoms that MuJoCo's viewer does not show. Collision shapes usually have it.
+NEAR = 2e-3  # How far a rounded multiple of π/4 is from it, such as 1.57 or 3.14.
+UNPAINTED = (0.5, 0.5, 0.5, 1.0)  # The colour of a geom that gives none, or has that of its material.
 
 
 class Moving(NamedTuple):

@@ -32,17 +32,12 @@ from ..teaching.reader import VARIABLE
 from .lesson import cells_of, title_of
 from .pages import SCRIPTS, STYLE, before_page, index_page, lesson_page, site_file
 
+# The file that says that a folder is the guide's, and of what its pages were made.
 RECORD = "twistarm-guide.json"
-"""The file that says that a folder is the guide's, and of what its pages were made."""
-
-TIMEOUT = 120.0
-"""Seconds that a lesson may take."""
-
-Outcome = dict[str, Any]
-"""What `lesson` writes."""
-
+TIMEOUT = 120.0  # Seconds that a lesson may take.
+Outcome = dict[str, Any]  # What `lesson` writes.
+# The model solution of an exercise in a page.
 SOLUTION = r"<details[^>]*><summary>Show a solution</summary>.*?</details>"
-"""The model solution of an exercise in a page."""
 
 
 @dataclass(frozen=True)

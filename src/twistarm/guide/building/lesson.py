@@ -24,8 +24,7 @@ from ..teaching import output
 from ..teaching.html import fold, text
 from ..teaching.markup import program, slug
 
-LONGEST_OUTPUT = 20_000
-"""Most characters of a cell's output on a page."""
+LONGEST_OUTPUT = 20_000  # Most characters of a cell's output on a page.
 
 
 @dataclass(frozen=True)

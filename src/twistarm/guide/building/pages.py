@@ -25,8 +25,7 @@ SCRIPTS = tuple(
 )
 """Of pages with figures to turn or sliders, in the order in which they need one another."""
 
-Titles = Mapping[str, str]
-"""Titles of the lessons by name."""
+Titles = Mapping[str, str]  # Titles of the lessons by name.
 
 
 def site_file(name: str) -> bytes:

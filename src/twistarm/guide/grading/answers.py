@@ -12,14 +12,11 @@ import numpy as np
 
 from ...support.checks import Array
 
+# The shape of a number, () , or of an array; a tuple ("parts", form, …) of several; a text for what is neither.
 Form = Any
-"""The shape of a number, () , or of an array; a tuple ("parts", form, …) of several; a text for what is neither."""
-
+# Errors of functions such as math.acos. NumPy gives NaN or infinity instead, so the same slip shows as either.
 UNDEFINED = ("ValueError", "ZeroDivisionError", "FloatingPointError", "OverflowError")
-"""Errors of functions such as math.acos. NumPy gives NaN or infinity instead, so the same slip shows as either."""
-
-LARGEST = 10_000
-"""The most numbers of an answer. A larger one is described by its shape."""
+LARGEST = 10_000  # The most numbers of an answer. A larger one is described by its shape.
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,7 @@ from .results import HEADER, verdicts_on
 from .running import SECONDS, Run, run, run_function
 from .verdict import Report, Verdict, cases_of, judged
 
-LARGEST_FILE = 2**24
-"""Bytes of a reader's file or of a results file."""
+LARGEST_FILE = 2**24  # Bytes of a reader's file or of a results file.
 
 
 def check(function: Callable[..., Any], arm: Arm, seed: int = 0) -> Report:

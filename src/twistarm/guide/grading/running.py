@@ -23,17 +23,10 @@ from ...support.errors import one_line
 from .answers import Failure, ReturnValue, of_function
 from .verdict import why_stopped
 
-SECONDS = 10.0
-"""Time limit for reading the file, and for each exercise."""
-
-MEMORY = 2**30
-"""Bytes that the code may use, if the system has such a limit."""
-
-OUTPUT = 10_000
-"""Most characters of output to keep."""
-
-IN_SANDBOX = "TWISTARM_GUIDE_GRADING"
-"""Set while a reader's code is graded: a `check` in it does nothing then."""
+SECONDS = 10.0  # Time limit for reading the file, and for each exercise.
+MEMORY = 2**30  # Bytes that the code may use, if the system has such a limit.
+OUTPUT = 10_000  # Most characters of output to keep.
+IN_SANDBOX = "TWISTARM_GUIDE_GRADING"  # Set while a reader's code is graded: a `check` in it does nothing then.
 
 Rows = Sequence[tuple[Any, ...]]
 

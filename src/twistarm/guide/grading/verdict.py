@@ -20,11 +20,8 @@ SEEN_DIGITS = 4
 
 THEORY_OF = "twistarm.theory"
 
-THEORY = ("screws", "poe", "rotations", "joints")
-"""Modules of twistarm.theory that the lessons use."""
-
-LARGEST_SHOWN = 16
-"""Numbers of an array that a sentence can show."""
+THEORY = ("screws", "poe", "rotations", "joints")  # Modules of twistarm.theory that the lessons use.
+LARGEST_SHOWN = 16  # Numbers of an array that a sentence can show.
 
 STOPS = {
     "SystemExit": ("ends the program (sys.exit)", ": leave that out"),
@@ -34,8 +31,8 @@ STOPS = {
 }
 """Errors in words, and what to do about them."""
 
+# The most lines, and letters of a line, that are shown of what the reader's code printed.
 SHOWN_LINES, SHOWN_LETTERS = 12, 200
-"""The most lines, and letters of a line, that are shown of what the reader's code printed."""
 
 SIGNS = {"right": "✓", "wrong": "✗", "unwritten": "…", "unusable": "✗"}
 

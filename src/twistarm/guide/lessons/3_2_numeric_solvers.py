@@ -144,17 +144,14 @@ def size(arm, gaps):
 
 
 gaps, reached = walk(arm, g_d, start, newton_step, 8)
+rows = []
+for i, (e, s) in enumerate(zip(gaps[:6], size(arm, gaps), strict=False)):
+    metres, radians = np.linalg.norm(e.reshape(2, 3), axis=1)
+    both = f"${guide.rough(max(s, 1e-16))}$"
+    rows.append([str(i), f"{1000 * metres:.6f} mm", f"{np.degrees(radians):.6f}°", both])
 guide.table(
     ["steps taken", "the tool is off by", "and by", "both in one number"],
-    [
-        [
-            str(i),
-            f"{1000 * np.linalg.norm(e[:3]):.6f} mm",
-            f"{np.degrees(np.linalg.norm(e[3:])):.6f}°",
-            f"${guide.rough(max(s, 1e-16))}$",
-        ]
-        for i, (e, s) in enumerate(zip(gaps[:6], size(arm, gaps), strict=False))
-    ],
+    rows,
     f"`{arm.name}` walks to a pose from a configuration nearby. The last column has lengths as shares of its reach.",
 )
 guide.predict(
@@ -220,10 +217,9 @@ leap = newton_step(J, e)
 guide.predict(
     f"The tip is to come {1000 * np.linalg.norm(e):.0f} mm closer, and the elbow is bent by 2°. How far does "
     "Newton turn the elbow in its first step?",
-    f"By {np.degrees(leap[1]):.0f}°. Along the dear direction the step is the gap divided by {sigma[1]:.4f}, and it grows "
-    "without bound as "
-    "the elbow comes nearer to 0°. *At* 0° nothing moves the tip along the arm. Least squares then asks for nothing: the step "
-    "is zero, and the arm is stuck.",
+    f"By {np.degrees(leap[1]):.0f}°. Along the dear direction the step is the gap divided by {sigma[1]:.4f}, and it "
+    "grows without bound as the elbow comes nearer to 0°. *At* 0° nothing moves the tip along the arm. Least squares "
+    "then asks for nothing: the step is zero, and the arm is stuck.",
 )
 
 # %% [markdown]
@@ -295,14 +291,10 @@ guide.figure(
     "A sweep of the damping near the stretched arm. Dotted: half a turn, and the gap before the step. Too little "
     "damping leaps anywhere, too much crawls.",
 )
+crawl = f"{MOST} steps are not enough" if needed[-1] is None else f"it takes {needed[-1]}"
 guide.say(
     f"The best damping of the sweep, {dampings[best]:.3f} m, needs {needed[best]} steps. With the largest, "
-    f"{dampings[-1]:.0f} m, "
-    + (
-        "it takes " + str(needed[-1]) + "."
-        if needed[-1] is not None
-        else f"{MOST} steps are not enough."
-    )
+    f"{dampings[-1]:.0f} m, {crawl}."
 )
 
 # %% [markdown]
@@ -384,33 +376,28 @@ rolls = [  # joints that turn the tool about its own direction, and do nothing e
     for name, column in zip(few.joint_names, samples[0].T, strict=True)
     if np.allclose(column, (column @ roll) * roll, atol=1e-6) and abs(column @ roll) > 0.5
 ]
-guide.say(
+said = [
     f"`{few.name}` has {few.n} joints; the rank of its Jacobian is {rank} at best. Without the row of the roll it is "
     f"{without}."
-    + (
-        (
-            f" `{rolls[0]}` turns the tool about its own direction and does nothing else, so it serves none of the "
-            "five numbers of an approach."
-            if rolls
-            else ""
-        )
-        + " This arm meets an approach only where it happens to fit: five joints are not enough, they must be the "
-        "right five."
-        if few.n == 5 and without < 5
-        else ""
+]
+if few.n == 5 and without < 5:
+    said += [
+        f"`{name}` turns the tool about its own direction and does nothing else, so it serves none of the five numbers "
+        "of an approach."
+        for name in rolls[:1]
+    ]
+    said.append(
+        "This arm meets an approach only where it happens to fit: five joints are not enough, they must be the right "
+        "five."
     )
-)
+guide.say(" ".join(said))
+off = {
+    words: [f"{1000 * each.position_error:.2f}", f"{np.degrees(each.orientation_error):.2f}"]
+    for words, each in answers.items()
+}
 guide.table(
     ["asked", "off by [mm]", "off by [°]", "the solver says"],
-    [
-        [
-            words,
-            f"{1000 * each.position_error:.2f}",
-            f"{np.degrees(each.orientation_error):.2f}",
-            each.stop.value,
-        ]
-        for words, each in answers.items()
-    ],
+    [[words, *off[words], each.stop.value] for words, each in answers.items()],
     "One wish, the tool turned a little where it stands, asked in three ways.",
 )
 pose, approach = answers["`Pose`, 6 numbers"], answers["`Approach`, 5 numbers"]
@@ -419,11 +406,7 @@ if pose.converged:
 elif approach.converged:
     guide.say("The approach is met, and the pose is not: the roll was all that stood in the way.")
 else:
-    guide.say(
-        "Even the approach is not met here. The solver says why:\n\n```text\n"
-        + approach.explain()
-        + "\n```"
-    )
+    guide.say(f"Even the approach is not met here. Why:\n\n```text\n{approach.explain()}\n```")
 
 # %% [markdown]
 # ## What solve_ik says when it cannot
@@ -485,12 +468,8 @@ def in_degrees(theta):
     """One step whose angles were turned into degrees before they were added."""
     e = screws.log(screws.inverse(arm.fk(theta)) @ g_d)
     factor = np.where(np.array(arm.units) == "rad", np.degrees(1.0), 1.0)
-    return size(
-        arm,
-        screws.log(
-            screws.inverse(arm.fk(theta + factor * newton_step(arm.body_jacobian(theta), e))) @ g_d
-        ),
-    )
+    g = arm.fk(theta + factor * newton_step(arm.body_jacobian(theta), e))
+    return size(arm, screws.log(screws.inverse(g) @ g_d))
 
 
 guide.table(

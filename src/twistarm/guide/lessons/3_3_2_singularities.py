@@ -211,16 +211,16 @@ def least(x):
     return float(arm.manipulability(x).singular_values[rank - 1])
 
 
+all_there_are = "which is all that there are."
+if rank < 6:
+    all_there_are = (
+        f"the most that its joints allow; of the six, {6 - rank} {'are' if rank < 5 else 'is'} missing in *every* "
+        f"configuration. That is not a singularity: it is what {arm.n} joint{'s' if arm.n > 1 else ''} can do."
+    )
 guide.say(
     rf"`{arm.name}`, waiting: $\sigma = {guide.tex(m.singular_values)}$. It can move its tool in {rank} independent "
-    f"direction{'s' if rank > 1 else ''}"
-    + (
-        f", the most that its joints allow; of the six, {6 - rank} {'are' if rank < 5 else 'is'} missing in *every* "
-        f"configuration. That is not a singularity: it is what {arm.n} joint{'s' if arm.n > 1 else ''} can do."
-        if rank < 6
-        else ", which is all that there are."
-    )
-    + f" The condition of these {rank} is {float(m.condition_in(rank)):.1f}."
+    f"direction{'s' if rank > 1 else ''}, {all_there_are} The condition of these {rank} is "
+    f"{float(m.condition_in(rank)):.1f}."
 )
 
 # %%
@@ -470,26 +470,22 @@ guide.predict(
 #   badly.
 
 # %%
-small_arm, large_arm = (
-    float(np.linalg.det(planar.hybrid_jacobian([0.4, 1.2])[:2])) * f**2 for f in (0.1, 1.0)
-)
+determinant = float(np.linalg.det(planar.hybrid_jacobian([0.4, 1.2])[:2]))
 zero = arm.manipulability(np.zeros(arm.n))
 lowest = zero.singular_values[rank - 1] / zero.singular_values[0]
+at_zero = "singular" if lowest < 1e-6 else f"condition {float(zero.condition_in(rank)):.1f}"
 same = [
     float(arm.manipulability(theta, length).condition_in(rank)) for length in (arm.reach, 1.0, 0.001)
 ]
 guide.table(
     ["what", "number"],
     [
-        ["determinant of the two-link arm, well bent", f"{large_arm:.4f}"],
-        ["the same arm built a tenth as large", f"{small_arm:.6f}"],
+        ["determinant of the two-link arm, well bent", f"{determinant:.4f}"],
+        ["the same arm built a tenth as large", f"{determinant / 10**2:.6f}"],
         [f"condition of `{arm.name}`, waiting, by its reach", f"{same[0]:.1f}"],
         ["the same, one metre worth one radian", f"{same[1]:.1f}"],
         ["the same, one millimetre worth one radian", f"{same[2]:.0f}"],
-        [
-            f"`{arm.name}`, all joints at zero",
-            "singular" if lowest < 1e-6 else f"condition {float(zero.condition_in(rank)):.1f}",
-        ],
+        [f"`{arm.name}`, all joints at zero", at_zero],
     ],
     "The slips as numbers.",
 )

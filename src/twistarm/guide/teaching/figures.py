@@ -19,8 +19,8 @@ COLOURS = {"ink": INK, "grey": GREY, "faint": FAINT, "blue": BLUE, "orange": ORA
            "sky": SKY, "amber": AMBER}  # fmt: skip
 """Each by the name of its variable in the page's style sheet, which has another value for dark pages."""
 
+# Lines of the three axes: told apart without colour too.
 DASHES: dict[str, Any] = {"x": "-", "y": (0, (5, 1.5)), "z": (0, (1.2, 1.2))}
-"""Lines of the three axes: told apart without colour too."""
 
 AXES = {"x": ORANGE, "y": GREEN, "z": BLUE}
 

@@ -9,8 +9,8 @@ from typing import Any
 
 from ...support.errors import InputError, missing_extra
 
+# Letters of a displayed formula that a telephone may have to scroll, so that a keyboard has to reach it.
 LONG = 36
-"""Letters of a displayed formula that a telephone may have to scroll, so that a keyboard has to reach it."""
 
 THIN = '<mspace width="0.167em"></mspace>'
 

@@ -30,8 +30,7 @@ SLIDERS: dict[str, dict[str, Any]] = {
 """The sliders by name, and the numbers with which each begins: angles in degrees, lengths in metres, time in s."""
 
 
-ROUNDING = 1e-9
-"""Smaller entries in a table of coordinates are rounding and shown as 0."""
+ROUNDING = 1e-9  # Smaller entries in a table of coordinates are rounding and shown as 0.
 
 
 @dataclass(frozen=True)

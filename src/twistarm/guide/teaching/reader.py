@@ -16,11 +16,10 @@ from ..exercises import exercises_of
 from . import html
 from .output import say, show
 
+# Environment variable with what `load_arm` takes, as JSON: {"source": "my_arm.urdf.xacro", "tip": "tool0"}.
 VARIABLE = "TWISTARM_GUIDE_ARM"
-"""Environment variable with what `load_arm` takes, as JSON: {"source": "my_arm.urdf.xacro", "tip": "tool0"}."""
-
+# Bundled arms that may replace the reader's, in this order.
 BUNDLED = ("rover_arm", "rover_arm_6dof", "scara", "stanford", "rr_planar", "elbow")
-"""Bundled arms that may replace the reader's, in this order."""
 
 
 def arm() -> Arm:

@@ -16,8 +16,7 @@ import numpy as np
 from ...support.checks import Array
 from .figures import COLOURS, FAINT, GREY
 
-MARGIN = 0.15
-"""Room for letters around what is drawn [inches]."""
+MARGIN = 0.15  # Room for letters around what is drawn [inches].
 
 
 def of(figure: Any) -> str:

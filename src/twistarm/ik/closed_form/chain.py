@@ -24,14 +24,10 @@ from ...support.errors import InputError
 from ...theory.screws import inverse
 from ..targets import AnyTarget, Approach, Pose, Position, TolerancedPose
 
-NO_PITCH = 1e-9
-"""A pitch [m/rad] below this is the rounding of none."""
-
-NO_TURN = 1e-12
-"""A twist with less rotation than this is a slide."""
-
+NO_PITCH = 1e-9  # A pitch [m/rad] below this is the rounding of none.
+NO_TURN = 1e-12  # A twist with less rotation than this is a slide.
+# A point nearer to an axis than this [m], or a direction this close to it, hardly moves when turned about it.
 ON_AXIS = 1e-7
-"""A point nearer to an axis than this [m], or a direction this close to it, hardly moves when turned about it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,8 +143,7 @@ def across(w: Array) -> tuple[Array, Array]:
     return u, np.cross(w, u)
 
 
-INDEPENDENT = 1e-6
-"""Singular values above this, lengths over the arm's reach, tell motions apart."""
+INDEPENDENT = 1e-6  # Singular values above this, lengths over the arm's reach, tell motions apart.
 
 MOST_JOINTS = 6
 

@@ -32,33 +32,21 @@ from .chain import JointAxis, Point, across, product, settle
 
 SIX = 6
 
+# Three angles at which a function a + b cos x + c sin x is known.
 THIRDS = (0.0, 2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0)
-"""Three angles at which a function a + b cos x + c sin x is known."""
-
+# (a, b, c) from its values there.
 FROM_SAMPLES = np.linalg.inv(np.stack([np.ones(3), np.cos(THIRDS), np.sin(THIRDS)], axis=1))
-"""(a, b, c) from its values there."""
-
+# 1, cos x and sin x times 1 + t², as powers t⁰ … t² of t = tan(x/2).
 IN_TANGENT = np.array([[1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [0.0, 2.0, 0.0]])
-"""1, cos x and sin x times 1 + t², as powers t⁰ … t² of t = tan(x/2)."""
-
+# t₃ = tan(y + INFINITY_SHIFT) for the eigenvalue tan y. It makes roots at infinity finite.
 INFINITY_SHIFT = 0.7
-"""t₃ = tan(y + INFINITY_SHIFT) for the eigenvalue tan y. It makes roots at infinity finite."""
-
-REAL = 1e-3
-"""An eigenvalue with a smaller imaginary part may be a double root that rounding has split."""
-
-TRIALS = 4
-"""Random configurations by which a way is judged."""
-
-FOUND = 1e-5
-"""Greatest error of an uncorrected candidate, as a share of the reach."""
-
-
+REAL = 1e-3  # An eigenvalue with a smaller imaginary part may be a double root that rounding has split.
+TRIALS = 4  # Random configurations by which a way is judged.
+FOUND = 1e-5  # Greatest error of an uncorrected candidate, as a share of the reach.
+# Greatest angle of the joint that is added to five, before correction. Double roots have few digits.
 EXTRA_JOINT_TOL = 0.1
-"""Greatest angle of the joint that is added to five, before correction. Double roots have few digits."""
-
+# Direction of that joint, and a point on it in shares of the reach.
 EXTRA_AXIS = np.array([0.48, -0.6, 0.64]), np.array([0.31, 0.23, -0.41])
-"""Direction of that joint, and a point on it in shares of the reach."""
 
 
 NEARBY_POSES = (

@@ -25,26 +25,16 @@ from ...arm.arm import Arm
 from ...support.checks import Array
 from .chain import JointAxis, Plane, Point, product
 
-PARALLEL = 1e-6
-"""Sines below this are those of parallel axes: their distance is measured across them."""
-
+PARALLEL = 1e-6  # Sines below this are those of parallel axes: their distance is measured across them.
+# For each axis of a chain its place in the arm; what a target leaves free has places behind the arm's joints.
 Joints = Sequence[int]
-"""For each axis of a chain its place in the arm; what a target leaves free has places behind the arm's joints."""
-
+# Axes are exact if they miss a point by less than this share of the reach, or a direction by less than this [rad].
 EXACT = 1e-9
-"""Axes are exact if they miss a point by less than this share of the reach, or a direction by less than this [rad]."""
-
+# Up to this share of the reach, or angle [rad], the nearest exact arm's family gives starts for Newton's method.
 NEARLY = 2e-3
-"""Up to this share of the reach, or angle [rad], the nearest exact arm's family gives starts for Newton's method."""
-
-MAX_OTHERS = 3
-"""Joints beside the group that can be solved for."""
-
-INDEPENDENT = 1e-5
-"""Motions with singular values above this are independent."""
-
-TRIALS = 3
-"""Random configurations among which a rank is the largest; almost every one has it."""
+MAX_OTHERS = 3  # Joints beside the group that can be solved for.
+INDEPENDENT = 1e-5  # Motions with singular values above this are independent.
+TRIALS = 3  # Random configurations among which a rank is the largest; almost every one has it.
 
 SPHERICAL, PLANAR, DECOUPLED = "spherical", "planar", "decoupled"
 

@@ -39,8 +39,7 @@ from .families import (
 if TYPE_CHECKING:
     from ..._core import ClosedForm
 
-SAMPLE = 0.3
-"""Value [rad, m] of held joints in the search for their family. Almost every value shows it."""
+SAMPLE = 0.3  # Value [rad, m] of held joints in the search for their family. Almost every value shows it.
 
 
 class ClosedFormParameters(NamedTuple):
@@ -104,17 +103,11 @@ def _numbers(axes: list[JointAxis]) -> Array:
     return np.array([[*axis.w, *axis.o, float(axis.slides)] for axis in axes]).reshape(-1, 7)
 
 
-SLACK = 1e-6
-"""Relative miss of a subproblem that is rounding on an exact arm, as when it is stretched."""
-
+SLACK = 1e-6  # Relative miss of a subproblem that is rounding on an exact arm, as when it is stretched.
+# The same for axes that miss their family. A root of the true arm may not be one of the exact arm.
 SLACK_NEARLY = 0.05
-"""The same for axes that miss their family. A root of the true arm may not be one of the exact arm."""
-
-MOST_WAYS = 1000
-"""Most choices of held joints to try. Ten joints have 210 for a pose, twenty some 39,000."""
-
-FITS_APPROACH = 5
-"""Joints that an `Approach` determines."""
+MOST_WAYS = 1000  # Most choices of held joints to try. Ten joints have 210 for a pose, twenty some 39,000.
+FITS_APPROACH = 5  # Joints that an `Approach` determines.
 
 CLOSED_FORM, ELIMINATION, SEARCH = "closed form", "elimination", "search from many starts"
 

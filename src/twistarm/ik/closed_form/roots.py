@@ -14,41 +14,22 @@ from ..ranges import TURN, joint_ranges
 from ..targets import AnyTarget
 from ..task_space import Tolerances
 
-STEPS = 30
-"""Newton steps for a candidate. Exact ones need one or two, those of a nearby arm four or five."""
-
-LONGEST_STEP = 0.3
-"""Longest Newton step [rad, m]. A candidate farther from an answer is dropped."""
-
-ROUNDING = 1e-14
-"""Errors [m, rad] below this are those of forward kinematics itself."""
-
-SINGULAR = 1e-12
-"""Relative singular values below this are 0. Newton's step does not use those directions."""
-
-DEPENDENT = 1e-6
-"""Relative singular values below this are directions without first-order motion."""
-
+STEPS = 30  # Newton steps for a candidate. Exact ones need one or two, those of a nearby arm four or five.
+LONGEST_STEP = 0.3  # Longest Newton step [rad, m]. A candidate farther from an answer is dropped.
+ROUNDING = 1e-14  # Errors [m, rad] below this are those of forward kinematics itself.
+SINGULAR = 1e-12  # Relative singular values below this are 0. Newton's step does not use those directions.
+DEPENDENT = 1e-6  # Relative singular values below this are directions without first-order motion.
+# Two candidates nearer together than this [rad, m] are one if the target is met equally well halfway.
 SAME = 1e-5
-"""Two candidates nearer together than this [rad, m] are one if the target is met equally well halfway."""
-
+# Two answers nearer together than this [rad, m] are one if the target is met to the tolerances halfway.
 TWINS = 1e-2
-"""Two answers nearer together than this [rad, m] are one if the target is met to the tolerances halfway."""
-
-HALFWAY = 1e-13
-"""Or to this precision [m, rad]."""
-
+HALFWAY = 1e-13  # Or to this precision [m, rad].
+# An answer beyond a limit by less than this [rad, m] may be at the limit: multiple roots are no more exact.
 ROUNDED_LIMIT = 1e-5
-"""An answer beyond a limit by less than this [rad, m] may be at the limit: multiple roots are no more exact."""
-
-LEAST_ROUNDED = 1e-11
-"""Below this excess [rad, m] the target is met at the limit as well."""
-
+LEAST_ROUNDED = 1e-11  # Below this excess [rad, m] the target is met at the limit as well.
+# Greatest error of a family's members [m, rad], and the greatest if the first member has it too.
 MEMBER_MISS, MAX_MEMBER_MISS = 1e-12, 1e-10
-"""Greatest error of a family's members [m, rad], and the greatest if the first member has it too."""
-
-SIDESTEP = 0.05
-"""Step [rad, m] along a singular direction. If an answer exists there too, a family begins."""
+SIDESTEP = 0.05  # Step [rad, m] along a singular direction. If an answer exists there too, a family begins.
 
 MOST_COPIES = 4096
 

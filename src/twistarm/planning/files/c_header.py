@@ -16,17 +16,11 @@ from ..trajectory import Trajectory, motors_of, require_motors
 
 FOLDER = Path(__file__).parent
 
-NOTHING = 1e-15
-"""Share of the greatest position, velocity or acceleration that is rounding."""
-
-MOST_NUMBERS = 7500
-"""60 kB in double: a longer table is refitted."""
-
+NOTHING = 1e-15  # Share of the greatest position, velocity or acceleration that is rounding.
+MOST_NUMBERS = 7500  # 60 kB in double: a longer table is refitted.
+# How far [rad, m] the refitted motion may be off, and by what share of the greatest rate: the second if need be.
 OFF, RATES_OFF = 5e-7, (1e-3, 1e-2)
-"""How far [rad, m] the refitted motion may be off, and by what share of the greatest rate: the second if need be."""
-
-LOOKS: Array = np.array([0.0, 0.5, 1.0])
-"""Where in each old piece the refitted motion is compared."""
+LOOKS: Array = np.array([0.0, 0.5, 1.0])  # Where in each old piece the refitted motion is compared.
 
 
 def header_text(trajectory: Trajectory, file: str, actuators: Actuators | None, counts: bool) -> str:

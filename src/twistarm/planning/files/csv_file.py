@@ -22,20 +22,14 @@ TIME = "time [s]"
 LABEL = "label"
 
 JOINTS = {"position": "", "velocity": "/s", "acceleration": "/s^2"}
+# Constant columns: every reader of tables takes them, and a line of comment would stop many.
 LIMITS = {"velocity_limit": "/s", "acceleration_limit": "/s^2"}
-"""Constant columns: every reader of tables takes them, and a line of comment would stop many."""
 MOTORS = {"motor_position": "", "motor_velocity": "/s"}
+# Rates and what follows their unit. The names are ASCII because spreadsheets guess at anything else.
 COUNTS = {"counts": "", "counts_rate": "/s"}
-"""Rates and what follows their unit. The names are ASCII because spreadsheets guess at anything else."""
-
-SAME_INSTANT = 1e-3
-"""A row nearer to a label than this part of `dt` is the same instant."""
-
-BOUNDS = Bounds(bytes=200_000_000, lines=500_000)
-"""83 minutes at 100 Hz."""
-
-MOST_NUMBERS = 15_000_000
-"""The most numbers kept of one file: times, positions, rates and accelerations."""
+SAME_INSTANT = 1e-3  # A row nearer to a label than this part of `dt` is the same instant.
+BOUNDS = Bounds(bytes=200_000_000, lines=500_000)  # 83 minutes at 100 Hz.
+MOST_NUMBERS = 15_000_000  # The most numbers kept of one file: times, positions, rates and accelerations.
 
 
 def csv_text(trajectory: Trajectory, dt: float, actuators: Actuators | None, counts: bool) -> str:

@@ -21,8 +21,7 @@ from ..trajectory import Points, Trajectory, motor_values, motors_of
 
 NANOSECOND = 1e-9
 
-MAX_BYTES = 50_000_000
-"""Twenty minutes of five joints at 100 Hz."""
+MAX_BYTES = 50_000_000  # Twenty minutes of five joints at 100 Hz.
 
 FIELDS = ("positions", "velocities", "accelerations")
 

@@ -29,11 +29,10 @@ SETPOINTS, LABELS = "/setpoints", "/labels"
 SECOND = 10**9  # nanoseconds
 NONE = np.zeros(0)
 
+# Of a file, and of a topic that is read: half an hour at 100 Hz.
 MAX_BYTES, MAX_MESSAGES = 1_000_000_000, 200_000
-"""Of a file, and of a topic that is read: half an hour at 100 Hz."""
-
+# The bytes at both ends of a file, and those behind the 17th.
 MAGIC, PROFILE = b"\x89MCAP0\r\n", b"\4\0\0\0ros2"
-"""The bytes at both ends of a file, and those behind the 17th."""
 
 RECOVER = "copy it again, or save what is whole by `mcap recover`, a program of mcap.dev"
 

@@ -73,8 +73,7 @@ def _describe(name: str, kind: str, lower: float, upper: float, half: float) -> 
     }
 
 
-LIMIT_TOL = 1e-6
-"""Rounding of a slider's end at a limit [rad, m], from decimal text."""
+LIMIT_TOL = 1e-6  # Rounding of a slider's end at a limit [rad, m], from decimal text.
 
 
 def checked_theta(arm: Arm, theta: ArrayLike) -> Array:
@@ -115,15 +114,11 @@ def require_inside(name: str, value: float, lower: float, upper: float, unit: st
     raise LimitError(f"{name} = {given:.6g}° is outside its limits {low:.6g}° … {high:.6g}°")
 
 
-MOST_POINTS = 400
-"""Most points: enough for any curve on a screen."""
-
-STILL = 1e-4
-"""Least visible step, as a share of the arm's size."""
-
+MOST_POINTS = 400  # Most points: enough for any curve on a screen.
+STILL = 1e-4  # Least visible step, as a share of the arm's size.
+# points: the way of the tool; ideal: that of its segments; stopped: where a segment cannot be followed any farther;
+# waypoints: where everything stands at the poses, {node: matrix} each; ids: the numbers of these poses.
 NO_PATH: dict[str, Any] = {"points": [], "radius": 0.0, "ideal": [], "stopped": None, "waypoints": [], "ids": []}
-"""points: the way of the tool; ideal: that of its segments; stopped: where a segment cannot be followed any farther;
-waypoints: where everything stands at the poses, {node: matrix} each; ids: the numbers of these poses."""
 
 
 def tool_path(arm: Arm, motion: Trajectory | ArrayLike) -> dict[str, Any]:
@@ -164,8 +159,7 @@ def _configurations(arm: Arm, motion: Trajectory | ArrayLike) -> Array:
 
 # findings ---------------------------------------------------------------------------------------------
 
-MAX_FINDINGS = 500
-"""Most findings on the page. The rest is counted."""
+MAX_FINDINGS = 500  # Most findings on the page. The rest is counted.
 
 PENDING = "From the loading alone: the doctor looks while no servo drives."
 

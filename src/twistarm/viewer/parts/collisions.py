@@ -22,11 +22,8 @@ from .pose_list import RecordedPose
 from .show import Part, Route, Show
 from .target import Solutions
 
-KINDS = {"box": 3, "sphere": 1, "cylinder": 2}
-"""What pages may add, and how many numbers its size has."""
-
-SAMPLES = 500
-"""Configurations of a motion that are checked."""
+KINDS = {"box": 3, "sphere": 1, "cylinder": 2}  # What pages may add, and how many numbers its size has.
+SAMPLES = 500  # Configurations of a motion that are checked.
 
 BATCH = 50
 

@@ -21,8 +21,7 @@ from ..scene import drawing
 from ..scene.drawing import BLUE, Colour, drawn_path
 from .show import Part, Route, Show
 
-MOST_ROWS = 200_000
-"""Most points or triangles of one drawing. More would hold up the pages."""
+MOST_ROWS = 200_000  # Most points or triangles of one drawing. More would hold up the pages.
 
 
 class Draw:
@@ -132,8 +131,7 @@ def _colour(colour: ArrayLike) -> Colour:
 
 V = TypeVar("V")
 
-LOG = logging.getLogger("twistarm")
-"""Without other settings, Python prints errors of it in the terminal."""
+LOG = logging.getLogger("twistarm")  # Without other settings, Python prints errors of it in the terminal.
 
 
 class Control(Generic[V]):

@@ -18,20 +18,12 @@ from ..messages import Message
 from .arm_data import checked_theta
 from .show import Part, Playback, Route, Show
 
+# Slowest and fastest speed from a page. Python may set a speed beyond them, which a page then keeps.
 SPEEDS = (0.05, 20.0)
-"""Slowest and fastest speed from a page. Python may set a speed beyond them, which a page then keeps."""
-
-RATES = ("position", "velocity", "acceleration")
-"""Names of the derivatives by order."""
-
-MOST_POINTS = 300
-"""Most points of a line: about a plot's width in pixels."""
-
-BEFORE = 1e-9
-"""Share of the duration before a breakpoint, so that a jump is drawn as one."""
-
-DECIMALS = 6
-"""Decimals of values [rad, m, and per s and s²]; finer than any plot."""
+RATES = ("position", "velocity", "acceleration")  # Names of the derivatives by order.
+MOST_POINTS = 300  # Most points of a line: about a plot's width in pixels.
+BEFORE = 1e-9  # Share of the duration before a breakpoint, so that a jump is drawn as one.
+DECIMALS = 6  # Decimals of values [rad, m, and per s and s²]; finer than any plot.
 
 NO_PLOTS: Message = {"type": "plots", "times": [], "joints": [], **{rate: [] for rate in RATES}, "tool": {}}
 

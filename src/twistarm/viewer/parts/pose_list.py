@@ -15,19 +15,12 @@ from ...support.errors import InputError, LimitError, one_line
 from ...support.strict_json import LARGEST_MESSAGE, encode
 from .arm_data import checked_theta, require_all_inside
 
-LONGEST_NAME = 60
-"""Most characters of a pose's name. A row of the page shows half of it."""
-
-LARGEST_LIST = LARGEST_MESSAGE * 7 // 8
-"""Bytes of a whole list as a message: some 300 poses of seven joints."""
-
-
-MAX_STEPS = 100
-"""Most changes of the list that can be undone."""
-
+LONGEST_NAME = 60  # Most characters of a pose's name. A row of the page shows half of it.
+LARGEST_LIST = LARGEST_MESSAGE * 7 // 8  # Bytes of a whole list as a message: some 300 poses of seven joints.
+MAX_STEPS = 100  # Most changes of the list that can be undone.
+# How the arm moves to a pose: every joint straight, the tool on a straight line or a screw motion, or on the arc
+# that leads through this pose to the next, or on any way round obstacles.
 MOVES = ("joint", "line", "screw", "via", "free")
-"""How the arm moves to a pose: every joint straight, the tool on a straight line or a screw motion, or on the arc that
-leads through this pose to the next, or on any way round obstacles."""
 
 
 @dataclass(frozen=True, eq=False)

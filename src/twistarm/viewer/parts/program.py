@@ -32,8 +32,7 @@ from .arm_data import NO_PATH, drawn, tool_path
 from .pose_list import PoseList, RecordedPose
 from .show import Part, Playback, Route, Show
 
-POINTS = 60
-"""Points of the ideal path from a pose to the next."""
+POINTS = 60  # Points of the ideal path from a pose to the next.
 
 
 def segments(arm: Arm, poses: Sequence[RecordedPose], corner: float) -> list[JointMove | Curved]:
@@ -72,14 +71,11 @@ def ideal_way(arm: Arm, poses: Sequence[RecordedPose]) -> list[list[float]]:
 
 STALE = "The list has changed since this motion was planned: plan again."
 
+# Note on a motion that stops at each pose. "Straight" could be read as the tool's path.
 STRAIGHT = "straight in joint space between the poses: the tool's way is a curve"
-"""Note on a motion that stops at each pose. "Straight" could be read as the tool's path."""
-
+# Short words for reasons of a PathError. Other reasons are words themselves.
 WHY = {"limit": "a leap would follow", "singular": "singular configuration"}
-"""Short words for reasons of a PathError. Other reasons are words themselves."""
-
-MOST_GHOSTS = 12
-"""Most poses at which the arm is drawn faintly, evenly chosen."""
+MOST_GHOSTS = 12  # Most poses at which the arm is drawn faintly, evenly chosen.
 
 
 class MotionRequest(NamedTuple):
@@ -97,8 +93,7 @@ class MotionRequest(NamedTuple):
 
 NO_REQUEST = MotionRequest("", False, 0.0, 0.0)
 
-Planned = tuple[Trajectory | PathError, dict[str, Any]]
-"""A motion, or why there is none, and the tool's path."""
+Planned = tuple[Trajectory | PathError, dict[str, Any]]  # A motion, or why there is none, and the tool's path.
 
 
 class Program(Part):

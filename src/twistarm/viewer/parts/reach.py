@@ -16,14 +16,10 @@ from ..jobs import Job, Progress
 from ..messages import Message, packed
 from .show import Part, Show
 
-ACROSS = 12
-"""Cubes of a quick map from the middle to the end of the reach. With more, its samples leave holes."""
-
-MOST_CUBES = 80
-"""Cubes along an axis that pages draw, 3 MB at most. Finer maps are drawn coarser."""
-
+ACROSS = 12  # Cubes of a quick map from the middle to the end of the reach. With more, its samples leave holes.
+MOST_CUBES = 80  # Cubes along an axis that pages draw, 3 MB at most. Finer maps are drawn coarser.
+# Each moves every corner to the mean of its faces' middles. One is naive surface nets (S. F. F. Gibson, 1998).
 SMOOTHINGS = 2
-"""Each moves every corner to the mean of its faces' middles. One is naive surface nets (S. F. F. Gibson, 1998)."""
 
 
 class Reach(Part):

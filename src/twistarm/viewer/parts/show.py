@@ -20,8 +20,7 @@ from ..messages import Message
 from .arm_data import NO_PATH, checked_theta, extra_joints, rest
 from .pose_list import PoseList
 
-GLIDE_TIME = 0.5
-"""Duration of a glide [s], as in page/glide.js."""
+GLIDE_TIME = 0.5  # Duration of a glide [s], as in page/glide.js.
 
 
 @dataclass
@@ -84,11 +83,10 @@ class Glide:
         return way
 
 
+# The report without a servo.
 NO_REPORT: dict[str, Any] = {"status": None, "joint": None, "reason": "", "share": None}
-"""The report without a servo."""
-
+# on_unreachable: what a servo does if the arm cannot follow. free: pages may choose it for a servo of the program.
 NO_DRIVE: Message = {"type": "drive", "on": False, "note": "", "on_unreachable": SLIDE, "free": False}
-"""on_unreachable: what a servo does if the arm cannot follow. free: pages may choose it for a servo of the program."""
 
 
 class Show:

@@ -22,19 +22,16 @@ from ..messages import Message
 from ..scene.kinematics import Placement, link_matrices
 from .show import Part, Route, Show
 
+# Most seconds of a search. The core needs at most 3 ms. Without it, an unreachable target takes some 0.4 s.
 MAX_TIME = 0.5
-"""Most seconds of a search. The core needs at most 3 ms. Without it, an unreachable target takes some 0.4 s."""
-
+# Most seconds of a search in the loop, which only the compiled core keeps. A dragged target needs a tenth.
 AT_ONCE = 0.2e-3
-"""Most seconds of a search in the loop, which only the compiled core keeps. A dragged target needs a tenth."""
-
-LENGTH_TOL = 1e-3
-"""Rounding of a quaternion's length, from decimal text."""
+LENGTH_TOL = 1e-3  # Rounding of a quaternion's length, from decimal text.
 
 TOLERANCES = {"position": "m", "orientation": "rad"}
 
+# The message without a target.
 NO_TARGET: Message = {"type": "target", "given": None, "met": None, "words": "", "ghost": None}
-"""The message without a target."""
 
 
 class TargetPart(Part):
@@ -128,14 +125,10 @@ def _answer(given: dict[str, Any], solution: IKResult, others: Mapping[str, floa
     return solution.theta, message
 
 
-MAX_SHOWN = 32
-"""Most configurations to step through: the nearest inside the limits, then those beyond."""
-
-AT_SOLUTION = 1e-3
-"""An arm within this [rad, m] of a configuration is at it."""
-
+MAX_SHOWN = 32  # Most configurations to step through: the nearest inside the limits, then those beyond.
+AT_SOLUTION = 1e-3  # An arm within this [rad, m] of a configuration is at it.
+# The message before a search.
 NO_SOLUTIONS: Message = {"type": "solutions", "asked": False, "places": [], "words": "", "ghosts": []}
-"""The message before a search."""
 
 
 class Choices(NamedTuple):

@@ -20,17 +20,11 @@ from ..scene.arm_drawing import AXIS_HALF, PITCHLESS, anchors, arm_size
 from ..scene.drawing import screw_path
 from .show import Part, Show
 
-LINEAR = 0.25
-"""Drawn length [m] of 1 m/s; a screw's v and the axes of the linear ellipsoid are drawn to it."""
-
-ANGULAR = 0.13
-"""Drawn length of 1 rad/s, in sizes of the arm."""
-
+LINEAR = 0.25  # Drawn length [m] of 1 m/s; a screw's v and the axes of the linear ellipsoid are drawn to it.
+ANGULAR = 0.13  # Drawn length of 1 rad/s, in sizes of the arm.
+# Singular values below this count as singular for a servo with default settings.
 BELOW = ServoSettings().singularity_threshold
-"""Singular values below this count as singular for a servo with default settings."""
-
-SLIGHT = 0.05
-"""A component of a unit direction below this is not mentioned."""
+SLIGHT = 0.05  # A component of a unit direction below this is not mentioned.
 
 
 class Theory(Part):

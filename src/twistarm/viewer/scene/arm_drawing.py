@@ -20,8 +20,7 @@ from . import drawing
 from .drawing import STICK, Colour, link_path, rod_path, screw_path
 from .links import Drawn, Read, count_meshes, draw_meshes, draw_plain, lost_meshes
 
-BESIDE = "/beside"
-"""The node that carries all of a second arm."""
+BESIDE = "/beside"  # The node that carries all of a second arm.
 
 
 class Drawing:
@@ -158,11 +157,8 @@ KIND_COLOURS: dict[str, Colour] = {
 }
 """Colours of screws: without pitch, of infinite pitch (a slide), any other. The page's legend repeats them."""
 
-AXIS_HALF = 0.18
-"""Half the arrow along an axis, in sizes of the arm."""
-
-PITCHLESS = 1e-9
-"""A pitch below this share of the arm's size counts as 0."""
+AXIS_HALF = 0.18  # Half the arrow along an axis, in sizes of the arm.
+PITCHLESS = 1e-9  # A pitch below this share of the arm's size counts as 0.
 
 
 def arm_size(arm: Arm) -> float:

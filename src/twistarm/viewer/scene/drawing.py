@@ -40,15 +40,11 @@ GREEN: Colour = (0.20, 0.65, 0.28, 1.0)
 BLUE: Colour = (0.16, 0.42, 0.90, 1.0)
 STICK: Colour = (0.45, 0.50, 0.58, 1.0)
 
-GHOST = 0.4
-"""Opacity of a hidden arrow."""
-
+GHOST = 0.4  # Opacity of a hidden arrow.
+# Turns three.js's cylinder (along y) into URDF's (along z).
 Y_TO_Z = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
-"""Turns three.js's cylinder (along y) into URDF's (along z)."""
-
-
+# Half the height of the page's view at distance 1, by which three.js divides the size of a point.
 FIELD = math.tan(math.radians(16.0))
-"""Half the height of the page's view at distance 1, by which three.js divides the size of a point."""
 
 
 def require_meshcat() -> None:

@@ -16,23 +16,17 @@ from ...support.files import stamp
 from . import drawing
 from .drawing import STICK, Colour, link_path
 
+# Triangles of all meshes of an arm. A screen has some 200,000 pixels for it, and a processor draws them in 0.1 s.
 TRIANGLES = 80_000
-"""Triangles of all meshes of an arm. A screen has some 200,000 pixels for it, and a processor draws them in 0.1 s."""
-
-FEWEST = 500
-"""Least triangles of a mesh, so that a bolt beside a heavy base keeps its shape."""
+FEWEST = 500  # Least triangles of a mesh, so that a bolt beside a heavy base keeps its shape.
 
 PLAIN: Colour = (0.62, 0.66, 0.72, 1.0)
 
-FRAME = 0.08
-"""Length of the axes for a link without its mesh, in sizes of the arm."""
-
+FRAME = 0.08  # Length of the axes for a link without its mesh, in sizes of the arm.
+# Radius of a replacing capsule: in sizes of the arm, and at most in lengths of the link's longest.
 THICK, STOUT = 0.025, 0.3
-"""Radius of a replacing capsule: in sizes of the arm, and at most in lengths of the link's longest."""
-
-
+# The parts of a mesh, or why it cannot be read, by its file, the file's stamp and the most triangles.
 Read = dict[tuple[Path, "tuple[int, ...] | None", float], "list[Part] | str"]
-"""The parts of a mesh, or why it cannot be read, by its file, the file's stamp and the most triangles."""
 
 
 @dataclass(frozen=True)

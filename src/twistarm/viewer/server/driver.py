@@ -25,11 +25,8 @@ from ..stage import Stage
 
 COMMANDS = ("jog", "jog_joints", "stop")
 
-STOP_TIMEOUT = 3.0
-"""Seconds until a drive ends although its joints still move, as with very low accelerations."""
-
-Post = Callable[[str, Callable[[Stage], None]], None]
-"""Applies a change of the stage in the loop."""
+STOP_TIMEOUT = 3.0  # Seconds until a drive ends although its joints still move, as with very low accelerations.
+Post = Callable[[str, Callable[[Stage], None]], None]  # Applies a change of the stage in the loop.
 
 
 def servo_words(answer: Cycle | ServoOutput) -> dict[str, Any]:

@@ -57,11 +57,8 @@ def admits_host(listening: str, header: str) -> bool:
     return name in (*LOOPBACK, own, f"{own.split('.')[0]}.local")
 
 
-SAMPLE_TIME = 0.01
-"""Time between two rows of an export [s]."""
-
-MOST_SAMPLES = 20_000
-"""Most rows of an exported motion: some megabytes for seven joints."""
+SAMPLE_TIME = 0.01  # Time between two rows of an export [s].
+MOST_SAMPLES = 20_000  # Most rows of an exported motion: some megabytes for seven joints.
 
 
 class Download(NamedTuple):
@@ -109,8 +106,8 @@ TYPES = {
     "json": "application/json",
 }
 
+# Headers of every answer, refusals included.
 HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
-"""Headers of every answer, refusals included."""
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
@@ -123,11 +120,8 @@ A frame may hold the page where all that surrounds it comes from this machine, b
 does. Whoever would have hands click on it unseen must have a server here, and know the token. ([::1] cannot be said.)
 """
 
-REPLIES = ("done", "error")
-"""Requests that answer the page itself, for any arm."""
-
-PING_TIME = 20
-"""Seconds between two pings of a page, and until a silent page is dropped."""
+REPLIES = ("done", "error")  # Requests that answer the page itself, for any arm.
+PING_TIME = 20  # Seconds between two pings of a page, and until a silent page is dropped.
 
 # Tornado logs each malformed request; a program that wants to read that sets up logging.
 logging.getLogger("tornado").addHandler(logging.NullHandler())

@@ -17,12 +17,10 @@ from ...support.interrupts import Closeable
 if TYPE_CHECKING:  # without the extra `view` there is no tornado, and `load_with_files` needs none
     from .server import Server
 
+# Time between two looks at the files [s]. A look costs a microsecond or two for each file and needs no library. It
+# also sees what the system does not notify: files on network shares, in containers, and files that do not exist yet.
 PERIOD = 0.25
-"""Time between two looks at the files [s]. A look costs a microsecond or two for each file and needs no library. It
-also sees what the system does not notify: files on network shares, in containers, and files that do not exist yet."""
-
-CHANGES_TIMEOUT = 2.0
-"""Seconds until files that keep changing are loaded anyway."""
+CHANGES_TIMEOUT = 2.0  # Seconds until files that keep changing are loaded anyway.
 
 Stamps = dict[Path, tuple[int, ...] | None]
 
