@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from catalogue import load
 from recorded_poses import HOME, LEFT, REACH, ask, done, names, said
-from twistarm import Pose, Position, Trajectory, load_arm, solve_ik, solve_ik_all
+from twistarm import Arm, Pose, Position, Trajectory, load_arm, solve_ik, solve_ik_all
 from twistarm.planning.joint_space import plan_joint
 from twistarm.support.errors import InputError, LimitError, TwistarmError
 from twistarm.support.strict_json import LARGEST_MESSAGE, encode
@@ -72,6 +72,38 @@ def test_a_pose_outside_the_limits_is_not_recorded(stage: Stage) -> None:
     stage.show(np.array([0.0, 1.5 + 5e-7, 0.0]))
     ask(stage, "record", name="edge")
     assert said(stage, "program")["poses"][-1]["theta"] == [0.0, 1.5, 0.0]
+
+
+@pytest.mark.parametrize("by", ["joint", "line"])
+def test_a_motion_from_a_measured_start_beyond_a_limit_returns_inside_first(arm: Arm, by: str) -> None:
+    stage = Stage(arm)
+    for theta in ((0.0, -1.55, 0.1), (0.5, -1.0, 0.1)):
+        stage.show(np.array(theta))
+        ask(stage, "record", name="")
+    first, second = (pose["id"] for pose in said(stage, "program")["poses"])
+    with pytest.raises(LimitError, match="pitch"):
+        ask(stage, "reorder", id=first, place=1)
+    ask(stage, "move", id=second, by=by)
+    motion = planned(stage, corner=0.0)
+    program = said(stage, "program")
+    assert program["planned"]
+    assert "pitch by 0.05 rad" in program["note"]
+    assert_allclose(motion(0.0), (0.0, -1.55, 0.1), atol=1e-12)
+    pitch = motion(np.linspace(0.0, motion.duration, 500))[:, 1]
+    assert (np.diff(pitch[pitch < -1.5]) >= 0.0).all()
+    assert_allclose(motion(motion.duration), (0.5, -1.0, 0.1), atol=1e-4)
+    reloaded = Stage(arm)
+    assert not [words for words in reloaded.take_over(stage) if "motion" in words]
+    assert reloaded.playback is not None
+    assert reloaded.playback.trajectory is motion
+
+
+def test_a_start_far_beyond_a_limit_is_refused(arm: Arm) -> None:
+    stage = Stage(arm)
+    stage.show(np.array([0.0, -1.75, 0.1]))
+    with pytest.raises(LimitError, match="the start puts joint 'pitch'"):
+        ask(stage, "record", name="")
+    assert names(stage) == []
 
 
 def test_a_saved_list_comes_back_by_joint_names(stage: Stage) -> None:

@@ -80,10 +80,10 @@ def test_theta_poses_layers_and_motion_stay_where_the_arm_allows_them(viewer: Vi
     assert page.latest["visible"]["frames"] == [False, 1]
     assert page.latest["player"]["duration"] == motion.duration
     assert_allclose(page.latest["path"]["points"][0], longer.fk(np.zeros(3))[:3, 3], atol=1e-6)
-    tighter = changed(path, ('upper="1.5"', 'upper="0.5"'), ('lower="-1.5"', 'lower="-0.5"'))
+    tighter = changed(path, ('upper="1.5"', 'upper="0.4"'), ('lower="-1.5"', 'lower="-0.4"'))
     left = viewer.load(tighter)
     assert [name in words for name, words in zip(("pitch", "2 poses", "motion"), left, strict=True)] == [True] * 3
-    assert_allclose(viewer.theta, [THETA[0], -0.5, THETA[2]])
+    assert_allclose(viewer.theta, [THETA[0], -0.4, THETA[2]])
     assert viewer.recorded == {}
 
 

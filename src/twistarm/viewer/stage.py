@@ -14,7 +14,7 @@ from ..arm.arm import Arm
 from ..collision import Scene
 from ..limits.joint_limits import unit_of
 from ..planning.trajectory import Trajectory
-from ..planning.within import require_within
+from ..planning.within import require_within, returning
 from ..support.errors import LimitError, listed, unknown_name
 from ..sweeps.voxel_map import digest_of
 from .jobs import Job
@@ -170,10 +170,10 @@ class Stage(Show):
             yield f"moved to the nearer limit: {listed(moved, 6)}"
 
     def _fits(self, motion: Trajectory) -> bool:
-        """Whether a motion has this arm's joints and keeps to its limits."""
+        """Whether a motion has this arm's joints and keeps to its limits, from a start that may be beyond them."""
         if motion.joint_names == self.arm.joint_names:
             with suppress(LimitError):
-                require_within(motion, self.arm.limits)
+                require_within(motion, returning(self.arm.limits, motion(0.0), self.arm.units))
                 return True
         return False
 

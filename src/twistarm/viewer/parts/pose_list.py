@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm
+from ...planning.within import inside_from
 from ...support.checks import Array, frozen
 from ...support.errors import InputError, LimitError, one_line
 from ...support.strict_json import LARGEST_MESSAGE, encode
-from .arm_data import checked_theta, require_all_inside
+from .arm_data import LIMIT_TOL, checked_theta, require_all_inside
 
 LONGEST_NAME = 60  # Most characters of a pose's name. A row of the page shows half of it.
 LARGEST_LIST = LARGEST_MESSAGE * 7 // 8  # Bytes of a whole list as a message: some 300 poses of seven joints.
@@ -25,7 +26,10 @@ MOVES = ("joint", "line", "screw", "via", "free")
 
 @dataclass(frozen=True, eq=False)
 class RecordedPose:
-    """A pose of the list. theta (n,) [rad, m] is inside the limits. `by` of MOVES is the way to it."""
+    """A pose of the list: theta (n,) [rad, m], and the way `by` of MOVES to it.
+
+    theta is inside the limits. That of the first, a measured start, may be up to 0.2 rad or 20 mm beyond.
+    """
 
     id: int
     name: str
@@ -66,7 +70,10 @@ class PoseList:
         """Move to `place`, 0 the first; beyond the end means the last."""
         pose = self._pose(number)
         others = [other for other in self.poses if other is not pose]
-        self._keep([*others[:place], pose, *others[place:]], "reorder the poses")
+        poses = [*others[:place], pose, *others[place:]]
+        for later in poses[1:]:
+            self._require_inside(later.name, later.theta)
+        self._keep(poses, "reorder the poses")
 
     def delete(self, number: int) -> None:
         """Take a pose off the list."""
@@ -125,16 +132,22 @@ class PoseList:
         raise InputError(f"no pose number {number} in the list: it was deleted, or another list was loaded")
 
     def _new(self, name: str, theta: ArrayLike, others: Sequence[RecordedPose], by: str = MOVES[0]) -> RecordedPose:
-        free = _free(name, others)
-        checked = checked_theta(self._arm, theta)
-        try:
-            require_all_inside(self._arm, checked)
-        except LimitError as error:
-            raise LimitError(f"the pose '{free}': {error}") from error
+        free, arm = _free(name, others), self._arm
+        checked = checked_theta(arm, theta)
+        if others:
+            self._require_inside(free, checked)
+        else:
+            inside_from(checked, arm.limits, arm.joint_names, arm.units)
         self._made += 1
         # A slider's end may lie beyond its limit by the rounding of decimal text, which a planner does not take.
-        limits = self._arm.limits
-        return RecordedPose(self._made, free, frozen(np.clip(checked, limits.lower, limits.upper)), by)
+        inside = np.clip(checked, arm.limits.lower, arm.limits.upper)
+        return RecordedPose(self._made, free, frozen(np.where(abs(checked - inside) > LIMIT_TOL, checked, inside)), by)
+
+    def _require_inside(self, name: str, theta: Array) -> None:
+        try:
+            require_all_inside(self._arm, theta)
+        except LimitError as error:
+            raise LimitError(f"the pose '{name}': {error}; only the first, the start, may be beyond") from error
 
     def _read(self, pose: Mapping[str, Any], order: Sequence[int], others: Sequence[RecordedPose]) -> RecordedPose:
         """A pose of a list with another joint order."""
