@@ -35,7 +35,7 @@ def progress(line: str) -> str | None:
 
 
 def run(command: Sequence[object], log: Path) -> bool:
-    """Whether a program succeeds. Its output goes to `log`, its progress to the terminal, its last lines too if it fails."""
+    """Whether a program succeeds. `log` takes its output, the terminal its progress, and its last lines if it fails."""
     log.parent.mkdir(parents=True, exist_ok=True)
     with (
         log.open("w", encoding="utf-8") as kept,
