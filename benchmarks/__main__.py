@@ -18,11 +18,8 @@ from .peers import PEERS
 from .problems import ARMS, SEED
 from .report import machine, report
 
-HERE = ("twistarm", "pinocchio")
-"""The solvers that need no environment of their own: those of a quick run."""
-
-PIPED_WIDTH = 120
-"""Columns of the tables where no terminal says how wide it is."""
+HERE = ("twistarm", "pinocchio")  # The solvers that need no environment of their own: those of a quick run.
+PIPED_WIDTH = 120  # Columns of the tables where no terminal says how wide it is.
 
 
 def main(arguments: list[str] | None = None) -> None:

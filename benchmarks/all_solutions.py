@@ -18,11 +18,8 @@ from .conductor import DEFAULT_FOLDER, NotInstalled, Worker, WorkerError, python
 from .problems import Judge, Robot, make_robot
 
 PEERS = ("twistarm", "eaik", "ik_geo", "ssik")
-HOLDING = {"panda": 6}
-"""The surplus joint, held at its value in the configuration that made the target."""
-
-EXACT, SAME = 1e-9, 1e-5
-"""What an answer may miss [m, rad], and below which two are one [rad]."""
+HOLDING = {"panda": 6}  # The surplus joint, held at its value in the configuration that made the target.
+EXACT, SAME = 1e-9, 1e-5  # What an answer may miss [m, rad], and below which two are one [rad].
 
 
 def missed(judge: Judge, g: np.ndarray, answers: np.ndarray) -> np.ndarray:

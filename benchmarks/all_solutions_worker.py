@@ -89,8 +89,8 @@ def ssik(robot: dict[str, Any], held: int | None) -> Solve:
     return solve
 
 
+# The constructor for the arm, and the first of the joints whose axes meet in one point, which it needs.
 IK_GEO = {"ur5": ("three_parallel_two_intersecting", 4), "jaco": ("spherical_two_parallel", 3)}
-"""The constructor for the arm, and the first of the joints whose axes meet in one point, which it needs."""
 
 
 def ik_geo(robot: dict[str, Any], held: int | None) -> Solve:

@@ -27,11 +27,8 @@ HERE = Path(__file__).parent
 DEFAULT_FOLDER = HERE / ".environments"
 
 
-CHUNK = 25
-"""Targets that a worker gets at a time."""
-
-SECONDS = 120.0
-"""Within which a worker must have answered."""
+CHUNK = 25  # Targets that a worker gets at a time.
+SECONDS = 120.0  # Within which a worker must have answered.
 
 ONE_THREAD = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"), "1"

@@ -20,11 +20,8 @@ from .problems import Judge, Robot, make_robot
 
 Row = dict[str, Any]
 
-ROUNDS = 5
-"""Of batches and kinematics, in turn; their median is reported."""
-
-CHECKED = 100
-"""Configurations of a batch whose poses and Jacobians Pinocchio checks."""
+ROUNDS = 5  # Of batches and kinematics, in turn; their median is reported.
+CHECKED = 100  # Configurations of a batch whose poses and Jacobians Pinocchio checks.
 
 
 @dataclass(frozen=True)

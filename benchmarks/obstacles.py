@@ -1,6 +1,7 @@
-"""Collision checks and motions round obstacles: beside Pinocchio alone, and beside OMPL without a proof.
+"""Collision checks, distances, the servo and motions round obstacles, beside Pinocchio alone.
 
-Allowed: one check takes 1.1 × Pinocchio's with its broadphase manager, a batch on two threads 0.6 × its time on one.
+Allowed: a check 1.1 × Pinocchio's with its broadphase manager; the nearest pair 0.5 × `computeDistances` of hulls and
+1.1 × of spheres; a batch 1.05 × single checks on one thread, 0.8 × on two; a step of the servo 100 µs.
 With --problems FOLDER: MotionBenchMaker's problems (panda_spherized.urdf, panda.srdf, and a folder of problems with
 scene*.yaml and request*.yaml for each set). Pinocchio checks each motion by dense samples, without a broadphase.
 """
@@ -18,15 +19,14 @@ import pinocchio as pin
 import yaml
 
 from twistarm import Arm, FreeMove, PathError, Scene, Trajectory, load_arm, plan
+from twistarm.control.servo import ServoState, servo_step
 from twistarm.planning.free_moves import free_path
 
 ARMS = ("ur5", "panda")
-ROUNDS, CHECKS, BATCH = 200, 20, 10_000
+ROUNDS, CHECKS, BATCH = 100, 20, 2000
+# The problems ignore the soft limit of panda_joint4: four goals are beyond it, but inside the URDF's <limit>.
 LIMITS = {"acceleration": 5.0, "upper": {"panda_joint4": 0.0873}}
-"""The problems ignore the soft limit of panda_joint4: four goals are beyond it, but inside the URDF's <limit>."""
-
-STEP = 1e-3
-"""Between two samples of a motion that Pinocchio checks no joint moves farther [rad]."""
+STEP = 1e-3  # Between two samples of a motion that Pinocchio checks no joint moves farther [rad].
 
 
 def interleaved(calls: dict[str, Callable[[], object]], rounds: int = ROUNDS) -> dict[str, float]:
@@ -40,31 +40,55 @@ def interleaved(calls: dict[str, Callable[[], object]], rounds: int = ROUNDS) ->
     return {name: float(np.median(values)) for name, values in times.items()}
 
 
-def checks(name: str) -> None:
-    """One check in Python beside Pinocchio's on the same shapes, and batches."""
-    arm = load_arm(name)
-    scene = Scene(arm)
-    thetas = arm.random_theta(0, CHECKS)
+def checks(name: str, boxes: int) -> None:
+    """Checks, batches and nearest pairs beside Pinocchio's on the same shapes; the servo with the scene and without."""
+    arm = load_arm(name, limits={"velocity": 1.5, "acceleration": 3.0})
+    scene, rng = Scene(arm, margin=0.005), np.random.default_rng(5)
+    for k, way in enumerate(rng.normal(size=(boxes, 3))):
+        at = way / np.linalg.norm(way) * arm.reach * rng.uniform(0.45, 1.3)
+        scene.add_box(f"box {k}", rng.uniform(0.04, 0.2, 3), at)
+    thetas, many = arm.random_theta(0, CHECKS), arm.random_theta(1, BATCH)
     model, geometry = arm.pinocchio.model, scene._checker._geometry
     data, shapes = model.createData(), geometry.createData()
+    scene._checker._ask(shapes, range(len(scene._checker.pairs)))
     manager = pin.BroadPhaseManager_SSaPCollisionManager(model, geometry, shapes)
     Q = [arm.pinocchio.q(theta) for theta in thetas]
     alone = [pin.computeCollisions(model, data, geometry, shapes, q, True) for q in Q]
-    assert alone == scene.collides(thetas).tolist()
-    many = arm.random_theta(1, BATCH)
+    assert alone == scene.collides(thetas).tolist() == scene.collides(thetas, threads=2).tolist()
+    state = ServoState.at(arm, thetas[alone.index(False)])
     found = interleaved(
         {
-            "twistarm": lambda: [scene.collides(theta) for theta in thetas],
+            "check": lambda: [scene.collides(theta) for theta in thetas],
             "broadphase": lambda: [pin.computeCollisions(model, data, manager, q, True) for q in Q],
             "plain": lambda: [pin.computeCollisions(model, data, geometry, shapes, q, True) for q in Q],
+            "distance": lambda: [scene.distance(theta) for theta in thetas],
+            "distances": lambda: [pin.computeDistances(model, data, geometry, shapes, q) for q in Q],
+            "servo": lambda: held(arm, state, None),
+            "servo in a scene": lambda: held(arm, state, scene),
         }
     )
-    batch = interleaved({"1": lambda: scene.collides(many), "2": lambda: scene.collides(many, threads=2)}, 9)
-    one, peer = found["twistarm"] / CHECKS, found["broadphase"] / CHECKS
-    print(
-        f"  {name:8s} {len(scene._checker.pairs):4d} pairs  {1e6 * one:6.1f} µs   {one / peer:5.2f} × broadphase   "
-        f"{CHECKS * one / found['plain']:5.2f} × plain   two threads {batch['2'] / batch['1']:5.2f} × one"
+    batch = interleaved(
+        {
+            "single": lambda: [scene.collides(theta) for theta in many],
+            "1": lambda: scene.collides(many),
+            "2": lambda: scene.collides(many, threads=2),
+        },
+        5,
     )
+    each = {what: 1e6 * seconds / CHECKS for what, seconds in found.items()}
+    print(
+        f"  {name:8s} {len(scene._checker.pairs):4d} pairs  check {each['check']:6.1f} µs   "
+        f"{each['check'] / each['broadphase']:5.2f} × broadphase   {each['check'] / each['plain']:5.2f} × plain   "
+        f"batch {batch['1'] / batch['single']:5.2f} × and on two threads {batch['2'] / batch['single']:5.2f} × single\n"
+        f"  {'':18s}   nearest pair {each['distance']:6.1f} µs   {each['distance'] / each['distances']:5.2f} × all   "
+        f"servo {each['servo']:6.1f} µs, in the scene {each['servo in a scene']:6.1f} µs"
+    )
+
+
+def held(arm: Arm, state: ServoState, scene: Scene | None) -> None:
+    """A held twist of `CHECKS` steps."""
+    for _ in range(CHECKS):
+        state, _ = servo_step(arm, state, (0.1, 0.05, -0.05, 0.0, 0.1, 0.0), 0.01, scene=scene)
 
 
 def problems(folder: Path, count: int) -> None:
@@ -137,7 +161,8 @@ def main() -> None:
     asked = parser.parse_args()
     print(f"one check of random configurations, median of {ROUNDS} interleaved rounds")
     for name in ARMS:
-        checks(name)
+        for boxes in (0, 20):
+            checks(name, boxes)
     if asked.problems is not None:
         problems(asked.problems, asked.count)
 

@@ -114,11 +114,8 @@ def _axis_frames(model: Any, tip: str) -> np.ndarray:
     return np.array([*frames, data.oMf[model.getFrameId(tip)].homogeneous])
 
 
-STRICT = 1e-6
-"""Position [m] and rotation [rad] that an answer may be off."""
-
-LIMIT_SLACK = 1e-7
-"""How far beyond a limit rounding may put a joint [rad]."""
+STRICT = 1e-6  # Position [m] and rotation [rad] that an answer may be off.
+LIMIT_SLACK = 1e-7  # How far beyond a limit rounding may put a joint [rad].
 
 
 @dataclass(frozen=True)
@@ -176,14 +173,9 @@ class Judge:
         return pose
 
 
-SEED = 20260701
-"""Of the problems that every run has in common."""
-
-WARM_DISTANCE = 0.01
-"""From the start of a warm problem to its solution [rad], the norm over the joints."""
-
-FARTHEST = 1.5
-"""Unreachable targets lie at 1.05 to this times the reach."""
+SEED = 20260701  # Of the problems that every run has in common.
+WARM_DISTANCE = 0.01  # From the start of a warm problem to its solution [rad], the norm over the joints.
+FARTHEST = 1.5  # Unreachable targets lie at 1.05 to this times the reach.
 
 
 @dataclass(frozen=True)

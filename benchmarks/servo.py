@@ -33,8 +33,7 @@ MODELS: dict[str, tuple[str, dict[str, Any]]] = {
 }
 """Arms below the folder that the environment variable TWISTARM_MODELS names."""
 
-VELOCITY, ACCELERATION, OF_SLIDES = 1.5, 3.0, 0.3
-"""Limits [rad/s, rad/s²], and what of them slides get [m]."""
+VELOCITY, ACCELERATION, OF_SLIDES = 1.5, 3.0, 0.3  # Limits [rad/s, rad/s²], and what of them slides get [m].
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -133,17 +132,12 @@ def at_limits(arm: Arm, rng: np.random.Generator) -> Array:
     return theta
 
 
+# Seconds of a step, of a held twist, and at its end, in which nothing may shake.
 DT, SECONDS, JUDGED = 0.01, 8.0, 4.0
-"""Seconds of a step, of a held twist, and at its end, in which nothing may shake."""
-
-TURNING, REVERSALS = 1e-3, 2.0
-"""Rates [rad/s, m/s] that count, and how often a second a joint may turn round."""
-
+TURNING, REVERSALS = 1e-3, 2.0  # Rates [rad/s, m/s] that count, and how often a second a joint may turn round.
+# Changes of rate per cycle that count, and how often a second the acceleration may change its sign.
 CHANGING, CHANGES = 2e-4, 5.0
-"""Changes of rate per cycle that count, and how often a second the acceleration may change its sign."""
-
-STEADY = 1e-3
-"""How much scale and the lost twist may vary while the arm rests."""
+STEADY = 1e-3  # How much scale and the lost twist may vary while the arm rests.
 
 KINDS = ("random", "at limits", "stretched", "singular")
 

@@ -20,8 +20,7 @@ from scipy.interpolate import CubicSpline
 from .conductor import DEFAULT_FOLDER, NotInstalled, Worker, WorkerError, python_of
 
 JOINTS, WAYPOINTS = 7, 10
-VELOCITY, ACCELERATION, JERK = 2.0, 5.0, 50.0
-"""Limits of every joint [rad/s, rad/s², rad/s³]."""
+VELOCITY, ACCELERATION, JERK = 2.0, 5.0, 50.0  # Limits of every joint [rad/s, rad/s², rad/s³].
 
 Row = tuple[str, str, dict[str, Any]]
 ALONG: tuple[Row, ...] = (
@@ -32,8 +31,8 @@ ALONG: tuple[Row, ...] = (
 TO: tuple[Row, ...] = (("twistarm", "twistarm", {}), ("ruckig", "ruckig", {}))
 LINE: tuple[Row, ...] = (("twistarm", "twistarm", {}),)
 
+# twistarm reaches an acceleration limit in this time [s] if there is no jerk limit. Peers get that jerk.
 RISE = 0.1
-"""twistarm reaches an acceleration limit in this time [s] if there is no jerk limit. Peers get that jerk."""
 
 
 def limits() -> dict[str, list[float]]:

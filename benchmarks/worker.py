@@ -27,11 +27,8 @@ from .peers import serve
 
 Function = Callable[[np.ndarray], Any]
 
-WARM_UP = 1_000_000
-"""ns of untimed calls before a chunk, because the other workers have just used the caches."""
-
-REPEATS = 5
-"""Of what takes too little time to be measured once."""
+WARM_UP = 1_000_000  # ns of untimed calls before a chunk, because the other workers have just used the caches.
+REPEATS = 5  # Of what takes too little time to be measured once.
 
 
 class Worker:

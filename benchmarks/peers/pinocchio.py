@@ -10,8 +10,7 @@ import pinocchio as pin
 
 from .restarts import ITERATIONS, SETTINGS, Restarts, met
 
-STEP, DAMPING = 1.0, 1e-12
-"""The whole step (the example's 0.1 is slower) and the example's damping."""
+STEP, DAMPING = 1.0, 1e-12  # The whole step (the example's 0.1 is slower) and the example's damping.
 
 
 class Solver:

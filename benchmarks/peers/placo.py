@@ -9,8 +9,7 @@ import placo
 
 from .restarts import ITERATIONS, SETTINGS, TOLERANCE, Restarts
 
-FLOATING_BASE = 7
-"""Numbers of the state before the first joint."""
+FLOATING_BASE = 7  # Numbers of the state before the first joint.
 
 
 class Solver:

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from trac_ik import TracIK
 
+# EPSILON bounds each component of the error; a norm of 1e-6 needs less than 1e-6 / √3.
 EPSILON, SECONDS = 5e-7, 0.05
-"""EPSILON bounds each component of the error; a norm of 1e-6 needs less than 1e-6 / √3."""
 
 
 class Solver:

@@ -7,16 +7,13 @@ from time import perf_counter
 
 import numpy as np
 
-TOLERANCE = 1e-6
-"""Position [m] and rotation [rad]."""
-
-ITERATIONS, SECONDS = 30, 0.1
-"""Of one search, and of one call."""
+TOLERANCE = 1e-6  # Position [m] and rotation [rad].
+ITERATIONS, SECONDS = 30, 0.1  # Of one search, and of one call.
 
 SETTINGS = f"{ITERATIONS} iterations, then a random start; {1e3 * SECONDS:.0f} ms at most"
 
+# From a start to where the search ended, and whether it met the target.
 Search = Callable[[np.ndarray], tuple[np.ndarray, bool]]
-"""From a start to where the search ended, and whether it met the target."""
 
 
 class Restarts:

@@ -9,8 +9,7 @@ import numpy as np
 import roboticstoolbox as rtb
 from roboticstoolbox.models.URDF.URDFRobot import URDF_read
 
-TOL = 5e-13
-"""On E = ½ eᵀe: an error of 1e-6. The default, 1e-6, is an error of 1.4e-3."""
+TOL = 5e-13  # On E = ½ eᵀe: an error of 1e-6. The default, 1e-6, is an error of 1.4e-3.
 
 
 class Solver:

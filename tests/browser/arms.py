@@ -13,8 +13,8 @@ from twistarm import Arm, available_arms, load_arm
 
 ARMS = ("rover_arm", *(pytest.param(name, marks=pytest.mark.slow) for name in ("rover_arm_6dof", "panda")))
 
+# Meshcat takes a matrix apart into position, quaternion and scale: a few roundings in double precision.
 DRAWN = 1e-12
-"""Meshcat takes a matrix apart into position, quaternion and scale: a few roundings in double precision."""
 
 
 @functools.cache

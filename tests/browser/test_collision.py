@@ -100,6 +100,27 @@ def apart(box: dict[str, float], rings: list[float]) -> bool:
     return bool(np.hypot(*(near - [x, y])) > radius - 2)
 
 
+def test_a_refusal_goes_with_its_cause(page: Any, other: Any) -> None:
+    arm = load_arm("rover_arm", limits={"acceleration": 3.0})
+    goal = arm.ready + np.eye(arm.n)[1]
+    scene = Scene(arm)
+    scene.add_box("crate", (0.15, 0.15, 0.15), arm.fk(goal)[:3, 3])
+    with Viewer(arm, open_browser=False, scene=scene) as viewer:
+        settled(page, viewer.url)
+        page.get_by_role("tab", name="Poses").click()
+        for number, theta in enumerate((arm.ready, goal), 1):
+            viewer.show(theta)
+            until(page, f"twistarm.state.frame.theta[1] === {theta[1]}")
+            page.get_by_role("button", name="Record").click()
+            page.get_by_role("button", name=f"Delete pose {number}").wait_for()
+        page.get_by_role("button", name="Plan", exact=True).click()
+        until(page, "twistarm.parts.path.data.stopped && !document.getElementById('error').hidden")
+        settled(other, viewer.url)
+        other.get_by_role("tab", name="Scene").click()
+        other.get_by_role("button", name="Remove crate").click()
+        until(page, "!twistarm.parts.path.data.stopped && document.getElementById('error').hidden")
+
+
 def test_a_saved_page_shows_obstacles_and_what_the_arm_holds(page: Any, tmp_path: Path) -> None:
     arm = load_arm("rover_arm")
     scene = Scene(arm)

@@ -21,8 +21,7 @@ pytestmark = pytest.mark.browser
 
 ARM = ArmBuilder("turner").revolute("a", [0, 0, 1], [0, 0, 0.1], lower=-2, upper=2).tool(np.eye(4)).build()
 
-LINEAR, ANGULAR = 0.1, 0.4
-"""The page's first speed [m/s, rad/s]: 40 % of 0.25 m/s and 1 rad/s."""
+LINEAR, ANGULAR = 0.1, 0.4  # The page's first speed [m/s, rad/s]: 40 % of 0.25 m/s and 1 rad/s.
 
 KEYS = {
     "w": (0, 1), "s": (0, -1), "a": (1, 1), "d": (1, -1), "r": (2, 1), "f": (2, -1),

@@ -20,11 +20,8 @@ from waiting import until
 
 pytestmark = pytest.mark.browser
 
-WAY = 0.015
-"""How far a button is held [m]: a few frames."""
-
-TURN = 0.06
-"""[rad]"""
+WAY = 0.015  # How far a button is held [m]: a few frames.
+TURN = 0.06  # [rad]
 
 CAMERA = """() => {
   const { viewer } = twistarm.view;
@@ -32,8 +29,8 @@ CAMERA = """() => {
   return viewer.camera.matrixWorld.elements;
 }"""
 
+# Base axes from Meshcat's world, in which y is up: its scene is turned by −90° about x.
 FROM_MESHCAT = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
-"""Base axes from Meshcat's world, in which y is up: its scene is turned by −90° about x."""
 
 
 class Bench:

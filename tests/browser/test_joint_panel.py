@@ -261,8 +261,8 @@ def test_limits_are_told_in_words_and_by_a_colour_one_can_read(page: Any, viewer
         assert min(contrast(*pair) for pair in (*near, *outside)) > 4.5, scheme  # WCAG 2.2, 1.4.3
 
 
+# {quantity: {expression: value [rad, m], null where it has none}}; tests/cli has the same for the command line.
 CASES = json.loads((Path(__file__).parents[1] / "data/expressions.json").read_text(encoding="utf-8"))
-"""{quantity: {expression: value [rad, m], null where it has none}}; tests/cli has the same for the command line."""
 
 TYPED = """async ([texts, unit, ...bare]) => {
   const { typed } = await import(new URL("units.js", location.href));

@@ -30,11 +30,8 @@ from waiting import draw, settled, until
 pytestmark = pytest.mark.browser
 
 
-ROUNDED = 5e-6
-"""Six decimals of positions and quaternions."""
-
-LARGEST_PANDA = 10e6
-"""Bytes: 0.85 MB are Meshcat's, the rest is triangles."""
+ROUNDED = 5e-6  # Six decimals of positions and quaternions.
+LARGEST_PANDA = 10e6  # Bytes: 0.85 MB are Meshcat's, the rest is triangles.
 
 CARD = """
 for (const { prototype } of [WebGLRenderingContext, WebGL2RenderingContext]) {

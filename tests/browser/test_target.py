@@ -18,11 +18,8 @@ from waiting import after_frames, settled, until
 pytestmark = pytest.mark.browser
 
 
-MET = 3e-6
-"""The solver's tolerance [m, rad], and its part that every coordinate may have."""
-
-ALONG, ABOUT = 92.0, 64.0
-"""Pixels from the middle of the handles to an arrow's head and to a ring."""
+MET = 3e-6  # The solver's tolerance [m, rad], and its part that every coordinate may have.
+ALONG, ABOUT = 92.0, 64.0  # Pixels from the middle of the handles to an arrow's head and to a ring.
 
 PROJECT = """([point]) => {
   const { scene, camera, renderer } = twistarm.view.viewer;
@@ -300,8 +297,8 @@ def test_g_takes_the_handles_and_a_servo_takes_them_away(rover: Desk) -> None:
     until(rover.page, shown)
 
 
+# Of the rover arm's two configurations for where its tool points here, the other is outside the limits.
 START = np.radians([0.0, 29.64, -111.9, -97.74, 0.0]).tolist()
-"""Of the rover arm's two configurations for where its tool points here, the other is outside the limits."""
 
 GHOSTS = """twistarm.parts.solutions.arms.map(({ group, parts }) => ({
   drawn: group.children.length === parts.length && parts.length > 0,

@@ -27,11 +27,8 @@ Opened = Callable[[], AbstractContextManager[Any]]
 
 ARM = load_arm("rover_arm")
 
-SMALL = {"width": 960, "height": 480}
-"""A small window."""
-
-FLOAT = 2e-6
-"""Meshcat keeps matrices in double precision, three.js's colours and points are float32."""
+SMALL = {"width": 960, "height": 480}  # A small window.
+FLOAT = 2e-6  # Meshcat keeps matrices in double precision, three.js's colours and points are float32.
 
 DRAWN = """() => {
   const { view, parts, theory = parts.theory } = twistarm;

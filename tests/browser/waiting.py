@@ -5,8 +5,8 @@ from __future__ import annotations
 import time
 from typing import Any
 
+# Seconds until something that should happen at once counts as not happening, on a busy machine too.
 WAIT = 20.0
-"""Seconds until something that should happen at once counts as not happening, on a busy machine too."""
 
 
 def until(page: Any, condition: str) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,11 +14,6 @@ from finding_cases import CASES, chain, triangle, with_body, with_mesh
 from test_finding_codes import found
 from twistarm import Arm, diagnose, load_arm
 from urdf_text import joint, robot, two_joints, write
-
-if sys.version_info >= (3, 11):
-    pass
-else:
-    pass
 
 # -- postures ------------------------------------------------------------------------------------------------------
 

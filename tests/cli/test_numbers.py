@@ -14,11 +14,8 @@ from twistarm.cli.command import joined
 from twistarm.cli.numbers import METAVARS, is_part, typed_number
 
 TYPED = {
-    ("300 mm", "m"): 0.3,
-    ("12in", "m"): 0.3048,
     ("30", "rad"): math.pi / 6,
     ("0.5 rad", "rad"): 0.5,
-    ("−30°", "rad"): -math.pi / 6,
     ("2 mm", "rad"): math.nan,
     ("30+15", "rad"): math.nan,
     ("1/0", "1"): math.nan,

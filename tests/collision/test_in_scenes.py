@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,6 +30,7 @@ from twistarm import (
     solve_ik_all,
     solve_ik_batch,
 )
+from twistarm.planning import free_moves
 from twistarm.testing import assert_free
 
 
@@ -164,7 +166,10 @@ def test_free_moves_are_planned_every_time(tmp_path: Path) -> None:
     ends = free_configurations(scene, 40, 9)
     for start, goal in zip(ends[::2], ends[1::2], strict=True):
         if scene.is_free(start, goal):
-            plan(arm, FreeMove(goal), start=start, scene=scene)
+            motion = plan(arm, FreeMove(goal), start=start, scene=scene)
+            joint = np.abs(goal - start).argmax()
+            share = (motion(np.linspace(0.0, motion.duration, 50)) - start) / (goal - start)[joint]
+            assert share == pytest.approx(share[:, [joint]] * (goal - start) / (goal - start)[joint], abs=1e-9)
     with pytest.raises(LimitError):
         plan(arm, FreeMove(arm.ready + 9.0), scene=scene)
 
@@ -250,6 +255,12 @@ def test_unwrap_chooses_the_goal_of_a_free_move_by_whole_turns() -> None:
         plan(arm, FreeMove(goal), start=start, scene=scene, max_time=1e-6)
 
 
+def test_a_straight_free_move_of_one_joint_is_as_short_as_a_joint_move(tmp_path: Path) -> None:
+    arm = slider(tmp_path, SHAPES["sphere"])
+    free, joint = (plan(arm, move([1.0, 0.0]), start=[-1.0, 0.0], scene=Scene(arm)) for move in (FreeMove, JointMove))
+    assert free.duration == pytest.approx(joint.duration)
+
+
 def test_a_free_move_without_a_way_ends_in_time(tmp_path: Path) -> None:
     pytest.importorskip("ompl")
     arm = slider(tmp_path, SHAPES["sphere"])
@@ -273,6 +284,27 @@ def test_a_free_move_takes_a_gap_narrower_than_its_clearance(tmp_path: Path) -> 
     assert not scene.collides(way).any()
     with pytest.raises(InputError, match="clearance"):
         plan(arm, FreeMove([0.6, -0.3]), scene=scene, clearance=-1.0)
+
+
+def test_the_path_of_a_free_move_is_proven_where_its_motion_collides(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A first path with states 3 m apart goes through the wall."""
+    pytest.importorskip("ompl")
+    arm, asked, whole = slider(tmp_path, SHAPES["sphere"]), list[bool](), free_moves.free_path
+
+    def free_path(*args: Any, proven: bool, **given: Any) -> np.ndarray:
+        asked.append(proven)
+        return whole(*args, proven=proven, **given)
+
+    monkeypatch.setattr(free_moves, "free_path", free_path)
+    monkeypatch.setattr(free_moves, "STEPS", (3.0, 0.02))
+    monkeypatch.setattr(free_moves, "_seems_free", lambda *_: True)
+    scene = Scene(arm)
+    scene.add_box("wall", (0.1, 2.0, 1.0))
+    motion = plan(arm, FreeMove([0.6, 0.0]), start=[-0.6, 0.0], scene=scene, max_time=60.0)
+    assert asked == [False, True]
+    assert not scene.collides(motion(np.linspace(0.0, motion.duration, 3000))).any()
 
 
 @pytest.mark.parametrize("beyond", [1e-12, 2.65e-6])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from twistarm import Scene, load_arm
-from twistarm.collision.swept import LOOK
+from twistarm.collision.near_pairs import LOOK
 
 STEP = 1e-5
 
@@ -18,22 +18,30 @@ def test_no_near_pair_is_left_out_and_approaches_are_derivatives(name: str) -> N
     scene.add_sphere("ball", 0.1, (0.5 * arm.reach, 0.1, 0.3))
     scene.add_box("box", (0.2, 0.3, 0.4), (-0.4 * arm.reach, 0.2, 0.2))
     scene.add_plane()
+    for k, at in enumerate(np.random.default_rng(3).uniform(-arm.reach, arm.reach, (8, 3))):
+        scene.add_box(f"box {k}", (0.05, 0.1, 0.15), at)
     pairs, compared = scene.near_pairs, 0
     theta = arm.random_theta(1)
     for way in np.random.default_rng(2).normal(scale=0.02, size=(60, arm.n)):
         theta = np.clip(theta + way, arm.limits.lower, arm.limits.upper)
         found = pairs.near(theta, reach)
+        first = found.closest(8)
+        found.measure(np.arange(len(found.pairs)))
+        rows = np.flatnonzero(found.distances < np.inf)
+        near, distances, approach = found.pairs[rows], found.distances[rows], found.approach(rows)
         q = [
             arm.pinocchio.q(theta + step)
             for step in (np.zeros(arm.n), *(STEP * np.eye(arm.n)), *(-STEP * np.eye(arm.n)))
         ]
         here, *beside = (pairs.distances(each) for each in q)
-        assert found.pairs.tolist() == np.flatnonzero(here < 0.02 + LOOK + pairs.speeds @ reach).tolist()
-        slopes = (np.array(beside[: arm.n]) - beside[arm.n :]).T[found.pairs] / (2.0 * STEP)
-        apart = found.distances > 0.001
-        assert found.distances == pytest.approx(here[found.pairs], abs=1e-6)
+        assert scene.distance(theta).metres == pytest.approx(here.min(), abs=1e-12)
+        assert near.tolist() == np.flatnonzero(here < 0.02 + LOOK + pairs.speeds @ reach).tolist()
+        assert found.distances[first] == pytest.approx(np.sort(here[near])[:8], abs=1e-6)
+        slopes = (np.array(beside[: arm.n]) - beside[arm.n :]).T[near] / (2.0 * STEP)
+        apart = distances > 0.001
+        assert distances == pytest.approx(here[near], abs=1e-6)
         # Where nearest points jump within the step, the distance has no derivative.
-        differing = np.abs(found.approach + slopes)[apart].max(axis=1, initial=0.0) > 1e-3
+        differing = np.abs(approach + slopes)[apart].max(axis=1, initial=0.0) > 1e-3
         assert differing.mean() < 0.1
         compared += apart.sum()
     assert compared > 60

@@ -13,8 +13,8 @@ from servo_drives import DT, LEVEL, TRACKING, driven, pose, up_to_speed
 from twistarm import Actuators, JointLimits, arm_from_screws, joints
 from twistarm.control.servo import JogCommand, PoseCommand, ServoSettings, ServoState, TwistCommand, servo_step
 
+# A posture that is not singular, where the arm's ready is.
 BENT = {"xarm7": [2.4, 1.7, 4.1, 0.5, 3.1, -1.3, -0.9]}
-"""A posture that is not singular, where the arm's ready is."""
 
 
 @pytest.mark.parametrize("name", ["rover_arm_6dof", "ur5", "panda", "xarm7"])

@@ -15,8 +15,7 @@ QUICK, WHOLE = 15, 1000
 
 SIZES = [pytest.param(n, marks=pytest.mark.slow) if n in (4, 6, 7) else n for n in range(3, 9)]
 
-AWAY = 0.1
-"""Least singular value, metres measured in the reach, of a posture away from singularities."""
+AWAY = 0.1  # Least singular value, metres measured in the reach, of a posture away from singularities.
 
 
 def check_way_back(n, numbers, seed=2):

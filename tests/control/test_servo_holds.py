@@ -12,8 +12,7 @@ from twistarm.control.servo import ServoState, TwistCommand, servo_step
 
 ARMS = ("ur5", "panda", "so101", "rover_arm", "rover_arm_6dof")
 STEPS = 250
-KEPT, TURNED = 5e-4, 5e-4
-"""How far what is held may be off [m, rad]."""
+KEPT, TURNED = 5e-4, 5e-4  # How far what is held may be off [m, rad].
 
 SPEED = {"position": 0.5, "orientation": 0.15, "mixed": 0.4}
 

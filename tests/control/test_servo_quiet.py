@@ -8,14 +8,11 @@ from benchmarks.servo import REVERSALS, STEADY, TURNING, case, held, judged, nam
 
 from twistarm.control.servo import ServoState, TwistCommand, servo_step
 
+# Twists of an arm: of every kind, from random starts, at limits, at stretched and at singular postures.
 QUICK, WHOLE = 8, 160
-"""Twists of an arm: of every kind, from random starts, at limits, at stretched and at singular postures."""
-
+# And whether accelerations are limited.
 ARMS = [("four_joints", True), ("scara", False), ("rover_arm", False), ("so101", True), ("ur5", False), ("panda", True)]
-"""And whether accelerations are limited."""
-
-LATER = 16.0
-"""Seconds: what still shakes then is a cycle, and not the end of a motion."""
+LATER = 16.0  # Seconds: what still shakes then is a cycle, and not the end of a motion.
 
 
 def check(name, accelerating, count, later=None):

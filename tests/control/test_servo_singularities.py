@@ -21,8 +21,8 @@ BENT = {
 }
 """Postures off any singularity."""
 
+# What these arms have at no posture, by their geometry: along or about which of the base's axes.
 LACKING = [("rr_planar", "move", 2), *((name, "turn", k) for name in ("rr_planar", "scara") for k in (0, 1))]
-"""What these arms have at no posture, by their geometry: along or about which of the base's axes."""
 
 
 def pushed(name, theta, twist, frame="base"):

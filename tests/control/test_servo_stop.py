@@ -11,17 +11,13 @@ from scipy.spatial.transform import Rotation
 from twistarm.control.servo import ServoSettings, ServoState, TwistCommand, servo_step
 
 ARMS = ("four_joints", "slide_and_pitches", "rover_arm", "ur5", "panda")
-TWISTS = (0, 5, 10, 15)
-"""Of an arm: each kind of twist, and each kind of start, once."""
+TWISTS = (0, 5, 10, 15)  # Of an arm: each kind of twist, and each kind of start, once.
 
 DT, SECONDS = 0.01, 8.0
 STOP = ServoSettings(on_unreachable="stop")
 
-OFF, TURNED = 1e-3, np.radians(0.5)
-"""What the tool may be beside its course [m, rad]."""
-
-AT = 0.01
-"""How far from its limit a joint may stand that is said to be at it [rad, m]."""
+OFF, TURNED = 1e-3, np.radians(0.5)  # What the tool may be beside its course [m, rad].
+AT = 0.01  # How far from its limit a joint may stand that is said to be at it [rad, m].
 
 
 def walk(arm, theta, twist, seconds):

@@ -14,8 +14,7 @@ from twistarm.control.servo import servo_step
 from twistarm.control.stream import Ending, Measured, Metronome, Reading
 from twistarm.support.errors import InputError
 
-BRAKING = 0.4 / 2.5
-"""Seconds from 0.4 rad/s to rest at the elbow's 2.5 rad/s²."""
+BRAKING = 0.4 / 2.5  # Seconds from 0.4 rad/s to rest at the elbow's 2.5 rad/s².
 
 EXACT = 1 + 1e-6
 
@@ -230,8 +229,7 @@ class Creeping(Robot):
         self.been = [*getattr(self, "been", []), (setpoint.time, self.theta)]
 
 
-WAIT = 0.3
-"""A feedback_timeout [s]."""
+WAIT = 0.3  # A feedback_timeout [s].
 
 
 @pytest.mark.parametrize("begin", [101.0, 103.0])

@@ -13,8 +13,7 @@ from twistarm import Arm, ArmBuilder, arm_from_screws, crosscheck, joints, load_
 from twistarm.theory.lower_pairs import lower_pairs
 from urdf_text import joint, robot, write
 
-TOL = 1e-12
-"""Some ten rigid motions within a few metres, in double precision."""
+TOL = 1e-12  # Some ten rigid motions within a few metres, in double precision.
 
 MIXED = (
     ("cylindrical", "spherical"),

@@ -25,8 +25,7 @@ DATA = Path(__file__).parents[1] / "data" / "mjcf"
 FILES = sorted(DATA.glob("*.xml"))
 RATES_ALIKE = [path for path in FILES if path.stem not in ("couplings", "overrides")]
 TOL = 1e-12
-UNNAMED = "body3_joint"
-"""What a joint of the body without a name is called in several_joints.xml."""
+UNNAMED = "body3_joint"  # What a joint of the body without a name is called in several_joints.xml.
 
 
 def file(name: str) -> str:

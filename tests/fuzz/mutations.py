@@ -29,11 +29,8 @@ KINDS: dict[str, tuple[tuple[str, int], ...]] = {
     ".xacro": (("structure", 4), ("numbers", 3), ("names", 2), ("encodings", 1), ("truncation", 2), ("markup", 1),
                ("xacro", 6)),
 }  # fmt: skip
-KINDS[".srdf"] = KINDS[".urdf"]
-"""Kinds of mutation by kind of file, each with how often it is drawn."""
-
-TABLES = (("tables", 6), ("encodings", 1), ("truncation", 3))
-"""The same for TOML and YAML."""
+KINDS[".srdf"] = KINDS[".urdf"]  # Kinds of mutation by kind of file, each with how often it is drawn.
+TABLES = (("tables", 6), ("encodings", 1), ("truncation", 3))  # The same for TOML and YAML.
 
 
 def mutate(data: bytes, file: PurePath, rng: Random) -> tuple[str, bytes]:

@@ -26,19 +26,14 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-LONGEST = 2000
-"""Characters of a message: more is no line that anybody reads."""
+LONGEST = 2000  # Characters of a message: more is no line that anybody reads.
 
 TOLERANCE = 1e-9
 
-STEP = 1e-4
-"""Of the difference quotient of the potential energy [rad or m]."""
-
+STEP = 1e-4  # Of the difference quotient of the potential energy [rad or m].
+# A follower that turns faster, or starts further off, leaves a difference quotient too few digits.
 WIDEST = 1e3
-"""A follower that turns faster, or starts further off, leaves a difference quotient too few digits."""
-
-UNBOUNDED = 1e9
-"""Bounds beyond this are read as none."""
+UNBOUNDED = 1e9  # Bounds beyond this are read as none.
 
 
 def judged(path: Path, arguments: Mapping[str, Any], packages: Mapping[str, Path]) -> dict[str, Any]:

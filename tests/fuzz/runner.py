@@ -22,8 +22,7 @@ from .mutations import mutate
 from .oracle import judged
 from .sources import Source
 
-LIMIT = 60
-"""Seconds on the clock for one mutant: others use the machine too."""
+LIMIT = 60  # Seconds on the clock for one mutant: others use the machine too.
 
 
 @dataclass(frozen=True)

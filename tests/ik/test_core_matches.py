@@ -24,8 +24,7 @@ def core() -> None:
     require_core(load("ur5"))
 
 
-SAME = 1e-6
-"""[rad, m]: roots that stand alone."""
+SAME = 1e-6  # [rad, m]: roots that stand alone.
 
 KNOWN = [
     (load, 12, "ur5", "pose"), (load, 12, "elbow", "position"), (load, 12, "stanford", "approach"),

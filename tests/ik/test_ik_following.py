@@ -16,8 +16,7 @@ from twistarm.ik import Position
 
 ARMS = ("panda", "so101", "kinova", "stanford")
 
-JUMP = 0.2
-"""A coordinate that moves by more [rad, m] for a step of a millimetre has jumped."""
+JUMP = 0.2  # A coordinate that moves by more [rad, m] for a step of a millimetre has jumped.
 
 STEPS = 60
 

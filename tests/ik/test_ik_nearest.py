@@ -15,11 +15,10 @@ from reference.optimality import residual
 from twistarm import load_arm
 from twistarm.ik import Position, StopReason, TolerancedPose, solve_ik
 
+# Residual of the optimality conditions, per rad or m; the solver stops at 1e-8 and stands 1e-11 m off its position.
 STATIONARY = 1e-7
-"""Residual of the optimality conditions, per rad or m; the solver stops at 1e-8 and stands 1e-11 m off its position."""
-
+# Factors (x and y, z) by which positions of random configurations are moved: some in reach, some out of it.
 STRETCH = ((0.9, 1.0), (0.5, 1.0), (1.0, 2.0))
-"""Factors (x and y, z) by which positions of random configurations are moved: some in reach, some out of it."""
 
 
 @pytest.fixture(autouse=True)

@@ -16,8 +16,7 @@ from twistarm.arm.arm_data import Coupling
 from twistarm.ik import Position, solve_ik
 from twistarm.ik.ranges import joint_ranges, periodic
 
-WRAP_TOL = 1e-12
-"""Rounding of an angle and a whole number of turns."""
+WRAP_TOL = 1e-12  # Rounding of an angle and a whole number of turns.
 
 # limits ---------------------------------------------------------------------------------------------------
 

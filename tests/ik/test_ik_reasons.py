@@ -20,8 +20,7 @@ from twistarm.cli.wording import words
 from twistarm.ik import Approach, Pose, Position, StopReason, TolerancedPose, solve_ik, solve_ik_batch
 from twistarm.ik.solution import split_rotation
 
-WRONG = 0.01
-"""The share of targets of a case and an arm that may be given another reason."""
+WRONG = 0.01  # The share of targets of a case and an arm that may be given another reason.
 
 FEW, BOXES = 3, 5
 
@@ -30,11 +29,8 @@ IDS = [f"{case.name}-{name}" for case, name in PAIRS]
 
 TIGHT = (1e-4, 1e-4, 1e-4, 1e-3, 1e-3, np.inf)
 
-LATE = 0.05
-"""How much later [s] than `max_time` an answer may come."""
-
-UNENDING = 10**6
-"""More searches than any deadline here leaves time for."""
+LATE = 0.05  # How much later [s] than `max_time` an answer may come.
+UNENDING = 10**6  # More searches than any deadline here leaves time for.
 
 
 @pytest.fixture(autouse=True)

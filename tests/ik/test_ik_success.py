@@ -24,8 +24,7 @@ from twistarm.ik.targets import as_target
 
 MEASURED = ("panda", "ur5", "kinova", "so101", "rover_arm", "rover_arm_6dof")
 
-ALONE = 50
-"""One in so many targets of a sweep is asked of `solve_ik` too."""
+ALONE = 50  # One in so many targets of a sweep is asked of `solve_ik` too.
 
 
 def sweep_at_once(arm, targets, rng):

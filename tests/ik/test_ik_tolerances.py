@@ -13,8 +13,7 @@ from ik_targets import KINDS, at_some_limits, errors, judged, pinocchio_fk, requ
 from twistarm import Approach, Pose, load_arm, solve_ik, solve_ik_all, solve_ik_batch
 from urdf_text import joint, robot, write
 
-HALF = 0.2
-"""How far [rad, m] from the start an answer is near."""
+HALF = 0.2  # How far [rad, m] from the start an answer is near.
 
 
 @pytest.fixture(autouse=True)
@@ -24,8 +23,8 @@ def _core():
 
 # rounded axes -----------------------------------------------------------------------------------------------------
 
+# A quarter turn as exports write it.
 QUARTER = {4: "1.5708", 5: "1.57080", 6: "1.570796", 16: "1.5707963267948966"}
-"""A quarter turn as exports write it."""
 
 
 def five_joints(digits):

@@ -14,8 +14,7 @@ from twistarm.arm.arm_data import Coupling
 from twistarm.ik.reached import CHUNK
 
 DOWN = [0.0, 0.0, -1.0]
-LENGTHS = 0.4, 0.3
-"""Of rr_planar's links [m]; nothing limits its joints."""
+LENGTHS = 0.4, 0.3  # Of rr_planar's links [m]; nothing limits its joints.
 
 
 def locked():

@@ -9,8 +9,8 @@ from family_arms import apart, assert_exact_and_different, pose_of, screws_of
 from twistarm import Pose, arm_from_screws, solve_ik_all_batch, solve_ik_batch
 from twistarm.ik.closed_form.methods import method_for
 
+# Of each family; every second one has axes along x, y and z, and offsets of whole steps, many of them 0.
 ARMS = 12
-"""Of each family; every second one has axes along x, y and z, and offsets of whole steps, many of them 0."""
 
 TARGETS = 10
 

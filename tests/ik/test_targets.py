@@ -18,14 +18,10 @@ from twistarm.ik.targets import as_target
 from twistarm.ik.task_space import excess_rows
 from twistarm.support.errors import InputError
 
+# SciPy's logarithm and arcsin near 0 and π lose half the digits of an angle in the worst of these cases.
 ERROR_TOL = 1e-9
-"""SciPy's logarithm and arcsin near 0 and π lose half the digits of an angle in the worst of these cases."""
-
-ROW_TOL = 1e-7
-"""Finite differences of sixth order with a step of 1e-3."""
-
-ANGLE_TOL = 1e-14
-"""A few roundings; the angle itself is at most π."""
+ROW_TOL = 1e-7  # Finite differences of sixth order with a step of 1e-3.
+ANGLE_TOL = 1e-14  # A few roundings; the angle itself is at most π.
 
 
 def random_pose(rng):

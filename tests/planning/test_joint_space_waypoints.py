@@ -140,12 +140,10 @@ def test_targets_are_waypoints_and_the_motion_stays_near():
 
 # -- position limits between waypoints ----------------------------------------------------------------------------
 
+# The shoulder comes to its limit 2.0 at speed: any smooth curve through these goes beyond.
 SWINGING = np.array([[0.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 1.95, 2.4], [0.0, -1.0, 0.0]])
-"""The shoulder comes to its limit 2.0 at speed: any smooth curve through these goes beyond."""
-
-
+# How many derivatives of a motion of each kind are continuous.
 ORDERS = {"cubic": 2, "quintic": 4, "s_curve": 2, "time_optimal": 1}
-"""How many derivatives of a motion of each kind are continuous."""
 
 
 def assert_inside_and_smooth(motion, points, kind):

@@ -15,8 +15,8 @@ from twistarm.planning import spline
 from twistarm.planning.piecewise import derivative, evaluate, extremes, shifted
 from twistarm.support.errors import MissingExtraError
 
+# Relative to distance over the shortest time to that power: the spline is solved for, and that loses digits.
 SMOOTH = 1e-8
-"""Relative to distance over the shortest time to that power: the spline is solved for, and that loses digits."""
 
 FITS = {
     # how many derivatives are continuous inside, and how many are zero at the ends
@@ -90,8 +90,7 @@ def test_without_scipy_the_command_that_installs_it_is_named(fit, monkeypatch):
         fit(np.zeros((3, 1)), np.arange(3.0))
 
 
-ROUNDING = 1e-12
-"""Relative: a dozen operations in double precision on values of one order."""
+ROUNDING = 1e-12  # Relative: a dozen operations in double precision on values of one order.
 
 
 @st.composite

@@ -8,8 +8,7 @@ from scipy.interpolate import PPoly
 from twistarm.planning import Samples, Trajectory
 from twistarm.support.errors import InputError
 
-ROUNDING = 1e-13
-"""Values of order 1 after a handful of operations."""
+ROUNDING = 1e-13  # Values of order 1 after a handful of operations.
 
 
 def motion(n=2):

@@ -10,8 +10,7 @@ from geometry_msgs.msg import TwistStamped
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
-SOON, LATEST = 10.0, 30.0
-"""Seconds to wait for what happens in a moment, and for a process to begin."""
+SOON, LATEST = 10.0, 30.0  # Seconds to wait for what happens in a moment, and for a process to begin.
 
 
 class Client:

@@ -22,8 +22,7 @@ from twistarm.viewer import Viewer
 from twistarm.viewer.parts.show import NO_DRIVE
 from viewer_page import WAIT, Page, until, visit
 
-SPEED = 0.05
-"""Of the twists that pages command here [m/s]."""
+SPEED = 0.05  # Of the twists that pages command here [m/s].
 
 
 @pytest.fixture(scope="module")

@@ -21,8 +21,7 @@ from viewer_page import LOOP, WAIT, Page, target
 
 RATE = 60
 
-LEAST = 0.8
-"""Share of the frames that arrive on a machine that others use too; the latest always does."""
+LEAST = 0.8  # Share of the frames that arrive on a machine that others use too; the latest always does.
 
 
 class Counter(Page):

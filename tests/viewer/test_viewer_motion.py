@@ -22,8 +22,8 @@ from twistarm.viewer.stage import Stage
 from viewer_page import Page
 
 ARM = ArmBuilder("one").revolute("a", [0, 0, 1], [0, 0, 0], lower=-3, upper=3).tool(np.eye(4)).build()
+# theta(t) = t until t = 2 s.
 LINE = Trajectory(ARM.joint_names, ARM.units, [[0.0], [2.0]], [0, 2], [0, 2], [[[1.0]], [[0.0]]])
-"""theta(t) = t until t = 2 s."""
 
 
 @pytest.fixture
@@ -103,8 +103,7 @@ def test_without_a_trajectory_there_is_nothing_to_play(kind: str, fields: dict[s
 
 # plots ------------------------------------------------------------------------------------------------
 
-ROUNDED = 0.5000001e-6
-"""Plots have six decimals."""
+ROUNDED = 0.5000001e-6  # Plots have six decimals.
 
 
 @pytest.mark.parametrize("kind", ["s_curve", "time_optimal"])

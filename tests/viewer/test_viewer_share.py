@@ -19,8 +19,7 @@ from twistarm.viewer.scene.drawing import link_path
 from twistarm.viewer.scene.kinematics import kinematics
 from viewer_page import THETA, Page, get, matrix, stored, swing
 
-ROUNDED = 1e-8
-"""Of joint values with nine decimals."""
+ROUNDED = 1e-8  # Of joint values with nine decimals.
 
 
 def downloaded(viewer: Viewer) -> Any:

@@ -25,8 +25,7 @@ ROVER = load_arm("rover_arm")
 SIX = load_arm("rover_arm_6dof")
 MOTION = plan_joint(ROVER, [ROVER.ready, 0.9 * ROVER.ready], limits={"velocity": 1, "acceleration": 2})
 
-MET = 2e-6
-"""The solver's tolerance [m, rad], and the rounding of forward kinematics."""
+MET = 2e-6  # The solver's tolerance [m, rad], and the rounding of forward kinematics.
 
 
 def xyzw(R: Any) -> list[float]:

@@ -61,8 +61,8 @@ ALLOWED = {
 }
 """The rooms, or files, that may import a library."""
 
+# Imported at the top of modules that are themselves imported late.
 AT_THE_TOP = {"typer", "rich", "tornado", "umsgpack"}
-"""Imported at the top of modules that are themselves imported late."""
 
 
 def room_of(file: Path) -> str:
@@ -201,8 +201,8 @@ HEADER_FLOORS = {"numeric": {"numeric"}, "kinematics": {"numeric", "kinematics"}
 HEADER_FLOORS["ik"] = {*HEADER_FLOORS["kinematics"], "ik"}
 HEADER_FLOORS["closed_form"] = {*HEADER_FLOORS["ik"], "closed_form"}
 HEADER_FLOORS["servo"] = {*HEADER_FLOORS["kinematics"], "servo"}
+# The rooms of the C++ core, and those that each of them includes.
 HEADER_FLOORS["planning"] = {*HEADER_FLOORS["kinematics"], "planning"}
-"""The rooms of the C++ core, and those that each of them includes."""
 
 
 def test_headers_include_one_way() -> None:

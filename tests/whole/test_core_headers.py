@@ -15,8 +15,8 @@ TESTS = Path(__file__).parents[2] / "core" / "tests"
 
 EVERY_SIZE = "1,2,3,4,5,6,7,8"
 
+# What compiles in seconds, and what the tests in Python do not see.
 QUICK = "lanes elementary ldl ranges singular_directions motion_limits"
-"""What compiles in seconds, and what the tests in Python do not see."""
 
 
 @pytest.fixture(scope="session")

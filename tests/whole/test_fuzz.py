@@ -13,8 +13,8 @@ from fuzz.sources import Source, catalogue_sources, own_sources, real_sources, s
 from twistarm import load_arm
 from urdf_text import two_joints, write
 
+# Mutants in `make test`, and in `make test-all` of what is at hand everywhere and of real models.
 QUICK, LONG, REAL = 80, 10_000, 3_000
-"""Mutants in `make test`, and in `make test-all` of what is at hand everywhere and of real models."""
 
 
 def run(sources: list[Source], count: int, folder: Path, workers: int) -> Campaign:

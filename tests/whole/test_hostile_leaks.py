@@ -15,8 +15,7 @@ from twistarm.cli.application import run
 from urdf_text import joint
 from xacro_text import MANIFEST, XMLNS, lay
 
-CANARY = "canarytown"
-"""The user, and every folder on the way to the arm."""
+CANARY = "canarytown"  # The user, and every folder on the way to the arm.
 
 MESHES = {
     "base_link": ("file://@HERE/meshes/absent.stl", "$(find arm)/meshes/absent.stl", "@HERE/meshes/broken.obj"),

@@ -19,8 +19,7 @@ from twistarm.checking.difference import golden_text
 from twistarm.cli.application import run
 from urdf_text import two_joints, write
 
-SECONDS, MEGABYTES = 20, 500
-"""Within these a hostile file is refused or loaded."""
+SECONDS, MEGABYTES = 20, 500  # Within these a hostile file is refused or loaded.
 
 SRDF = '<robot name="tiny"><group name="arm"><chain base_link="base_link" tip_link="tool0"/></group></robot>'
 TABLE = "a,b\n" + "0.1,0.2\n" * 3

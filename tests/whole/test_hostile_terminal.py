@@ -18,8 +18,7 @@ from twistarm.cli.output import print_json
 from twistarm.support.errors import printable
 from urdf_text import joint, robot, write
 
-FAKE = "FAKE"
-"""What a name would make a line of its own begin with."""
+FAKE = "FAKE"  # What a name would make a line of its own begin with.
 
 NAMES = {
     "clears the screen": "a\x1b[2Jb",

@@ -38,8 +38,8 @@ NOT_RUN = {
 }
 """Marks of blocks that are not run here, with the reason."""
 
+# Kinds of blocks that are looked at, not run, unless a mark makes a file of them or an output.
 FRAGMENTS = {"text", "toml", "xml", "cpp", "csv", "console"}
-"""Kinds of blocks that are looked at, not run, unless a mark makes a file of them or an output."""
 
 
 class Block(NamedTuple):
@@ -49,8 +49,8 @@ class Block(NamedTuple):
 
 
 FENCED = r"(?:^<!-- (?P<mark>[^>]+) -->\n)?^```(?P<kind>[^\n]*)\n(?P<text>.*?)^```$"
+# A table whose last column says it in twistarm: each of its cells is a program.
 COMPARED = r"^\|[^\n]*\| twistarm \|\n\|[-|]+\|\n(?P<rows>(?:\|[^\n]*\n)+)"
-"""A table whose last column says it in twistarm: each of its cells is a program."""
 
 
 def blocks(page: Path) -> list[Block]:
@@ -102,8 +102,8 @@ def not_set_up() -> set[str]:
     return {module for module, owners in packages_distributions().items() if absent & {o.lower() for o in owners}}
 
 
+# The language and its standard of a program that a page shows, by the kind of its block.
 STANDARDS = {"cpp": ("c++", "c++17"), "c": ("c", "c99")}
-"""The language and its standard of a program that a page shows, by the kind of its block."""
 
 
 def compiled(source: str, kind: str, said: str) -> None:

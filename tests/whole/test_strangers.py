@@ -21,8 +21,7 @@ from twistarm import diagnose, load_arm
 from twistarm.support.errors import DescriptionError
 from xacro_text import ARM, MANIFEST, XMLNS, as_xacro, lay
 
-TOKEN = "canary-4711"
-"""Of the secrets beside the package."""
+TOKEN = "canary-4711"  # Of the secrets beside the package.
 
 _events: list[str] = []
 _watched: list[str] = []

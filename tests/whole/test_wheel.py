@@ -19,8 +19,8 @@ from twistarm.arm import engine
 ROOT = Path(__file__).parents[2]
 
 
+# Folders of the checkout, and where they are in the package.
 FOLDERS = {"src/twistarm": "", "robots": "robots/", "core/include": "include/"}
-"""Folders of the checkout, and where they are in the package."""
 
 
 @pytest.fixture(scope="module", params=["pure", pytest.param("compiled", marks=pytest.mark.slow)])

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from copy import copy
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,8 +13,17 @@ from ..support.checks import Array
 from .bodies import Body
 from .pinocchio_model import PinocchioModel, import_pinocchio
 
-MANY = 150  # Bodies from which sorting them along the axes is quicker than all pairs of their boxes.
 TOLERANCE = 1e-9  # Of the distance between convex shapes [m].
+
+
+class _Own(NamedTuple):
+    """What a thread has for itself: data of the model and of the geometry, and a broad phase on one with few pairs."""
+
+    data: Any
+    geometry: Any
+    boxes: tuple[Any, Any]
+    manager: Any
+    callback: Any
 
 
 class Checker:
@@ -41,12 +50,13 @@ class Checker:
         both = ((k, *way) for k, (i, j) in enumerate(self.pairs) for way in ((i, j), (j, i)))
         found = ((k, i, j, self.bodies[i].solid, self.bodies[j].samples) for k, i, j in both)
         self._solids = [(k, i, j, solid, samples) for k, i, j, solid, samples in found if solid and solid.closed]
+        self._kept = [any(self.bodies[i].solid for i in pair) for pair in self.pairs]
         self._local = threading.local()
 
     def with_margins(self, margins: Sequence[float]) -> Checker:
         """The same bodies and pairs with other margins [m]. Those of kept triangles are not negative: Coal has none."""
         other = copy(self)
-        least = (0.0 if any(self.bodies[i].solid for i in pair) else -np.inf for pair in self.pairs)
+        least = (0.0 if kept else -np.inf for kept in self._kept)
         other.margins, other._local = tuple(map(max, margins, least)), threading.local()
         return other
 
@@ -54,39 +64,38 @@ class Checker:
         """Whether some pair overlaps or comes nearer than its margin at q (nq,)."""
         if not self.pairs:
             return False
-        data, geometry, manager = self._own()
-        hit: bool = self._pin.computeCollisions(self._model.model, data, manager, q, True)
-        return hit or any(True for _ in self.enclosed(geometry))
+        own, pin = self._own(), self._pin
+        # One call for all three takes half as long again: Boost tries its other signatures first.
+        pin.updateGeometryPlacements(self._model.model, own.data, self._geometry, own.geometry, q)
+        pin.updateGeometryPlacements(self._model.model, own.data, own.boxes[0], own.boxes[1])
+        own.manager.update()
+        hit: bool = own.manager.collide(own.callback)
+        return hit or (bool(self._solids) and any(True for _ in self.enclosed(own.geometry)))
 
     def batch(self, Q: Array, threads: int) -> Array:
         """`collides` of each row of Q (N, nq), on this many threads: (N,) of bool."""
-        if not self.pairs:
-            return np.zeros(len(Q), dtype=bool)
-        pool = self._pool(threads)
-        found = self._pin.computeCollisionsInParallel(threads, pool, np.asfortranarray(Q.T), True)
-        hit = np.asarray(found, dtype=bool)
+        if threads == 1 or not self.pairs:
+            return np.array([self.collides(q) for q in Q], dtype=bool)
+        columns = np.asfortranarray(Q.T)
+        found = [self._pin.computeCollisionsInParallel(threads, pool, columns, True) for pool in self._pools(threads)]
+        hit = np.any(np.array(found, dtype=bool), axis=0)
         return np.array([each or self.collides(q) for each, q in zip(hit, Q, strict=True)]) if self._solids else hit
 
     def overlapping(self, q: Array) -> list[int]:
         """The indices of the pairs that overlap or come nearer than their margin at q (nq,)."""
-        data, geometry, _ = self._own()
+        data, geometry, *_ = self._own()
         self._pin.computeCollisions(self._model.model, data, self._geometry, geometry, q, False)
         hit = {k for k, result in enumerate(geometry.collisionResults) if result.isCollision()}
         return sorted(hit.union(self.enclosed(geometry)))
 
     def distances(self, q: Array) -> Array:
         """The distance [m] of each pair at q (nq,), negative by the depth of an overlap."""
-        data, geometry, _ = self._own()
+        data, geometry, *_ = self._own()
         self._pin.computeDistances(self._model.model, data, self._geometry, geometry, q)
         metres = np.array([result.min_distance for result in geometry.distanceResults])
         inside = [*self.enclosed(geometry)]
         metres[inside] = -np.abs(metres[inside])
         return metres
-
-    def points(self, k: int) -> Array:
-        """The nearest points (2, 3) of pair k in Pinocchio's world, after `distances` in the same thread."""
-        result = self._own()[1].distanceResults[k]
-        return np.array([result.getNearestPoint1(), result.getNearestPoint2()])
 
     def enclosed(self, geometry: Any, pairs: Container[int] | None = None) -> Iterator[int]:
         """Yield those of `pairs`, by default all, of which a body is inside the closed mesh of the other one.
@@ -99,43 +108,70 @@ class Checker:
                 if solid.contains(samples @ relative[:3, :3].T + relative[:3, 3]):
                     yield k
 
-    def _own(self) -> tuple[Any, Any, Any]:
-        """The thread's data of the model, of the geometry, and the broadphase manager."""
-        own: tuple[Any, Any, Any] | None = getattr(self._local, "own", None)
+    def _own(self) -> _Own:
+        own: _Own | None = getattr(self._local, "own", None)
         if own is None:
             geometry = self._geometry.createData()
-            self._ask(geometry)
-            kind = "Naive" if len(self.bodies) < MANY else "SSaP"
-            manager = getattr(self._pin, f"BroadPhaseManager_{kind}CollisionManager")(
-                self._model.model, self._geometry, geometry
-            )
-            own = self._local.own = (self._model.data, geometry, manager)
+            self._ask(geometry, range(len(self.pairs)))
+            # The manager widens each box by the largest margin of its pairs, and reads all of them at each update. One
+            # pair of each body is enough.
+            widest: dict[int, int] = {}
+            for k in sorted(range(len(self.pairs)), key=self.margins.__getitem__):
+                first, second = self.pairs[k]
+                widest[first] = widest[second] = k
+            few = sorted({*widest.values()})
+            model = self._with_pairs(few)
+            data = model.createData()
+            self._ask(data, few)
+            manager = self._pin.BroadPhaseManager_SSaPCollisionManager(self._model.model, model, data)
+            callback = self._pin.CollisionCallBackDefault(self._geometry, geometry, True)
+            own = self._local.own = _Own(self._model.data, geometry, (model, data), manager, callback)
         return own
 
-    def _pool(self, threads: int) -> Any:
-        """The data of a batch on this many threads."""
-        if getattr(self._local, "threads", 0) != threads:
-            # Pools of broadphase managers do not widen half-spaces by a margin.
-            self._local.pool = self._pin.GeometryPool(self._model.model, self._geometry, threads)
-            self._local.threads = threads
-            for data in self._local.pool.getGeometryDatas():
-                self._ask(data)
-        return self._local.pool
+    def _with_pairs(self, pairs: Iterable[int]) -> Any:
+        """The geometry with these of the pairs."""
+        model = self._pin.GeometryModel()
+        for each in self._geometry.geometryObjects:
+            model.addGeometryObject(each)
+        for k in pairs:
+            model.addCollisionPair(self._pin.CollisionPair(*self.pairs[k]))
+        return model
 
-    def _ask(self, geometry: Any) -> None:
-        """Set margins and accuracy, by new requests: GJK starts from the centres of the shapes.
+    def _pools(self, threads: int) -> list[Any]:
+        """The data of a batch on this many threads: one with a broad phase, and one for pairs with a plane.
+
+        The broad phase does not widen half-spaces by a margin.
+        """
+        if getattr(self._local, "threads", 0) != threads:
+            flat = [k for k, pair in enumerate(self.pairs) if any(self.bodies[i].kind == "plane" for i in pair)]
+            rest = sorted({*range(len(self.pairs))}.difference(flat))
+            model = self._with_pairs(rest)
+            for each, body in zip(model.geometryObjects, self.bodies, strict=True):
+                each.disableCollision = body.kind == "plane"
+            pools = [self._pin.BroadPhaseManagerPool_DynamicAABBTreeCollisionManager(self._model.model, model, threads)]
+            if flat:
+                pools.append(self._pin.GeometryPool(self._model.model, self._with_pairs(flat), threads))
+            for pool, pairs in zip(pools, (rest, flat), strict=False):
+                for data in pool.getGeometryDatas():
+                    self._ask(data, pairs)
+            self._local.pools, self._local.threads = pools, threads
+        return self._local.pools
+
+    def _ask(self, geometry: Any, pairs: Iterable[int]) -> None:
+        """Set margins and accuracy of these pairs, by new requests: GJK starts from the centres of the shapes.
 
         Pinocchio's requests start it from the pair's previous direction. It then misses one deep overlap of cylinders
         in 10,000, and the answer depends on the questions before. The usual tolerance reports gaps of 1e-7 m.
         """
-        coal = self._pin.coal
-        collision, distance = coal.CollisionRequest(), coal.DistanceRequest()
-        guesses = coal.GJKInitialGuess.BoundingVolumeGuess, coal.GJKInitialGuess.DefaultGuess
-        collision.distance_upper_bound = 0.0
+        coal, requests = self._pin.coal, []
+        # A kept triangle has no centre to start from.
+        for guess in (coal.GJKInitialGuess.BoundingVolumeGuess, coal.GJKInitialGuess.DefaultGuess):
+            requests.append((coal.CollisionRequest(), coal.DistanceRequest()))
+            for request in requests[-1]:
+                request.gjk_tolerance, request.gjk_initial_guess = TOLERANCE, guess
+            requests[-1][0].distance_upper_bound = 0.0
         collisions, distances = geometry.collisionRequests, geometry.distanceRequests
-        for k, (margin, pair) in enumerate(zip(self.margins, self.pairs, strict=True)):
-            kept = any(self.bodies[i].solid for i in pair)  # a triangle of a mesh has no centre to start from
-            for request in (collision, distance):
-                request.gjk_tolerance, request.gjk_initial_guess = TOLERANCE, guesses[kept]
-            collision.security_margin = margin
+        for k, pair in enumerate(pairs):
+            collision, distance = requests[self._kept[pair]]
+            collision.security_margin = self.margins[pair]
             collisions[k], distances[k] = collision, distance  # copies

@@ -50,6 +50,7 @@ class PinocchioModel:
         self._index = {str(name): int(self.model.idx_qs[j]) for j, name in enumerate(self.model.names) if j > 0}
         self._A, self._b = coupling_matrix(self._couplings, list(self._index), self._coordinates)
         self._shifted = bool(self._b.any())
+        self._same = not self._shifted and np.array_equal(self._A, np.eye(len(coordinates)))
         # What moves above the base carries base and tip alike: only the chain's joints move one against the other.
         self._A_chain = self._A * np.isin(np.arange(self.model.nq), [self._index[name] for name in chain])[:, None]
         body = self._pin.FrameType.BODY
@@ -73,12 +74,30 @@ class PinocchioModel:
 
     def q(self, theta: Array, other_joints: Mapping[str, float] | None = None) -> Array:
         """Pinocchio's configuration (nq,) for theta (n,) and joints outside the chain."""
+        if self._same and not other_joints:
+            return np.array(theta, dtype=np.float64)
         q: Array = self._A.dot(theta) + self._b if self._shifted else self._A.dot(theta)
         for name, value in (other_joints or {}).items():
             for joint, affine in self._couplings.items():
                 if affine.master == name:
                     q[self._index[joint]] = affine.multiplier * value + affine.offset
         return q
+
+    def joint_frames(self, q: Array) -> Array:
+        """Position and rotation [p R] of each joint in the world at q (nq,), side by side: (3, 4 (njoints − 1)).
+
+        They are the static regressor of a robot of mass 1. To read Pinocchio's poses one by one takes longer than the
+        kinematics.
+        """
+        frames: Array = self._pin.computeStaticRegressor(self._of_mass_one, self.data, q)
+        return frames
+
+    @functools.cached_property
+    def _of_mass_one(self) -> Any:
+        model = self.model.copy()
+        for j in range(model.njoints):
+            model.inertias[j] = self._pin.Inertia(float(j == 1), np.zeros(3), np.zeros((3, 3)))
+        return model
 
     def link_poses(self, configurations: Sequence[Array], base: str, links: Iterable[str]) -> dict[str, Array]:
         """Pose (N, 4, 4) of links in the frame of `base`, at N configurations q (nq,)."""

@@ -19,14 +19,9 @@ from ..description.tree import Description
 from ..limits.joint_limits import slides
 from ..support.checks import Array
 
-SAMPLES = 10_000
-"""Random configurations of the whole robot."""
-
-TRIALS, ALWAYS = 200, 0.95
-"""Samples that look for pairs in constant collision, and the share of them that is constant."""
-
-UNLIMITED = {True: 1.0, False: np.pi}
-"""Half the range of a joint without limits: a slide [m], a turn [rad]."""
+SAMPLES = 10_000  # Random configurations of the whole robot.
+TRIALS, ALWAYS = 200, 0.95  # Samples that look for pairs in constant collision, and the share of them that is constant.
+UNLIMITED = {True: 1.0, False: np.pi}  # Half the range of a joint without limits: a slide [m], a turn [rad].
 
 
 def allowed_pairs(

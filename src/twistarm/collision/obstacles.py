@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -21,14 +22,13 @@ from ..support.files import as_path
 Placed = tuple[Mapping[str, Body], Mapping[str, frozenset[str]]]
 """Obstacles by name, and what those that a link holds may touch."""
 
+DOUBLE = np.dtype(np.float64)
+
+# How many numbers the size of an obstacle has.
 NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh": 3}
-"""How many numbers the size of an obstacle has."""
-
-LARGEST = 100.0
-"""The largest size of an obstacle [m]; a larger one is in millimetres, or a plane."""
-
+LARGEST = 100.0  # The largest size of an obstacle [m]; a larger one is in millimetres, or a plane.
+# The most obstacles. The time to make a checker grows with the cube of their number: 2,000 take 1 s.
 MOST_OBSTACLES = 2000
-"""The most obstacles. The time to make a checker grows with the cube of their number: 2,000 take 1 s."""
 
 
 class Obstacles:
@@ -39,6 +39,7 @@ class Obstacles:
         if description is None:
             raise InputError(f"{arm.name} has no description, so no shapes: load it from its URDF or xacro file")
         self.arm = arm
+        self._shape = (arm.n,)
         self._description, self._model = description, arm.pinocchio
         self.exact = as_flag(exact, "exact")
         self._obstacles: dict[str, Body] = {}
@@ -263,10 +264,18 @@ class Obstacles:
 
     def _one(self, theta: ArrayLike) -> Array:
         """One configuration (n,), from numbers or a name."""
-        x = self.arm.theta_from(theta)
+        x = self._plain(theta)
+        if x is None:
+            x = self.arm.theta_from(theta)
         if x.ndim != 1:
             raise InputError(f"theta must be one configuration ({self.arm.n},); got {x.shape}")
         return x
+
+    def _plain(self, theta: Any) -> Array | None:
+        """Theta if it is one array (n,) that is plainly right, because the checks take longer than the collisions."""
+        if type(theta) is np.ndarray and theta.dtype is DOUBLE and theta.shape == self._shape:
+            return theta if isfinite(theta.dot(theta)) else None
+        return None
 
     def _relative(self, theta: ArrayLike, frame: str, link: str) -> Array:
         return self._model.link_poses([self._model.q(self._one(theta))], frame, [link])[link][0]

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Mapping
 from copy import copy
 from dataclasses import replace
 from itertools import combinations
-from math import isfinite
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -25,15 +24,15 @@ from ..support.errors import InputError, TwistarmError, listed
 from ..support.files import as_path, writable, write_whole
 from .allowed_pairs import allowed_pairs
 from .answers import Collision, Contact, Distance
+from .near_pairs import NearPairs
 from .obstacles import Obstacles
 from .obstacles import Placed as Placed
 from .scene_file import Entry, SceneFile, read_scene, scene_text
-from .swept import FINE, NearPairs, Sweep, pair_speeds, shifted
+from .swept import FINE, Sweep, pair_speeds, shifted
 
 T = TypeVar("T")
 
-NEARLY = 1e-3, 0.05
-"""How much less than the clearance found a motion may have: so much [m], or this part of it."""
+NEARLY = 1e-3, 0.05  # How much less than the clearance found a motion may have: so much [m], or this part of it.
 
 
 class Scene(Obstacles):
@@ -70,7 +69,6 @@ class Scene(Obstacles):
             InputError: The arm has no description, or a margin is negative.
         """
         super().__init__(arm, exact)
-        self._shape = (arm.n,)
         if isinstance(margin, Mapping):
             given = require_mapping(margin, "margin", '{"forearm": 0.02}')
             margin = {name: as_number(value, f"margin[{name!r}]", 0.0) for name, value in given.items()}
@@ -246,26 +244,22 @@ class Scene(Obstacles):
             theta: Configurations (..., n) [rad, m].
             threads: How many threads share a batch.
         """
-        # One array that is plainly right skips the checks, which take longer than the collisions.
-        plain = type(theta) is np.ndarray and theta.dtype == np.float64 and theta.shape == self._shape
-        if plain and isfinite(theta.dot(theta)):  # type: ignore[union-attr]
-            return self._checker.collides(self._model.q(theta))  # type: ignore[arg-type]
-        x = self.arm.theta_from(theta)
+        x = self._plain(theta)
+        if x is None:
+            x = self.arm.theta_from(theta)
         if x.ndim == 1:
             return self._checker.collides(self._model.q(x))
-        Q = np.array([self._model.q(row) for row in x.reshape(-1, self.arm.n)]).reshape(-1, self._model.model.nq)
+        Q = x.reshape(-1, self.arm.n) @ self._model.dq_dtheta.T + self._model.q(np.zeros(self.arm.n))
         return self._checker.batch(Q, as_whole(threads, "threads", 1, 256)).reshape(x.shape[:-1])
 
     def distance(self, theta: ArrayLike) -> Distance:
         """The nearest pair at theta (n,), margins not counted."""
-        x = self._one(theta)
-        checker = self._checker
-        metres = checker.distances(self._model.q(x))
-        if not len(metres):
+        x, near = self._one(theta), self.near_pairs
+        if not near.pairs:
             return Distance(np.inf, (), np.empty((0, 3)))
-        k = int(metres.argmin())
-        points = (checker.points(k) - self._base(x)[:3, 3]) @ self._base(x)[:3, :3]
-        return Distance(float(metres[k]), _names(checker, k), points)
+        k, metres, points = near.nearest(x)
+        base = self._base(x)
+        return Distance(metres, _names(near, k), (points - base[:3, 3]) @ base[:3, :3])
 
     def contacts(self, theta: ArrayLike) -> tuple[Contact, ...]:
         """The pairs that collide at theta (n,), the deepest first."""
@@ -311,11 +305,14 @@ class Scene(Obstacles):
         while waiting:
             begin, piece, middle, half, pairs = waiting.popleft()
             about = shifted(piece[:, None], np.array([middle]))[:, 0]
+            moved = np.float_power(half, np.arange(len(piece) - 1, 0, -1)) @ np.abs(about[:-1])
+            low, lost = near.bounds(about[-1], moved)[pairs], near.speeds[pairs] @ moved
+            counts = low < best + np.maximum(lost - NEARLY[0], 0.0)
+            pairs, lost = pairs[counts], lost[counts]
             metres = np.array(near.distances_of(about[-1], pairs))
             if metres.min(initial=np.inf) < best:
                 best, time, theta = metres.min(), begin + middle, about[-1]
-            moved = np.float_power(half, np.arange(len(piece) - 1, 0, -1)) @ np.abs(about[:-1])
-            pairs = pairs[metres - near.speeds[pairs] @ moved < best - max(NEARLY[0], NEARLY[1] * best)]
+            pairs = pairs[metres - lost < best - max(NEARLY[0], NEARLY[1] * best)]
             if len(pairs):
                 waiting += [(begin, piece, middle + side, 0.5 * half, pairs) for side in (-0.5 * half, 0.5 * half)]
         return replace(self.distance(theta), time=time)
@@ -420,8 +417,13 @@ class Scene(Obstacles):
 
     def _base(self, theta: Array) -> Array:
         """The base's pose (4, 4) in Pinocchio's world."""
-        base = self.arm.base
-        return self._model.link_poses([self._model.q(theta)], self._description.root, [base])[base][0]
+
+        def there() -> Array:
+            base = self.arm.base
+            return self._model.link_poses([self._model.q(theta)], self._description.root, [base])[base][0]
+
+        moved = self._kept("moved", lambda: bool(self._joint_of(self.arm.base)))
+        return there() if moved else self._kept("base", there)
 
     @property
     def _checker(self) -> Checker:

@@ -31,6 +31,7 @@ from .within import inside_from
 
 if TYPE_CHECKING:
     from ..collision import Scene
+    from .free_moves import Hit
 
 MotionKind = Literal["s_curve", "time_optimal", "quintic"]
 LAWS: dict[str, Callable[[JointPath, PathBounds], TimeLaw]] = {
@@ -117,21 +118,23 @@ def plan(
     around, free_path = _obstacles(arm, moves, origin, scene, {"limits": bounds, **how})
     tell = progress or (lambda _: None)
     goals = Goals(ranged, bounds, as_flag(unwrap, "unwrap"))
-    parts, said = _route(
-        Router(ranged, moves, goals, lambda done: tell(0.9 * done / len(moves)), around, free_path), inside
-    )
-    notes = (*notes, *back, *said)
-    if back:
-        parts.insert(0, PathPart(0, JointMove(inside), inside, JointPath.straight(origin, inside), last=False))
-    else:
-        origin = inside
-    motion = _in_time(ranged, origin, parts, bounds, kind, notes)
-    if around is not None:
-        sharp = [part if part.last else replace(part, blend=0.0) for part in parts]
-        again = partial(_in_time, ranged, origin, sharp, bounds, kind, notes)
-        motion = _free(around, motion, again, moves)
-        if scene is not None and around is not scene and (contacts := scene.contacts(motion.waypoints[-1])):
-            raise PathError(f"the motion ends in collision, as it began: {contacts[0]}", reason="collision")
+
+    def planned(proven: bool) -> tuple[Trajectory, Hit | None]:
+        path = None if free_path is None else partial(free_path, proven=proven)
+        router = Router(ranged, moves, goals, lambda done: tell(0.9 * done / len(moves)), around, path)
+        parts, said = _route(router, inside)
+        if back:
+            parts.insert(0, PathPart(0, JointMove(inside), inside, JointPath.straight(origin, inside), last=False))
+        first, told = origin if back else inside, (*notes, *back, *said)
+
+        def timed(parts: list[PathPart]) -> Trajectory:
+            return _in_time(ranged, first, parts, bounds, kind, told)
+
+        return (timed(parts), None) if around is None else _checked(around, timed, parts, moves)
+
+    motion = _free(planned, moves)
+    if scene is not None and around is not scene and (contacts := scene.contacts(motion.waypoints[-1])):
+        raise PathError(f"the motion ends in collision, as it began: {contacts[0]}", reason="collision")
     tell(1.0)
     return motion
 
@@ -151,7 +154,7 @@ def _route(router: Router, origin: Array) -> tuple[list[PathPart], list[str]]:
 
 def _obstacles(
     arm: Arm, moves: list[Segment], origin: Array, scene: Scene | None, how: Mapping[str, Any]
-) -> tuple[Scene | None, Callable[[Array, Array], Array] | None]:
+) -> tuple[Scene | None, Callable[..., Array] | None]:
     """Return the scene and the search for paths in it. A start in collision may be left: its pairs come no nearer."""
     if scene is None:
         if any(isinstance(move, FreeMove) for move in moves):
@@ -165,20 +168,31 @@ def _obstacles(
     return around, partial(free_path, around, **how)
 
 
-def _free(around: Scene, motion: Trajectory, sharp: Callable[[], Trajectory], moves: list[Segment]) -> Trajectory:
-    """Return a motion that is proven free: the given one, or the one with sharp corners on the ways of free moves."""
-    from .free_moves import first_collision
-
-    hit = first_collision(around, motion)
-    if hit is not None and any(isinstance(move, FreeMove) for move in moves):
-        motion = sharp()
-        hit = first_collision(around, motion)
+def _free(planned: Callable[[bool], tuple[Trajectory, Hit | None]], moves: list[Segment]) -> Trajectory:
+    """Return the planned motion, which is free. The paths of free moves are proven only if that of the motion fails."""
+    motion, hit = planned(False)
+    if hit is not None and isinstance(moves[hit.leg], FreeMove):
+        motion, hit = planned(True)
     if hit is not None:
         raise PathError(
             f"{hit}; let a free move go round, or choose another goal", theta=hit.theta, reason="collision",
             segment=hit.leg, place=place(hit.leg, moves[hit.leg]),
         )  # fmt: skip
     return motion
+
+
+def _checked(
+    around: Scene, timed: Callable[[list[PathPart]], Trajectory], parts: list[PathPart], moves: list[Segment]
+) -> tuple[Trajectory, Hit | None]:
+    """The motion along the parts, or the one with sharp corners on the ways of free moves, and its first collision."""
+    from .free_moves import first_collision
+
+    motion = timed(parts)
+    hit = first_collision(around, motion)
+    if hit is not None and any(isinstance(move, FreeMove) for move in moves):
+        motion = timed([part if part.last else replace(part, blend=0.0) for part in parts])
+        hit = first_collision(around, motion)
+    return motion, hit
 
 
 def _in_time(
@@ -217,10 +231,9 @@ def _timed(
         return Motion(np.array([stay]), np.array([0.0, stay]), theta[None, None])
     path, ends, ceiling = path_along(arm, run[i:j], corners[i : j - 1], limits)
     bounds = PathBounds(limits, arm.actuators, ceiling)
-    # A double-S for each joint would leave the straight line along which the free move was proven.
-    straight = isinstance(segment, FreeMove)
-    if kind == "s_curve" and ceiling is None and not straight and path.coefficients.shape[:2] == (2, 1):
-        breakpoints, coefficients = double_s(path.start, path.end, bounds)
+    if kind == "s_curve" and ceiling is None and path.coefficients.shape[:2] == (2, 1):
+        # A double-S for each joint would leave the straight line along which the free move was proven.
+        breakpoints, coefficients = double_s(path.start, path.end, bounds, straight=isinstance(segment, FreeMove))
         return Motion(breakpoints[-1:], breakpoints, coefficients)
     law = LAWS[kind](path, bounds)
     return Motion(law.passes(ends), *law.along(path))

@@ -11,10 +11,12 @@ from .piecewise import Indices, JointPath, bernstein, bisected, derivative, eval
 from .time_law import PathBounds, TimeLaw, distinct_instants
 from .time_optimal import LimitedPath, first_grid, on_grid
 
-# Window widths to try, as multiples of the rise time of the slowest rate to its acceleration limit.
-WINDOWS = (1.0, 2.0, 2.8)
+# Window widths to try, as multiples of the rise time of the slowest rate to its acceleration limit. The first is the
+# best of most paths.
+WINDOWS = (2.0, 1.0, 2.8)
 # Greatest number of laws for each width; so many in a row that are not shorter by this share end it.
 ROUNDS, PATIENCE, GAIN = 8, 4, 5e-3
+FAR = 1.2  # A width is left when its law takes longer than the shortest by this factor, or is behind and gains nothing.
 # Laws along so many pieces take long, and change little from one to the next: the first without a gain ends it.
 MANY_PIECES = 900
 # A ceiling is divided by this power of the piece's need of slowing, which counts within these bounds.
@@ -56,7 +58,8 @@ def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
                 best, shortest = (fastest, window), duration
             vain = 0 if duration < least * (1.0 - GAIN) else vain + 1
             least = min(least, duration)
-            if vain == (PATIENCE if len(piece) < MANY_PIECES else 1):
+            patience = PATIENCE if least <= shortest and len(piece) < MANY_PIECES else 1
+            if vain >= patience or duration > FAR * shortest:
                 break
             reached = np.where(speed > 0.0, HEADROOM * speed, np.inf)  # a law may pass a tiny piece between samples
             ceiling = np.minimum(ceiling, reached) / np.clip(factor, LEAST, MOST) ** POWER
@@ -173,18 +176,18 @@ def _reached(average: _Average, places: Array) -> Array:
     return times[index] + late
 
 
-def double_s(start: Array, goal: Array, bounds: PathBounds) -> tuple[Array, Array]:
+def double_s(start: Array, goal: Array, bounds: PathBounds, straight: bool = False) -> tuple[Array, Array]:
     """Breakpoints (k + 1,) [s] and coefficients (4, k, n) of a rest-to-rest motion from `start` to `goal` (n,).
 
     Each joint has seven phases of constant jerk, or fewer on a short way. All are slowed to the slowest joint's time.
-    Where one motor drives several joints, all joints share one profile along the straight line. A joint without a jerk
-    limit reaches its acceleration limit in 0.1 s. A motion to its start takes no time. Source: Biagiotti & Melchiorri,
-    Trajectory Planning for Automatic Machines and Robots, §3.4.
+    With `straight`, or where one motor drives several joints, all joints share one profile along the straight line. A
+    joint without a jerk limit reaches its acceleration limit in 0.1 s. A motion to its start takes no time. Source:
+    Biagiotti & Melchiorri, Trajectory Planning for Automatic Machines and Robots, §3.4.
     """
     way = goal - start
     if not way.any():
         return np.zeros(2), np.concatenate([np.zeros((3, 1, len(start))), start[None, None]])
-    d, limits, direction = _profiled(way, bounds)
+    d, limits, direction = _profiled(way, bounds, straight)
     breakpoints, coefficients = _profiles(d, *_phases(d, *limits))
     coefficients = coefficients * direction
     coefficients[-1] += start
@@ -199,12 +202,14 @@ def double_s_durations(ways: Array, bounds: PathBounds) -> Array:
     return durations
 
 
-def _profiled(way: Array, bounds: PathBounds) -> tuple[Array, tuple[Array, Array, Array], Array]:
+def _profiled(
+    way: Array, bounds: PathBounds, straight: bool = False
+) -> tuple[Array, tuple[Array, Array, Array], Array]:
     """Lengths d (..., p) of the p profiles along ways (..., n), limits of their rates, and the way per unit of d."""
     limits = bounds.velocity, bounds.acceleration, bounds.jerk
     rows = np.abs(bounds.C)
     with np.errstate(divide="ignore"):
-        if (np.count_nonzero(rows, axis=1) > 1).any():
+        if straight or (np.count_nonzero(rows, axis=1) > 1).any():
             share = np.abs(way @ bounds.C.T)
             V, A, J = ((limit / share).min(axis=-1, keepdims=True) for limit in limits)
             return np.ones_like(V), (V, A, J), way

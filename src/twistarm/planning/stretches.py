@@ -12,7 +12,7 @@ from ..arm.arm import Arm
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from .following import efforts
-from .piecewise import JointPath, bisected, derivative, extremes, rescaled, shifted, side_by_side, through
+from .piecewise import JointPath, bernstein, derivative, extremes, rescaled, shifted, side_by_side, through
 from .route import PathPart
 from .segments import Move
 from .within import POSITION_TOL, farthest_outside
@@ -20,11 +20,8 @@ from .within import POSITION_TOL, farthest_outside
 BEND_PIECES = 8  # Pieces of a rounded corner. Each has a speed limit.
 STRAIGHT_PIECES = 32  # Pieces of a straight joint path where the tool's speed is limited.
 SPEED_SAMPLES = 64  # Intervals in each piece of a path, to find the tool's greatest speed.
-# Samples of the tool along a path, to find where it leaves the ball. Bisection refines the crossing.
-SAMPLES = 256
-
-BISECTIONS = 40
-
+SAMPLES = 256  # Samples of the tool along a path, to find where it leaves the ball.
+REFINED = 3  # How often the interval of the crossing is sampled again, to 2⁻³² of the path.
 ROUNDING = 1e-12  # A piece shorter than this part of its path is rounding.
 ROOM = 0.9  # Greatest share of a path that rounded corners take together.
 # Where the tool moves by less [m], it only turns: a rounded corner would skip its orientation there.
@@ -152,22 +149,29 @@ def _rounded(
         t = np.array([0.0, before.length - begins + ends])
         states = (np.stack([before(begins, order), after(ends, order)]) for order in range(3))
         bend = JointPath(t, through(t, *states))
-        _, beyond, _ = farthest_outside(extremes(bend.coefficients, t[1:])[1], limits)
-        inside = beyond <= POSITION_TOL
+        # The Bernstein coefficients bound the bend at once. Near a limit its extremes decide.
+        bounds = (of(bend.coefficients, t[1:]) for of in (bernstein, _extreme_values))
+        inside = any(farthest_outside(values, limits)[1] <= POSITION_TOL for values in bounds)
         if inside and _distance(arm, bend, np.linspace(0.0, bend.length, SAMPLES), centre).max() <= radius:
             return Corner(begins, bend, ends)
     return None
 
 
+def _extreme_values(coefficients: Array, durations: Array) -> Array:
+    return extremes(coefficients, durations)[1]
+
+
 def _leaves_ball(arm: Arm, path: JointPath, radius: float, begin: float, end: float) -> float:
     """Where the tool first leaves the ball about its place at `begin` on the way to `end`; else `end`."""
     centre = arm.fk(path(begin))[:3, 3]
-    s = np.linspace(begin, end, SAMPLES)
-    outside = _distance(arm, path, s, centre) > radius
-    if not outside.any():
-        return end
-    first = int(outside.argmax())
-    return float(bisected(lambda at: _distance(arm, path, at, centre) <= radius, s[first - 1], s[first], BISECTIONS)[0])
+    for _ in range(1 + REFINED):
+        s = np.linspace(begin, end, SAMPLES)
+        outside = _distance(arm, path, s, centre) > radius
+        if not outside.any():
+            break
+        first = max(int(outside.argmax()), 1)
+        begin, end = float(s[first - 1]), float(s[first])
+    return begin if outside.any() else end
 
 
 def _distance(arm: Arm, path: JointPath, s: Array, centre: Array) -> Array:

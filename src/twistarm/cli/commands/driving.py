@@ -21,7 +21,7 @@ from ...control.servo.settings import ON_UNREACHABLE, SLIDE
 from ...control.stream.cycles import checked_rate
 from ...control.stream.following import START_TOLERANCE, TRACKING_TOLERANCE
 from ...control.stream.motion_clock import motion_of
-from ...control.stream.protocols import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, TOLERANCE
+from ...control.stream.protocols import MESSAGE_TIMEOUT, TOLERANCE
 from ...control.stream.serial_link import BAUDRATE
 from ...support.checks import Array, require_choice
 from ...support.errors import InputError, LimitError
@@ -63,7 +63,7 @@ class Robot:
     velocity_mode: Annotated[
         bool, switch("The robot takes rates alone: correct them by what is measured.", "--velocity-mode")
     ] = False
-    feedback_timeout: Annotated[float, quantity("s", "How long a joint state holds.")] = FEEDBACK_TIMEOUT
+    feedback_timeout: Annotated[float, quantity("s", "How long a joint state holds.")] = MESSAGE_TIMEOUT
     record: Annotated[str | None, option("FILE.mcap", "Record the stream as ROS 2 messages.")] = None
     force: Annotated[bool, switch("Replace files that are there.", "--force")] = False
     admitted: dict[str, Any] = field(init=False)
@@ -170,7 +170,7 @@ def servo(
     on_unreachable: OnUnreachable = SLIDE,
     avoid: Avoid = None,
     commands: Commands = None,
-    command_timeout: CommandTimeout = COMMAND_TIMEOUT,
+    command_timeout: CommandTimeout = MESSAGE_TIMEOUT,
     duration: Duration = None,
     tolerance: Tolerance = TOLERANCE,
 ) -> int:

@@ -14,19 +14,10 @@ from ...support.checks import Array
 from ...support.errors import InputError
 from ...support.messages import plural
 from ...theory.rotations import to_xyzw
+from .. import rows
 from ..numbers import VALUES, JointValues, joint_values, option, quantity, switch
 from ..options import Answer, ArmArgument, Avoid, CsvAnswer, Theta, avoided
 from ..output import Outputs, entries, progress_bar
-from ..rows import (
-    ROWS_SHOWN,
-    TARGET_COLUMNS,
-    OrientationTol,
-    PositionTol,
-    TargetOptions,
-    configurations_in,
-    few,
-    targets_in,
-)
 from ..tables import Column, Table, jacobian_table, joint_columns, number, pose_entries, pose_parts, theta_typed
 
 Configurations = Annotated[
@@ -59,13 +50,13 @@ def fk(
         told = (*pose_parts(title, g, out.radians), theta_typed(arm, x, out.radians))
         out.show(data | {"theta": x, **pose_entries(g)}, *told, files={"csv": _poses_table(title, [1], g[None]).csv})
         return
-    lines, many = configurations_in(arm, configurations)
+    lines, many = rows.configurations_in(arm, configurations)
     poses = arm.pose(many, name)
     records = [{"line": k, "theta": x, **pose_entries(one)} for k, x, one in zip(lines, many, poses, strict=True)]
     table = _poses_table(title, lines, poses)
     parts: list[Table | str] = [] if out.files else [table]
-    if len(lines) > ROWS_SHOWN and not out.files:
-        parts.append(f"{ROWS_SHOWN} of {len(lines)} poses (-o FILE.csv has them all)")
+    if len(lines) > rows.ROWS_SHOWN and not out.files:
+        parts.append(f"{rows.ROWS_SHOWN} of {len(lines)} poses (-o FILE.csv has them all)")
     out.show(data | {"poses": records}, *parts, files={"csv": table.csv})
 
 
@@ -74,7 +65,7 @@ def _poses_table(title: str, lines: Sequence[int], g: Array) -> Table:
     numbers = np.concatenate([g[:, :3, 3], to_xyzw(g[:, :3, :3])], axis=-1).T
     names = ("x", "y", "z", "qx", "qy", "qz", "qw")
     columns = [Column(name, row, "m" * (len(name) == 1), digits=6) for name, row in zip(names, numbers, strict=True)]
-    return Table(title, [Column("line", lines), *columns], rows=range(min(len(lines), ROWS_SHOWN)))
+    return Table(title, [Column("line", lines), *columns], rows=range(min(len(lines), rows.ROWS_SHOWN)))
 
 
 def jacobian(
@@ -100,7 +91,7 @@ def jacobian(
     )
 
 
-Targets = Annotated[str | None, option("CSV", f"A target in each row: {TARGET_COLUMNS}; - is standard input.")]
+Targets = Annotated[str | None, option("CSV", f"A target in each row: {rows.TARGET_COLUMNS}; - is standard input.")]
 Posture = Annotated[
     JointValues | None,
     joint_values(
@@ -128,15 +119,15 @@ Turns = Annotated[
 def ik(
     source: ArmArgument,
     out: CsvAnswer,
-    goal: TargetOptions,
+    goal: rows.TargetOptions,
     start: Theta = None,
     all_: All = False,
     fixed_joints: FixedJoints = None,
     include_turns: Turns = False,
     targets: Targets = None,
     posture: Posture = None,
-    position_tol: PositionTol = None,
-    orientation_tol: OrientationTol = None,
+    position_tol: rows.PositionTol = None,
+    orientation_tol: rows.OrientationTol = None,
     max_time: MaxTime = None,
     avoid: Avoid = None,
 ) -> int:
@@ -164,7 +155,7 @@ def ik(
     if posture is not None:
         how["posture"] = posture.text if posture.text in POSTURES else posture.of(arm)
     if targets is not None:
-        lines, asked = targets_in(targets, goal)
+        lines, asked = rows.targets_in(targets, goal)
         with progress_bar("ik") as progress:
             batch = solve_ik_batch(arm, asked, **how, threads=os.cpu_count() or 1, progress=progress)
         _show_batch(out, targets, lines, batch)
@@ -213,18 +204,18 @@ def _show_batch(out: Outputs, file: str, lines: list[int], batch: IKBatch) -> No
         Column("turned off", [answer.orientation_error for answer in answers], "rad"),
         Column("theta", [theta_typed(arm, answer.theta, out.radians) for answer in answers]),
     ]
-    table = Table(arm.name, columns, rows=range(min(len(lines), ROWS_SHOWN)))
+    table = Table(arm.name, columns, rows=range(min(len(lines), rows.ROWS_SHOWN)))
     by_reason: dict[StopReason, list[int]] = {}
     for line, answer in zip(lines, answers, strict=True):
         by_reason.setdefault(answer.stop, []).append(line)
     met = len(by_reason.pop(StopReason.CONVERGED, ()))
-    more = " (-o FILE.csv has them all)" if len(answers) > ROWS_SHOWN else ""
+    more = " (-o FILE.csv has them all)" if len(answers) > rows.ROWS_SHOWN else ""
     counted = [f"{met} of {len(answers)} targets of {file} met{more}"]
     out.show(
         {"arm": arm, "joint_names": arm.joint_names, "met": met, "answers": records},
         table,
         *counted,
-        *(f"{reason.value}: line {few(numbers)}" for reason, numbers in by_reason.items()),
+        *(f"{reason.value}: line {rows.few(numbers)}" for reason, numbers in by_reason.items()),
         files={"csv": lambda: _answers_csv(arm, lines, answers)},
     )
 
@@ -249,13 +240,14 @@ def _show_all(out: Outputs, solutions: AllSolutions) -> None:
         columns.append(Column("may go on moving", solutions.free))
     if hits.any():
         columns.append(Column("collides", ["yes" if hit else "" for hit in hits]))
-    more = f", the {ROWS_SHOWN} nearest of them (-o FILE.csv has all)" if count > ROWS_SHOWN else ", nearest first"
+    seen = min(count, rows.ROWS_SHOWN)
+    more = f", the {seen} nearest of them (-o FILE.csv has all)" if count > seen else ", nearest first"
     title = f"{arm.name}: {plural(count, 'configuration')}{more if count > 1 else ''}"
     explanation = solutions.explain()
     names = "theta free colliding outside complete timed_out method family starts hits position_error orientation_error"
     parts: list[Table | str] = []
     if count:
-        table = Table(title, columns, rows=range(min(count, ROWS_SHOWN)))
+        table = Table(title, columns, rows=range(seen))
         parts = [table, theta_typed(arm, solutions[0], out.radians)]
     out.show(
         {"arm": arm, "joint_names": arm.joint_names, **entries(solutions, names), "explanation": explanation},

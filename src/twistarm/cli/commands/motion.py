@@ -10,25 +10,12 @@ from typing import Annotated, Any
 
 import numpy as np
 
+from ... import planning
 from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line, with_defaults
 from ...collision import Scene
 from ...limits.joint_limits import JointLimits
-from ...planning import (
-    ActiveLimit,
-    FreeMove,
-    JointMove,
-    LineMove,
-    MotionFile,
-    Segment,
-    Trajectory,
-    active_limits,
-    load_motion,
-    load_trajectory,
-    plan_joint,
-)
 from ...planning.motion import MotionKind
-from ...planning.motion import plan as plan_segments
 from ...planning.segments import as_segments
 from ...planning.trajectory import Progress
 from ...planning.trajectory_files import FORMATS, Writing, written
@@ -48,26 +35,26 @@ MAX_TIME, CLEARANCE = 5.0, 0.004
 
 
 def planned(
-    arm: Arm, asked: MotionFile, limits: JointLimits, scene: Scene | None, max_time: float, progress: Progress,
+    arm: Arm, asked: planning.MotionFile, limits: JointLimits, scene: Scene | None, max_time: float, progress: Progress,
     clearance: float = CLEARANCE,
-) -> tuple[Trajectory, list[Segment]]:  # fmt: skip
+) -> tuple[planning.Trajectory, list[planning.Segment]]:  # fmt: skip
     """The motion of a motion.toml, or of typed goals in its place, and the segments with what holds for all of them."""
     segments = as_segments(
         asked.segments, asked.linear_speed, asked.angular_speed, asked.position_tol, asked.orientation_tol
     )
     how: dict[str, Any] = {"kind": asked.kind or "s_curve", "unwrap": asked.unwrap, "scene": scene}
     how |= {"max_time": max_time, "clearance": clearance, "limits": limits, "start": asked.start, "progress": progress}
-    return plan_segments(arm, segments, **how), segments
+    return planning.plan(arm, segments, **how), segments
 
 
 def motion_of_file(
     arm: Arm, path: Path, velocity: OfJoints | None = None, acceleration: OfJoints | None = None
-) -> tuple[Arm, Trajectory]:
+) -> tuple[Arm, planning.Trajectory]:
     """The motion of a file, or of the segments of a *.toml, and the arm with its limits."""
     if path.suffix.lower() != ".toml":
         driven = replace(arm, limits=capped(arm, velocity, acceleration))
-        return driven, load_trajectory(driven, path)
-    asked = load_motion(path, arm)
+        return driven, planning.load_trajectory(driven, path)
+    asked = planning.load_motion(path, arm)
     driven = replace(arm, limits=capped(arm, velocity, acceleration, asked.limits))
     scene = avoided(driven, asked.scene)
     with progress_bar("planning") as progress:
@@ -176,22 +163,23 @@ def plan(
     for each in to or ():
         poses.append(each.of(arm, ("the pose before", poses[-1])))
     if motion is not None:
-        asked = load_motion(motion, arm)
+        asked = planning.load_motion(motion, arm)
     else:
-        goals, move = targets or poses[1:], LineMove if line else JointMove if avoid is None else FreeMove
+        move = planning.LineMove if line else planning.JointMove if avoid is None else planning.FreeMove
+        goals = targets or poses[1:]
         blends = [blend or 0.0] * (len(goals) - 1) + [0.0]  # rounded corners between them
-        asked = MotionFile(tuple(move(goal, blend=each) for goal, each in zip(goals, blends, strict=True)))
+        asked = planning.MotionFile(tuple(move(goal, blend=each) for goal, each in zip(goals, blends, strict=True)))
     typed |= {} if start is None else {"start": poses[0]}
     asked = replace(asked, **typed, kind=kind or asked.kind, unwrap=unwrap or asked.unwrap)
     scene = avoided(arm, avoid or asked.scene)
     given = capped(arm, velocity, acceleration, asked.limits)
     limits = with_defaults(arm, given)
-    segments: list[Segment] = []
+    segments: list[planning.Segment] = []
     with progress_bar("planning") as progress:
         if to and not line and scene is None:
             how: dict[str, Any] = {"kind": kind or "s_curve", "stop_at_waypoints": stop, "unwrap": unwrap}
             how |= {} if smooth is None else {"smooth": smooth}
-            found = plan_joint(arm, poses, limits=limits, progress=progress, **how)
+            found = planning.plan_joint(arm, poses, limits=limits, progress=progress, **how)
         else:
             found, segments = planned(arm, asked, limits, scene, max_time, progress, clearance)
     origin = asked.start if start is None else start.text
@@ -216,7 +204,7 @@ def plan(
         },
         *([f"{assumed} (--velocity, --acceleration)"] if assumed else []),
         *plan_tables(arm, found, limits),
-        active_limits_table(active_limits(arm, found, limits=limits, segments=segments)),
+        active_limits_table(planning.active_limits(arm, found, limits=limits, segments=segments)),
         *([] if nearest is None else [f"nearest: {nearest}"]),
         files=motion_texts(arm, found, out, dt, counts=counts),
     )
@@ -247,14 +235,16 @@ def _require_fitting(
             raise InputError(words)
 
 
-def motion_texts(arm: Arm, planned: Trajectory, outputs: Outputs, dt: float, *, counts: bool = False) -> Contents:
+def motion_texts(
+    arm: Arm, planned: planning.Trajectory, outputs: Outputs, dt: float, *, counts: bool = False
+) -> Contents:
     """What writes a motion of the arm, by the kind of file."""
     header = next((name for kind, name in outputs.files if kind == "header" and name != STDOUT), "motion.h")
     how = Writing(dt, arm, counts=counts, name=header)
     return {kind: partial(written, planned, kind, how) for kind in MOTION_KINDS}
 
 
-def plan_tables(arm: Arm, planned: Trajectory, limits: JointLimits) -> tuple[Table, Table]:
+def plan_tables(arm: Arm, planned: planning.Trajectory, limits: JointLimits) -> tuple[Table, Table]:
     """When each pose is passed, and the peaks beside the limits that were kept."""
     joints = Column("joint", planned.joint_names, key="joint_names")
     poses = [
@@ -269,7 +259,7 @@ def plan_tables(arm: Arm, planned: Trajectory, limits: JointLimits) -> tuple[Tab
     return Table(f"{arm.name}: {number(planned.duration, 3)} s", [joints, *poses]), Table("", [joints, *peaks], "")
 
 
-def active_limits_table(active: Sequence[ActiveLimit]) -> Table:
+def active_limits_table(active: Sequence[planning.ActiveLimit]) -> Table:
     """The limit that each stretch of a motion uses most. People see the longest stretches, in time order."""
     longest = sorted(range(len(active)), key=lambda i: active[i].begin - active[i].end)[:MOST_STRETCHES]
     left = len(active) - len(longest)

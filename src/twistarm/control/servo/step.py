@@ -23,8 +23,7 @@ if TYPE_CHECKING:
 COMMANDS = (TwistCommand, JogCommand, PoseCommand)
 _DEFAULT = ServoSettings()
 
-MAX_VALUE = 1e6
-"""Greatest position and rate [rad, m, per s]."""
+MAX_VALUE = 1e6  # Greatest position and rate [rad, m, per s].
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -219,17 +218,11 @@ Solve = Callable[[Array | None], CoreStep]
 
 COLLISION = REASON_OF_CAUSE.index(ServoReason.COLLISION)
 
-SPARE = 3e-4
-"""The servo aims at so much more than the margin [m], for what a linear step cannot see."""
-
-ROUNDING = 1e-6
-"""How far [m] below its margin a pair may come by rounding."""
-
-UNSEEN = 5e-5
-"""Pairs that come nearer than their aim by more [m] were not seen by the rows before."""
-
+SPARE = 3e-4  # The servo aims at so much more than the margin [m], for what a linear step cannot see.
+ROUNDING = 1e-6  # How far [m] below its margin a pair may come by rounding.
+UNSEEN = 5e-5  # Pairs that come nearer than their aim by more [m] were not seen by the rows before.
+# The first rows, how often others are added, and the share of the push of the first that others take.
 FIRST_ROWS, MOST_ROUNDS, OTHERS_SHARE = 8, 4, 0.1
-"""The first rows, how often others are added, and the share of the push of the first that others take."""
 
 
 def avoid_collisions(
@@ -247,29 +240,34 @@ def avoid_collisions(
     # The law slows a pair that has less room than a stop in twice its time takes.
     time = 3.0 * answer.period + 2.0 * bounds.stopping_time(answer.theta_dot)
     near = pairs.near(theta, np.abs(time * answer.theta_dot))
-    if not len(near.pairs):
+    owner = near.closest(FIRST_ROWS)
+    if not len(owner):
         return answer, None
-    margins, speeds = pairs.least[near.pairs], pairs.speeds[near.pairs]
-    room, floor = near.distances - margins - SPARE, np.minimum(near.distances, margins) - ROUNDING
-    # No pair is pushed where the rounds below leave it, and another corner of flat bodies leaves with the first.
-    room = np.maximum(room, np.clip(room + UNSEEN, -SPARE, 0.0))
-    aim = np.minimum(near.distances - OTHERS_SHARE * dt / time * np.minimum(room, 0.0), margins + SPARE - UNSEEN)
-    owner = room.argsort()[:FIRST_ROWS]
-    rows = _rows(near.approach[owner], room[owner], 0.0)
+    margins, speeds = pairs.least.take(near.pairs), pairs.speeds.take(near.pairs, axis=0)
+    most = margins + SPARE  # an aim is less
+    room = near.distances[owner] - margins[owner] - SPARE
+    rows = _rows(near.approach(owner), _unpushed(room), 0.0)
     for rounds in range(MOST_ROUNDS + 1):
         answer = solve(rows)
-        time = dt + 0.5 * bounds.stopping_time(answer.theta_dot)
-        risky = np.flatnonzero(near.distances - speeds @ np.abs(time * answer.theta_dot) < aim - ROUNDING)
+        time_to_rest = dt + 0.5 * bounds.stopping_time(answer.theta_dot)
+        lost = speeds @ np.abs(time_to_rest * answer.theta_dot)
+        if (near.distances - lost >= most).all():
+            break
+        while True:
+            aim = _aim(near.distances, margins, dt / time, rounds > 1)
+            risky = np.flatnonzero(near.distances - lost < aim - ROUNDING)
+            if not near.measure(risky):
+                break
         if not len(risky):
             break
         # Where it is after the step, on its way to a stop and after it.
-        times = dt, 0.5 * (dt + time), time
+        times = dt, 0.5 * (dt + time_to_rest), time_to_rest
         there = np.array([pairs.distances_of(theta + at * answer.theta_dot, near.pairs[risky]) for at in times])
         unseen = there < aim[risky] - ROUNDING
         if not unseen.any():
             break
         if rounds == MOST_ROUNDS:
-            below = there.min(axis=0) - floor[risky]
+            below = there.min(axis=0) - np.minimum(near.distances, margins)[risky] + ROUNDING
             if below.min() < 0.0:
                 still = rest()
                 halted, owner = not still.theta_dot.any(), risky[[below.argmin()]]
@@ -277,11 +275,11 @@ def avoid_collisions(
             break
         for too_near, at in zip(unseen, times, strict=True):
             new = risky[too_near]
-            seen = pairs.measured(theta + at * answer.theta_dot, near.pairs[new])
-            left = seen.distances - aim[new] + at * seen.approach @ answer.theta_dot
-            rows, owner = np.concatenate([_rows(seen.approach, left, at), rows]), np.concatenate([new, owner])
+            distances, approach = pairs.measured(theta + at * answer.theta_dot, near.pairs[new])
+            left = distances - aim[new] + at * approach @ answer.theta_dot
+            rows, owner = np.concatenate([_rows(approach, left, at), rows]), np.concatenate([new, owner])
         if rounds:  # what pushes against each other is no longer pushed
-            rows[:, -2], aim = np.maximum(rows[:, -2], 0.0), np.minimum(aim, near.distances)
+            rows[:, -2] = np.maximum(rows[:, -2], 0.0)
     if answer.cause != COLLISION:
         return answer, None
     from ...collision import Contact  # late, because it imports much
@@ -289,6 +287,21 @@ def avoid_collisions(
     k = owner[answer.row]
     first, second = (pairs.bodies[body].name for body in pairs.pairs[near.pairs[k]])
     return answer, Contact((first, second), float(near.distances[k]), float(margins[k]))
+
+
+def _aim(distances: Array, margins: Array, share: float, unpushed: bool) -> Array:
+    """How near [m] each pair may come in a step that is so large a `share` of the law's time."""
+    room = _unpushed(distances - margins - SPARE)
+    aim: Array = np.minimum(distances - OTHERS_SHARE * share * np.minimum(room, 0.0), margins + SPARE - UNSEEN)
+    return np.minimum(aim, distances) if unpushed else aim
+
+
+def _unpushed(room: Array) -> Array:
+    """The room (k,) of pairs, none of which is pushed where the rounds leave it.
+
+    Another corner of flat bodies leaves with the first.
+    """
+    return np.maximum(room, np.minimum(np.maximum(room + UNSEEN, -SPARE), 0.0))
 
 
 def _rows(approach: Array, room: Array, time: float) -> Array:

@@ -21,7 +21,7 @@ from ...support.strict_json import LARGEST_MESSAGE
 from ..servo import AnyCommand, JogCommand, ServoState, TwistCommand
 from ..servo.step import COMMANDS
 from .messages import MotorSide, StateMessage, motor_side, obey_interlock_message, parse_command
-from .protocols import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Interlock, Measured, Reading
+from .protocols import MESSAGE_TIMEOUT, Interlock, Measured, Reading
 
 LONGEST_SENDER = 100  # Most characters of a sender's name in a message.
 MAX_OTHER_NAMES = 20  # Most unknown names to keep for messages.
@@ -152,7 +152,7 @@ class Inbox(Arrivals):
     latest messages are kept, so a flood takes no memory.
     """
 
-    def __init__(self, timeout: float = COMMAND_TIMEOUT) -> None:
+    def __init__(self, timeout: float = MESSAGE_TIMEOUT) -> None:
         super().__init__(timeout, "command", [""])
 
     def put(self, sender: str, value: AnyCommand, now: float | None = None, number: int | None = None) -> None:
@@ -207,7 +207,7 @@ class StateInbox(Arrivals):
     Raises InputError for a timeout that is not positive, and for units unknown to the arm.
     """
 
-    def __init__(self, arm: Arm, timeout: float = FEEDBACK_TIMEOUT, *, units: str = "joint") -> None:
+    def __init__(self, arm: Arm, timeout: float = MESSAGE_TIMEOUT, *, units: str = "joint") -> None:
         self.motors = motor_side(require_arm(arm), units)
         self.names = arm.joint_names if self.motors is None else self.motors.names
         super().__init__(timeout, "joint state" if self.motors is None else "motors' state", self.names)
@@ -320,7 +320,7 @@ class MessageInput(ABC):
 class CommandInput(MessageInput):
     """A source of commands and interlock messages as JSON (`command_of`)."""
 
-    def __init__(self, arm: Arm, timeout: float) -> None:
+    def _begin(self, arm: Arm, timeout: float) -> None:
         require_arm(arm)
         self._commands = Inbox(timeout)
         super().__init__(self._commands, lambda text: parse_command(arm, text))
@@ -335,22 +335,19 @@ class CommandInput(MessageInput):
 
 
 class StateInput(MessageInput):
-    """A feedback of joint states, which `parse(arm, text, motors)` reads.
-
-    If the robot may not move, neither may the stream.
-    """
+    """A feedback of joint states. If the robot may not move, neither may the stream."""
 
     senders, each = 16, 32
     """A robot may have a sender for each bus, and a message for each joint."""
 
-    def __init__(
-        self, arm: Arm, timeout: float, units: str, parse: Callable[[Arm, bytes, MotorSide | None], StateMessage]
-    ) -> None:
+    _state_of: Callable[[Arm, bytes, MotorSide | None], StateMessage]
+
+    def _begin(self, arm: Arm, timeout: float, units: str = "joint") -> None:
         self._states = StateInbox(arm, timeout, units=units)
         self.motors = self._states.motors
 
         def parsed(text: bytes) -> tuple[Any, int | None]:
-            state = parse(arm, text, self.motors)
+            state = self._state_of(arm, text, self.motors)
             self.interlock.mirror(state.interlock, "the robot")
             return state.values, state.number
 

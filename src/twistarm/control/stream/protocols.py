@@ -19,9 +19,9 @@ from ...support.display import Brief
 from ...support.errors import InputError, TwistarmError, one_line, shown
 from ..servo import AnyCommand, ServoOutput, ServoState
 
-# Seconds that a command is valid: five messages at 25 Hz, which pages and game pads manage.
-COMMAND_TIMEOUT = 0.2
-FEEDBACK_TIMEOUT = 0.2  # Seconds that a joint state is valid. Most drives report at 50 Hz or faster.
+# Seconds that a command or a joint state is valid: five messages at 25 Hz, which pages and game pads manage. Most
+# drives report at 50 Hz or faster.
+MESSAGE_TIMEOUT = 0.2
 TOLERANCE = 0.2  # Allowed distance of a joint from the command [rad, m]. An operator corrects it.
 LATEST = 1e12  # Seconds (30,000 years) beyond any clock, except one that counts nanoseconds.
 
@@ -261,7 +261,7 @@ class LoopOptions:
     """
 
     rate: float = 100.0
-    feedback_timeout: float = FEEDBACK_TIMEOUT
+    feedback_timeout: float = MESSAGE_TIMEOUT
     tolerance: ArrayLike = TOLERANCE
     velocity_mode: bool = False
     interlock: Interlock | None = None

@@ -8,6 +8,7 @@ XOR of all bytes before the `*`, in two hexadecimal digits (NMEA 0183).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import reduce
 from operator import xor
 from typing import Any
@@ -21,7 +22,7 @@ from ...support.interrupts import Closeable
 from ..servo import STATUSES
 from .inbox import CommandInput, StateInput
 from .messages import MotorSide, StateMessage
-from .protocols import COMMAND_TIMEOUT, EMERGENCY_STOP, ENABLED, FEEDBACK_TIMEOUT, STOPPED, Setpoint
+from .protocols import EMERGENCY_STOP, ENABLED, MESSAGE_TIMEOUT, STOPPED, Setpoint
 
 LETTERS = {ENABLED: "E", STOPPED: "S", EMERGENCY_STOP: "X"}
 
@@ -36,71 +37,6 @@ BAUDRATE = 115_200  # Default baud rate: 11.5 kB/s, enough for setpoints of six 
 # longer is too slow for any rate.
 LONGEST_WRITE = 0.05
 MOST_PER_CYCLE = 16 * 1024  # Bytes read in one cycle: ten times what 1 Mbaud brings in 10 ms.
-
-
-class SerialLines(Closeable):
-    """A serial port read and written in lines, a context manager.
-
-    Raises InputError for a port that cannot be opened, MissingExtraError without pyserial.
-    """
-
-    def __init__(self, port: str, baudrate: int) -> None:
-        self.port = port
-        self._serial = _opened(port, baudrate)
-        self._rest = b""
-
-    def arrivals(self) -> list[tuple[str, bytes]]:
-        """(port, line) for each line that is complete by now. Raises OSError where the port is gone."""
-        text = self._rest + self._serial.read(MOST_PER_CYCLE)
-        *lines, rest = text.split(b"\n")
-        # Of a line without end nothing is kept: what comes later is judged as a line of its own.
-        self._rest = rest if len(rest) <= LONGEST_LINE else b""
-        return [(self.port, line) for line in lines if line.strip()]
-
-    def send(self, line: bytes) -> None:
-        """Write a line. Raises OSError where the port is gone or too slow."""
-        self._serial.write(line)
-
-    def close(self) -> None:
-        """Give the port back. Harmless when repeated."""
-        self._serial.close()
-
-
-class SerialSource(SerialLines, CommandInput):
-    """Commands as lines of JSON (`command_of`) from a box of controls at a serial port."""
-
-    def __init__(self, arm: Arm, port: str, baudrate: int = BAUDRATE, *, timeout: float = COMMAND_TIMEOUT) -> None:
-        CommandInput.__init__(self, arm, timeout)
-        SerialLines.__init__(self, port, baudrate)
-
-
-class SerialRobot(SerialLines, StateInput):
-    """A robot at a serial port: setpoint lines out, joint state lines in.
-
-    units: "joint", or "motor" or "counts" for a robot without joint values (see `MotorSide`).
-    """
-
-    def __init__(
-        self, arm: Arm, port: str, baudrate: int = BAUDRATE, *, timeout: float = FEEDBACK_TIMEOUT, units: str = "joint"
-    ) -> None:
-        StateInput.__init__(self, arm, timeout, units, parse_state_line)
-        SerialLines.__init__(self, port, baudrate)
-
-    def write(self, setpoint: Setpoint) -> None:
-        """Send the setpoint. Raises OSError where the port is gone or too slow."""
-        self.send(setpoint_line(setpoint, self.motors))
-
-
-def _opened(port: str, baudrate: int) -> Any:
-    as_whole(baudrate, "baudrate", 1, LARGEST_BAUDRATE)
-    try:
-        import serial
-    except ImportError as error:
-        raise missing_extra("a serial port", "pyserial", "serial") from error
-    try:
-        return serial.Serial(port, baudrate, timeout=0, write_timeout=LONGEST_WRITE, exclusive=True)
-    except (OSError, ValueError) as error:
-        raise InputError(f"cannot open serial port {shown(port)} at {baudrate} baud: {error}") from error
 
 
 def setpoint_line(setpoint: Setpoint, motors: MotorSide | None = None) -> bytes:
@@ -132,3 +68,66 @@ def parse_state_line(arm: Arm, line: bytes, motors: MotorSide | None = None) -> 
 def checksum(body: bytes) -> int:
     """The exclusive or of all bytes."""
     return reduce(xor, body, 0)
+
+
+class SerialLines(Closeable):
+    """A serial port read and written in lines, a context manager.
+
+    timeout [s]: how long a message counts. units: see `MotorSide`, for joint states alone. Raises InputError for a port
+    that cannot be opened, MissingExtraError without pyserial.
+    """
+
+    _begin: Callable[..., None]
+
+    def __init__(
+        self, arm: Arm, port: str, baudrate: int = BAUDRATE, *, timeout: float = MESSAGE_TIMEOUT, **units: str
+    ) -> None:
+        self._begin(arm, timeout, **units)
+        self.port = port
+        self._serial = _opened(port, baudrate)
+        self._rest = b""
+
+    def arrivals(self) -> list[tuple[str, bytes]]:
+        """(port, line) for each line that is complete by now. Raises OSError where the port is gone."""
+        text = self._rest + self._serial.read(MOST_PER_CYCLE)
+        *lines, rest = text.split(b"\n")
+        # Of a line without end nothing is kept: what comes later is judged as a line of its own.
+        self._rest = rest if len(rest) <= LONGEST_LINE else b""
+        return [(self.port, line) for line in lines if line.strip()]
+
+    def send(self, line: bytes) -> None:
+        """Write a line. Raises OSError where the port is gone or too slow."""
+        self._serial.write(line)
+
+    def close(self) -> None:
+        """Give the port back. Harmless when repeated."""
+        self._serial.close()
+
+
+class SerialSource(SerialLines, CommandInput):
+    """Commands as lines of JSON (`command_of`) from a box of controls at a serial port."""
+
+
+class SerialRobot(SerialLines, StateInput):
+    """A robot at a serial port: setpoint lines out, joint state lines in.
+
+    units: "joint", or "motor" or "counts" for a robot without joint values (see `MotorSide`).
+    """
+
+    _state_of = staticmethod(parse_state_line)
+
+    def write(self, setpoint: Setpoint) -> None:
+        """Send the setpoint. Raises OSError where the port is gone or too slow."""
+        self.send(setpoint_line(setpoint, self.motors))
+
+
+def _opened(port: str, baudrate: int) -> Any:
+    as_whole(baudrate, "baudrate", 1, LARGEST_BAUDRATE)
+    try:
+        import serial
+    except ImportError as error:
+        raise missing_extra("a serial port", "pyserial", "serial") from error
+    try:
+        return serial.Serial(port, baudrate, timeout=0, write_timeout=LONGEST_WRITE, exclusive=True)
+    except (OSError, ValueError) as error:
+        raise InputError(f"cannot open serial port {shown(port)} at {baudrate} baud: {error}") from error

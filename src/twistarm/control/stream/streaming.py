@@ -15,7 +15,7 @@ from ...support.checks import Array, as_positive, require, require_callback, req
 from ...support.errors import InputError, shown
 from ..servo import AnyCommand, ServoSettings, servo_step
 from .cycles import Cycle, Cycles, call_device, drive
-from .protocols import COMMAND_TIMEOUT, Clock, Feedback, LoopOptions, Reading, Setpoint, Sink, Source
+from .protocols import MESSAGE_TIMEOUT, Clock, Feedback, LoopOptions, Reading, Setpoint, Sink, Source
 from .report import Ending, StreamReport
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ class StreamOptions(LoopOptions):
     Raises InputError for a number that is not positive, or a value of another type.
     """
 
-    command_timeout: float = COMMAND_TIMEOUT
+    command_timeout: float = MESSAGE_TIMEOUT
     settings: ServoSettings | Callable[[], ServoSettings] | None = None
     scene: Scene | None = None
 

@@ -18,7 +18,7 @@ from ...support.interrupts import Closeable
 from ...support.strict_json import LARGEST_MESSAGE, encode
 from .inbox import CommandInput, Inbox, StateInbox, StateInput
 from .messages import motor_side, parse_state, setpoint_message
-from .protocols import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Setpoint, UndeliveredError
+from .protocols import MESSAGE_TIMEOUT, Setpoint, UndeliveredError
 
 LOOPBACK = "127.0.0.1"  # Default host. Only programs on this machine may then move the arm.
 # Bytes of the system's buffer, which it doubles: one message of the largest size, or some 350 small ones. A larger
@@ -61,15 +61,28 @@ class Socket(Closeable):
 
 
 class Receiver(Socket):
-    """A socket that listens on host and port (0: a free one) to `senders`, signed by `key` if given.
+    """A socket that listens on host and port (0: a free one, see `address`).
 
-    senders: hosts, empty for all. The inbox's note counts the dropped datagrams and gives the last reason. Raises
-    InputError for an unusable host or port, and for an invalid key.
+    timeout [s]: how long a message counts. senders: allowed hosts, empty for all. key: the key that signs the datagrams
+    (see `Signer`, `read_key`). units: see `MotorSide`, for joint states alone. The inbox's note counts the dropped
+    datagrams and gives the last reason. Raises InputError for an unusable host or port, and for an invalid key.
     """
 
     _inbox: Inbox | StateInbox
+    _begin: Callable[..., None]
 
-    def __init__(self, host: str, port: int, senders: Collection[str], key: bytes | None) -> None:
+    def __init__(
+        self,
+        arm: Arm,
+        host: str = LOOPBACK,
+        port: int = 0,
+        *,
+        timeout: float = MESSAGE_TIMEOUT,
+        senders: Collection[str] = (),
+        key: bytes | None = None,
+        **units: str,
+    ) -> None:
+        self._begin(arm, timeout, **units)
         self._allowed = _addresses(require_names(senders, "senders"))
         self._verifier = None if key is None else Verifier(key)
         self._left_out = 0
@@ -105,49 +118,13 @@ class Receiver(Socket):
 
 
 class UdpSource(Receiver, CommandInput):
-    """Commands from datagrams to host and port (0: a free one, see `address`). A sender is an address with its port.
-
-    senders: allowed hosts, empty for all. key: the key that signs the datagrams (see `Signer`, `read_key`). Raises
-    InputError for an unusable host or port, and for an invalid key.
-    """
-
-    def __init__(
-        self,
-        arm: Arm,
-        host: str = LOOPBACK,
-        port: int = 0,
-        *,
-        timeout: float = COMMAND_TIMEOUT,
-        senders: Collection[str] = (),
-        key: bytes | None = None,
-    ) -> None:
-        CommandInput.__init__(self, arm, timeout)
-        Receiver.__init__(self, host, port, senders, key)
+    """Commands from datagrams. A sender is an address with its port. Without `units`."""
 
 
 class UdpFeedback(Receiver, StateInput):
-    """Joint states from datagrams to host and port (0: a free one, see `address`).
+    """Joint states from datagrams. units: "joint", or "motor" or "counts" for a robot that reports its motors."""
 
-    Senders and key are as in `UdpSource`.
-
-    units: "joint", or "motor" or "counts" for a robot that reports its motors (see `MotorSide`).
-
-    Raises InputError for an unusable host or port, and for an invalid key.
-    """
-
-    def __init__(
-        self,
-        arm: Arm,
-        host: str = LOOPBACK,
-        port: int = 0,
-        *,
-        timeout: float = FEEDBACK_TIMEOUT,
-        senders: Collection[str] = (),
-        key: bytes | None = None,
-        units: str = "joint",
-    ) -> None:
-        StateInput.__init__(self, arm, timeout, units, parse_state)
-        Receiver.__init__(self, host, port, senders, key)
+    _state_of = staticmethod(parse_state)
 
 
 class UdpSink(Socket):

@@ -25,30 +25,13 @@ DASHES: dict[str, Any] = {"x": "-", "y": (0, (5, 1.5)), "z": (0, (1.2, 1.2))}
 AXES = {"x": ORANGE, "y": GREEN, "z": BLUE}
 
 _SETTINGS: dict[str, Any] = {
-    "font.size": 9.5,
-    "axes.titlesize": 9.5,
-    "axes.labelsize": 9.5,
-    "legend.fontsize": 9,
-    "legend.frameon": False,
-    "text.color": INK,
-    "axes.labelcolor": INK,
-    "axes.edgecolor": GREY,
-    "axes.facecolor": "none",
-    "figure.facecolor": "none",
-    "savefig.facecolor": "none",
-    "xtick.color": GREY,
-    "ytick.color": GREY,
-    "grid.color": FAINT,
-    "grid.linewidth": 0.6,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "lines.linewidth": 1.8,
-    "mathtext.fontset": "dejavusans",
-    "svg.fonttype": "path",
-    "svg.hashsalt": "twistarm",
-}
+    "font.size": 9.5, "axes.titlesize": 9.5, "axes.labelsize": 9.5, "legend.fontsize": 9, "legend.frameon": False,
+    "text.color": INK, "axes.labelcolor": INK, "axes.edgecolor": GREY, "xtick.color": GREY, "ytick.color": GREY,
+    "axes.facecolor": "none", "figure.facecolor": "none", "savefig.facecolor": "none",
+    "axes.grid": True, "grid.color": FAINT, "grid.linewidth": 0.6, "axes.axisbelow": True,
+    "axes.spines.top": False, "axes.spines.right": False, "lines.linewidth": 1.8,
+    "mathtext.fontset": "dejavusans", "svg.fonttype": "path", "svg.hashsalt": "twistarm",
+}  # fmt: skip
 
 
 def axes2(
@@ -71,10 +54,7 @@ def axes2(
         equal: Whether a length is the same along both axes; their limits grow for it. If you set limits, set
             `aspect="equal"` too: then the axes shrink.
     """
-    from matplotlib.figure import Figure
-
-    _use_style()
-    fig = Figure(figsize=(width, height), layout="constrained")
+    fig = _figure(width, height)
     axes = fig.subplots(1, columns)
     for ax in np.atleast_1d(axes):
         ax.set(xlabel=xlabel, ylabel=ylabel)
@@ -99,10 +79,7 @@ def axes3(
         azim: Direction of the eye about z [degrees].
         box: Whether a floor with a scale is drawn.
     """
-    from matplotlib.figure import Figure
-
-    _use_style()
-    fig = Figure(figsize=(width, height), layout="constrained")
+    fig = _figure(width, height)
     axes = fig.subplots(1, columns, subplot_kw={"projection": "3d", "computed_zorder": False, "proj_type": "ortho"})
     for ax in np.atleast_1d(axes):
         ax.view_init(elev=elev, azim=azim)
@@ -111,16 +88,18 @@ def axes3(
     return fig, axes
 
 
-def _use_style() -> None:
-    """Set this style for matplotlib for good, because matplotlib reads much of it only when it draws."""
+def _figure(width: float, height: float) -> Any:
+    """A figure [inches] in this style, which is set for good: matplotlib reads much of it only when it draws."""
     import matplotlib
     from cycler import cycler
+    from matplotlib.figure import Figure
 
     cycle = cycler(color=[BLUE, ORANGE, GREEN, PINK, SKY, AMBER]) + cycler(
         linestyle=["-", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)), (0, (8, 2)), (0, (2, 2))]
     )
     chosen: Any = {**_SETTINGS, "axes.prop_cycle": cycle}
     matplotlib.rcParams.update(chosen)
+    return Figure(figsize=(width, height), layout="constrained")
 
 
 def plot_frame(ax: Any, g: ArrayLike, name: str | None = "", length: float = 1.0, alpha: float = 1.0) -> None:

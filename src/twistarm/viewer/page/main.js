@@ -55,6 +55,7 @@ easeSoftware(view);
 const state = { hello: null, frame: null, fitted: false };
 const said = {}; // the last message of each type
 let silence = SILENCE; // why nothing can be asked
+let refusal = ""; // of a motion, while the mark stands where it stops
 
 const panel = new Panel({
   joint: (name, value) => ask({ type: "joint", name, value }),
@@ -196,7 +197,11 @@ const receive = {
     look();
     for (const part of allParts()) part.placed?.(message);
   },
-  path: ({ points, ideal }) => panel.showPath(points.length + ideal.length > 0),
+  path({ points, ideal, stopped }) {
+    panel.showPath(points.length + ideal.length > 0);
+    if (stopped === null && $("error").textContent === refusal) panel.showError(""); // its cause is gone
+    refusal = stopped === null ? "" : said.error?.message ?? "";
+  },
   servo(message) {
     jog.show(message);
     panel.showDriven(message.driven);
