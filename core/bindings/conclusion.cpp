@@ -3,6 +3,9 @@
 
 namespace twistarm {
 inline namespace TWISTARM_INSTRUCTION_SET {
+
+TWISTARM_SEARCHES(extern)
+
 namespace engines {
 
 void Conclusion::make(const Query& query, const Question& question, const double* theta0,

@@ -406,5 +406,24 @@ protected:
 Engine* fixed_engine(const Model& metres, const Model& in_reaches);
 
 }  // namespace engines
+
+using engines::general_chain;
+using one_race = pack<double, lanes_at_once<double, searches_in_round>>;
+
+// The searches of an arm of any size: compiled with its engine, and called by what comes after them.
+#define TWISTARM_SEARCHES_OF(declared, Kind)                                                                           \
+    declared template void run_searches<one_race, Kind>(                                                               \
+        const general_chain&, const ranges<double, dynamic>&, const search_settings<double>&,                          \
+        lane_searches<one_race, dynamic>&, lane_starts<double, dynamic, number<one_race>::lanes>&,                     \
+        search_owner<one_race, double, dynamic>&);                                                                     \
+    declared template void polish_as<Kind>(const general_chain&, const ranges<double, dynamic>&,                       \
+                                           const search_settings<double>&, const target<double>&, const double*,       \
+                                           solution<double, dynamic>&);
+#define TWISTARM_SEARCHES(declared)                                                                                    \
+    TWISTARM_SEARCHES_OF(declared, target_kind::pose)                                                                  \
+    TWISTARM_SEARCHES_OF(declared, target_kind::position)                                                              \
+    TWISTARM_SEARCHES_OF(declared, target_kind::approach)                                                              \
+    TWISTARM_SEARCHES_OF(declared, target_kind::task)
+
 }  // namespace TWISTARM_INSTRUCTION_SET
 }  // namespace twistarm

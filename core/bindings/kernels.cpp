@@ -6,6 +6,9 @@
 
 namespace twistarm {
 inline namespace TWISTARM_INSTRUCTION_SET {
+
+TWISTARM_SEARCHES()
+
 namespace engines {
 
 GeneralEngine::GeneralEngine(const Model& metres, const Model& in_reaches)
