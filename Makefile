@@ -12,10 +12,14 @@ CORE := $(shell find core -path core/tests -prune -o -type f -print)
 # Tests start hundreds of programs: what Python has compiled once is kept, wherever that is switched off.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo guide test test-all test-pythons test-ros test-ros-here docs pictures bench lint lint-page format coverage dist wheels clean
+.PHONY: demo guide core test test-all test-pythons test-ros test-ros-here docs pictures bench lint lint-page format coverage dist wheels clean
 
 demo: $(VENV)/base
 	$(BIN)/twistarm demo
+
+# After a change of its sources.
+core: $(VENV)/base
+	$(BIN)/python tools/install.py
 
 guide: $(VENV)/base
 	$(BIN)/twistarm guide
@@ -56,7 +60,8 @@ test-ros-here: $(ROS)/ready
 
 $(ROS)/ready: pyproject.toml tests/ros/requirements.txt $(CORE)
 	$(PYTHON) -m venv --upgrade-deps $(ROS)
-	$(ROS)/bin/python -m pip install --quiet --requirement tests/ros/requirements.txt --editable '.[mcap,plan]' hypothesis pytest
+	$(ROS)/bin/python -m pip install --quiet --requirement tests/ros/requirements.txt hypothesis pytest
+	$(ROS)/bin/python tools/install.py mcap,plan
 	@touch $@
 
 docs: $(VENV)/dev
@@ -114,13 +119,13 @@ clean:
 
 # The stamps say what is installed: the demo needs less than the tests. The pip of an old Python searches long for
 # versions that fit, or fails, so it is brought up to date.
-$(VENV)/base: pyproject.toml $(CORE)
-	$(PYTHON) -m venv --upgrade-deps $(VENV)
+$(VENV)/base: pyproject.toml tools/install.py $(CORE)
+	[ -x $(BIN)/python ] || $(PYTHON) -m venv --upgrade-deps $(VENV)
 	$(BIN)/python tools/install.py view,check,plan,obstacles,guide
 	@touch $@
 
-$(VENV)/dev: pyproject.toml $(CORE)
-	$(PYTHON) -m venv --upgrade-deps $(VENV)
+$(VENV)/dev: pyproject.toml tools/install.py $(CORE)
+	[ -x $(BIN)/python ] || $(PYTHON) -m venv --upgrade-deps $(VENV)
 	$(BIN)/python tools/install.py dev
 	@touch $(VENV)/base $@
 

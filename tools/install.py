@@ -1,7 +1,8 @@
-"""Install this checkout into the environment that runs this file, and say how far it is.
+"""Install this checkout for development into the environment that runs this file, and say how far it is.
 
-python tools/install.py EXTRAS [LOG] installs `.[EXTRAS]` for development. pip is silent while it compiles, so this
-reads what pip logs and prints a line for each package and each compiled file. LOG keeps all of it.
+python tools/install.py EXTRAS installs `.[EXTRAS]` and compiles the core, side by side: pip is busy with one processor.
+Without EXTRAS it compiles alone. The core lands beside the Python of `src/twistarm`, for the processor of this machine;
+what has not changed is not compiled again.
 """
 
 from __future__ import annotations
@@ -9,50 +10,87 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import threading
+from collections.abc import Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
+TOOLS = ("cmake>=3.18", "ninja", "nanobind>=2.7", "scikit-build-core>=1.0")
+BUILD = ROOT / "build" / "core" / (sys.implementation.cache_tag or "python")
 
 STEPS = {
-    r"Collecting (?P<what>[\w.-]+)": "package",
-    r"\[\s*(?P<step>[\d/%]+)\] Building CXX object \S*/(?P<what>[\w.-]+)\.o": "compiled",
-    r"(?P<what>Installing collected packages)": "last",
+    r"Collecting (?P<what>[\w.-]+)": "  {what}",
+    r"Installing collected packages": "  installing packages …",
+    r"\[(?P<step>\d+/\d+)\] Building CXX object \S*/(?P<what>[\w.-]+)\.o": "  core [{step}] {what}",
 }
-"""What a line of pip's log says, and which kind of step that is."""
+"""What a line of a program's output says, and the line of progress in its place."""
 
 
 def progress(line: str) -> str | None:
-    """A line of pip's log as one of progress, or None for most of them."""
-    for pattern, kind in STEPS.items():
-        found = re.match(rf"\s*{pattern}", line)
-        if found and kind == "compiled":
-            return f"  core [{found['step']}] {found['what']}"
-        if found:
-            return f"  {found['what']}" + (" …" if kind == "last" else "")
+    """A line of output as one of progress, or None for most of them."""
+    for pattern, shown in STEPS.items():
+        if found := re.match(rf"\s*{pattern}", line):
+            return shown.format(**found.groupdict())
     return None
 
 
-def main(extras: str, log: str) -> int:
-    """Install, and return pip's exit code."""
-    print("Installing twistarm and its packages, and compiling its core. On two cores that takes some four minutes.")
-    command = [sys.executable, "-m", "pip", "install", "--verbose", "--progress-bar=off", "--editable", f".[{extras}]"]
-    file = ROOT / log
-    file.parent.mkdir(parents=True, exist_ok=True)
+def run(command: Sequence[object], log: Path) -> bool:
+    """Whether a program succeeds. `log` takes its output, the terminal its progress, and its last lines if it fails."""
+    log.parent.mkdir(parents=True, exist_ok=True)
     with (
-        file.open("w", encoding="utf-8") as kept,
-        subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as pip,
+        log.open("w", encoding="utf-8") as kept,
+        subprocess.Popen(
+            [str(word) for word in command], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        ) as program,
     ):
-        assert pip.stdout is not None
-        for line in pip.stdout:
+        assert program.stdout is not None
+        for line in program.stdout:
             kept.write(line)
-            printed = progress(line)
-            if printed:
+            if printed := progress(line):
                 print(printed, flush=True)
-    if pip.returncode:
-        print("".join(file.read_text("utf-8").splitlines(keepends=True)[-30:]), end="")
-        print(f"pip has failed. All that it said is in {log}.")
-    return pip.returncode
+    if program.returncode:
+        lines = log.read_text("utf-8").splitlines()[-30:]
+        print("\n".join([*lines, f"{command[0]} has failed. All that it said is in {log.relative_to(ROOT)}."]))
+    return program.returncode == 0
+
+
+def pip(*arguments: str, log: str) -> bool:
+    """Whether pip has installed `arguments`. Python compiles a module when it imports it first: most never are."""
+    command = ("-m", "pip", "install", "--verbose", "--progress-bar=off", "--no-compile", *arguments)
+    return run([sys.executable, *command], ROOT / "build" / log)
+
+
+def compile_core() -> bool:
+    """Whether twistarm._core is compiled. Without it twistarm works, slower, and says so."""
+    nanobind = [sys.executable, "-m", "nanobind", "--cmake_dir"]
+    found = subprocess.run(nanobind, capture_output=True, text=True).stdout.strip()
+    beside = ROOT / "src" / "twistarm"
+    cmake = Path(sys.executable).with_name("cmake")
+    options = {
+        "TWISTARM_PYTHON": "ON",
+        "TWISTARM_NATIVE": "ON",
+        "Python_EXECUTABLE": sys.executable,
+        "nanobind_ROOT": found,
+        "CMAKE_MAKE_PROGRAM": cmake.with_name("ninja"),
+        "CMAKE_LIBRARY_OUTPUT_DIRECTORY": beside,
+    }
+    given = [f"-D{name}={value}" for name, value in options.items()]
+    return run([cmake, "-S", ROOT / "core", "-B", BUILD, "-G", "Ninja", *given], BUILD / "configure.log") and run(
+        [cmake, "--build", BUILD], BUILD / "build.log"
+    )
+
+
+def main(extras: str) -> int:
+    """Install, and return 0 if the packages are there."""
+    print("Installing twistarm's packages and compiling its core. On two cores that takes one to two minutes.")
+    if not pip(*TOOLS, log="tools.log"):
+        return 1
+    compiler = threading.Thread(target=compile_core)
+    compiler.start()
+    installed = not extras or pip("--no-build-isolation", "--editable", f".[{extras}]", log="packages.log")
+    compiler.join()
+    return 0 if installed else 1
 
 
 if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1], *(sys.argv[2:] or ["build/install.log"])))
+    raise SystemExit(main("".join(sys.argv[1:])))

@@ -11,11 +11,11 @@ namespace bindings {
 
 namespace {
 
-class Work final : public SharedWork {
+class BatchWork final : public SharedWork {
 public:
-    Work(const Engine& engine, const Query& query, const Questions& asked, std::size_t n, char* records)
+    BatchWork(const Engine& engine, const Query& query, const Questions& asked, std::size_t n, char* records)
         : SharedWork(query.stopped, query.clock), engine_(engine), query_(query), asked_(asked), n_(n), records_(records) {
-        query_.stopped = [](const void* self) { return static_cast<const Work*>(self)->stopped(); };
+        query_.stopped = [](const void* self) { return static_cast<const BatchWork*>(self)->stopped(); };
         query_.clock = this;
     }
 
@@ -26,9 +26,9 @@ private:
     void do_blocks() override {
         Batch targets{asked_.at(0), asked_.theta0.step, asked_.posture.step, nullptr, nullptr, this};
         targets.store = [](void* self, std::size_t t, const Answer& answer) {
-            static_cast<Work*>(self)->store(t, answer);
+            static_cast<BatchWork*>(self)->store(t, answer);
         };
-        targets.goes_on = [](void* self) { return !static_cast<Work*>(self)->stopped(); };
+        targets.goes_on = [](void* self) { return !static_cast<BatchWork*>(self)->stopped(); };
         for (;;) {
             const std::size_t begin = next_.fetch_add(block), end = std::min(begin + block, asked_.count);
             if (begin >= asked_.count) return;
@@ -82,7 +82,7 @@ bool Chain::solve_batch(nb::handle kind, nb::handle numbers, nb::handle theta0, 
     const Deadline deadline(settings.seconds);
     query.stopped = alone ? &Watch::passed : static_cast<bool (*)(const void*)>(&Deadline::passed);
     query.clock = alone ? static_cast<const void*>(&watch) : &deadline;
-    Work work(*engine_, query, asked, n_, memory<char>(records));
+    BatchWork work(*engine_, query, asked, n_, memory<char>(records));
     if (alone) {
         work.run();
         watch.end();

@@ -127,9 +127,9 @@ private:
 };
 
 // A batch, in blocks that threads take.
-class Work final : public SharedWork {
+class ConfigurationsWork final : public SharedWork {
 public:
-    Work(const ClosedFormEngine& engine, const Questions& asked, const Met& met, std::size_t n,
+    ConfigurationsWork(const ClosedFormEngine& engine, const Questions& asked, const Met& met, std::size_t n,
          bool (*over)(const void* clock), const void* clock)
         : SharedWork(over, clock), engine_(engine), asked_(asked), met_(met), n_(n),
           blocks_((asked.count + block - 1) / block), found_(blocks_), counts_(asked.count), inside_(asked.count), families_(asked.count) {}
@@ -268,7 +268,7 @@ nb::object ClosedForm::solve_batch(nb::handle numbers, nb::handle theta0, nb::ha
     Watch watch(Deadline::none);
     const Deadline never(Deadline::none);
     const auto over = static_cast<bool (*)(const void*)>(&Deadline::passed);
-    Work work(*engine_, asked, met, n_, alone ? &Watch::passed : over,
+    ConfigurationsWork work(*engine_, asked, met, n_, alone ? &Watch::passed : over,
               alone ? static_cast<const void*>(&watch) : &never);
     if (alone) {
         work.run();

@@ -1,21 +1,23 @@
 // Which copies of the kernels this processor can run.
 #include "kernels.hpp"
+#include "processor.hpp"
 
 namespace bindings {
 
 const Kernels* const* kernels() {
     static const Kernels* found[4] = {};
     if (found[0]) return found;
+    [[maybe_unused]] const int best = best_set();
     int count = 0;
-#ifdef TWISTARM_DISPATCH_X86
-    __builtin_cpu_init();
-    const bool second = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-    if (second && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-        __builtin_cpu_supports("avx512vl"))
-        found[count++] = &avx512;
-    if (second) found[count++] = &avx2;
+#ifdef TWISTARM_HAS_AVX512
+    if (best <= 0) found[count++] = &avx512;
 #endif
-    found[count] = &baseline;
+#ifdef TWISTARM_HAS_AVX2
+    if (best <= 1) found[count++] = &avx2;
+#endif
+#ifdef TWISTARM_HAS_BASELINE
+    found[count++] = &baseline;
+#endif
     return found;
 }
 

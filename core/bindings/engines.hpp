@@ -175,10 +175,7 @@ public:
         make(query, question, theta0, resized<N, dynamic>(found, n), ends, stopped, answer);
     }
 
-    rotation_split<double> split(int kind, const double* numbers, const double* theta) const {
-        double there[most_joints];
-        return split_rotation(arm_, reaches_.asked(target_from(kind, numbers)), reaches_.theta(theta, there), 1.0);
-    }
+    rotation_split<double> split(int kind, const double* numbers, const double* theta) const;
 
 private:
     void make(const Query& query, const Question& question, const double* theta0,
@@ -299,8 +296,8 @@ inline closed_form::joint_axis<double> axis_from(const double* numbers) {
     return {{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}, numbers[6] != 0.0};
 }
 
-template <int N> solved_arm<double, N> solved_from(const FamilyNumbers& numbers, int n) {
-    solved_arm<double, N> solved{};
+inline solved_arm<double, dynamic> solved_from(const FamilyNumbers& numbers, int n) {
+    solved_arm<double, dynamic> solved{};
     fitted_family<double>& family = solved.family;
     family.count = numbers.count;
     family.first = numbers.first;
@@ -328,21 +325,21 @@ template <target_kind Kind> target_of<double, Kind> target_of_kind(const double*
     return asked;
 }
 
-// The closed form of an arm of N joints for one kind of target.
-template <target_kind Kind, int N> class ClosedForm final : public ClosedFormEngine {
+// The closed form of an arm for one kind of target. Code of its own for a number of joints would gain nothing.
+template <target_kind Kind> class ClosedForm final : public ClosedFormEngine {
 public:
-    ClosedForm(const chain<double, N, N>& arm, const ranges<double, N>& range, const FamilyNumbers& numbers)
-        : arm_(arm), range_(range), solved_(solved_from<N>(numbers, arm.coordinates())) {}
+    ClosedForm(const general_chain& arm, const ranges<double, dynamic>& range, const FamilyNumbers& numbers)
+        : arm_(arm), range_(range), solved_(solved_from(numbers, arm.coordinates())) {}
 
     void solve(const double* numbers, const double* near, const double* held, double position_tolerance,
                double orientation_tolerance, Configurations& found) const override {
         const int n = arm_.coordinates();
-        double values[capacity(N)];
+        double values[most_joints];
         for (int h = 0; h < solved_.held_count; ++h) {
             const int k = solved_.held[h];
             values[h] = held != nullptr ? held[h] : clamped(near[k], range_.lower[k], range_.upper[k]);
         }
-        configurations<double, N> all;
+        configurations<double, dynamic> all;
         find_all(arm_, solved_, range_, target_of_kind<Kind>(numbers), near, values, position_tolerance,
                  orientation_tolerance, all);
         found.count = all.count;
@@ -376,9 +373,9 @@ public:
     }
 
 private:
-    const chain<double, N, N>& arm_;
-    const ranges<double, N>& range_;
-    const solved_arm<double, N> solved_;
+    const general_chain& arm_;
+    const ranges<double, dynamic>& range_;
+    const solved_arm<double, dynamic> solved_;
 };
 
 // -- one arm ---------------------------------------------------------------------------------------------------------
@@ -409,5 +406,24 @@ protected:
 Engine* fixed_engine(const Model& metres, const Model& in_reaches);
 
 }  // namespace engines
+
+using engines::general_chain;
+using one_race = pack<double, lanes_at_once<double, searches_in_round>>;
+
+// The searches of an arm of any size: compiled with its engine, and called by what comes after them.
+#define TWISTARM_SEARCHES_OF(declared, Kind)                                                                           \
+    declared template void run_searches<one_race, Kind>(                                                               \
+        const general_chain&, const ranges<double, dynamic>&, const search_settings<double>&,                          \
+        lane_searches<one_race, dynamic>&, lane_starts<double, dynamic, number<one_race>::lanes>&,                     \
+        search_owner<one_race, double, dynamic>&);                                                                     \
+    declared template void polish_as<Kind>(const general_chain&, const ranges<double, dynamic>&,                       \
+                                           const search_settings<double>&, const target<double>&, const double*,       \
+                                           solution<double, dynamic>&);
+#define TWISTARM_SEARCHES(declared)                                                                                    \
+    TWISTARM_SEARCHES_OF(declared, target_kind::pose)                                                                  \
+    TWISTARM_SEARCHES_OF(declared, target_kind::position)                                                              \
+    TWISTARM_SEARCHES_OF(declared, target_kind::approach)                                                              \
+    TWISTARM_SEARCHES_OF(declared, target_kind::task)
+
 }  // namespace TWISTARM_INSTRUCTION_SET
 }  // namespace twistarm

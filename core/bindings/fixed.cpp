@@ -13,7 +13,7 @@ template <int N> class FixedEngine final : public GeneralEngine {
 public:
     FixedEngine(const Model& metres, const Model& in_reaches)
         : GeneralEngine(metres, in_reaches), fixed_(narrowed<double, N, N>(metres.arm)),
-          limits_(ranges_from(fixed_, metres.numbers)), scaled_(narrowed<double, N, N>(in_reaches.arm)),
+          scaled_(narrowed<double, N, N>(in_reaches.arm)),
           within_(ranges_from(scaled_, in_reaches.numbers)) {}
 
     void kinematics(const double* theta, std::size_t count, double* poses, double* spatial,
@@ -39,14 +39,8 @@ public:
         reach_targets<target_kind::pose>(scaled_, within_, conclusion_, query, chunk);
     }
 
-    ClosedFormEngine* closed_form(const FamilyNumbers& family) const override {
-        if (static_cast<target_kind>(family.kind) != target_kind::pose) return GeneralEngine::closed_form(family);
-        return new ClosedForm<target_kind::pose, N>(fixed_, limits_, family);
-    }
-
 private:
     const chain<double, N, N> fixed_;
-    const ranges<double, N> limits_;
     const chain<double, N, N> scaled_;
     const ranges<double, N> within_;
 };

@@ -1,4 +1,4 @@
-// The engine of any arm, and what comes after the searches of all: of one instruction set.
+// The engine of any arm, of one instruction set.
 #include "engines.hpp"
 
 #define TWISTARM_TEXT_OF(name) #name
@@ -6,23 +6,10 @@
 
 namespace twistarm {
 inline namespace TWISTARM_INSTRUCTION_SET {
-namespace engines {
 
-void Conclusion::make(const Query& query, const Question& question, const double* theta0,
-                      const solution<double, dynamic>& found, const double* ends, Clock& stopped,
-                      Answer& answer) const {
-    twistarm::answer<double, dynamic> whole;
-    double there[most_joints];
-    const double* posture = question.posture != nullptr ? reaches_.theta(question.posture, there) : nullptr;
-    conclude(arm_, range_, settings(query), reaches_.asked(target_from(query.kind, question.numbers)), theta0, query.seed, 1.0,
-             posture, stopped, found, ends, found.restarts, whole);
-    copy(whole.found, answer);
-    answer.stop = static_cast<int>(whole.stop);
-    answer.nearest = whole.nearest;
-    answer.other_branch = whole.other_branch;
-    answer.has_unlimited = whole.has_unlimited;
-    if (whole.has_unlimited) reaches_.back(whole.unlimited, false, answer.unlimited);
-}
+TWISTARM_SEARCHES()
+
+namespace engines {
 
 GeneralEngine::GeneralEngine(const Model& metres, const Model& in_reaches)
     : arm_(metres.arm), range_(ranges_from(arm_, metres.numbers)), scaled_(in_reaches.arm),
@@ -74,9 +61,9 @@ void GeneralEngine::split_rotation(int kind, const double* numbers, const double
 
 ClosedFormEngine* GeneralEngine::closed_form(const FamilyNumbers& family) const {
     switch (static_cast<target_kind>(family.kind)) {
-        case target_kind::pose: return new ClosedForm<target_kind::pose, dynamic>(arm_, range_, family);
-        case target_kind::position: return new ClosedForm<target_kind::position, dynamic>(arm_, range_, family);
-        case target_kind::approach: return new ClosedForm<target_kind::approach, dynamic>(arm_, range_, family);
+        case target_kind::pose: return new ClosedForm<target_kind::pose>(arm_, range_, family);
+        case target_kind::position: return new ClosedForm<target_kind::position>(arm_, range_, family);
+        case target_kind::approach: return new ClosedForm<target_kind::approach>(arm_, range_, family);
         case target_kind::task: break;
     }
     return nullptr;

@@ -27,6 +27,7 @@ std::vector<std::string> instruction_sets() {
 
 NB_MODULE(_core, module) {
     using namespace nb::literals;
+    if (*bindings::kernels() == nullptr) throw nb::import_error("it was compiled for a processor with more instructions");
     // A program may end while it holds arms.
     nb::set_leak_warnings(false);
     module.doc() = "The compiled kernels; `twistarm.arm.engine.core()` is the door to them.";

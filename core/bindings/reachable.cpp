@@ -11,13 +11,13 @@ namespace bindings {
 
 namespace {
 
-class Work final : public SharedWork {
+class ReachableWork final : public SharedWork {
 public:
-    Work(const Engine& engine, const Query& query, const Questions& asked, std::size_t n,
+    ReachableWork(const Engine& engine, const Query& query, const Questions& asked, std::size_t n,
          const std::vector<std::size_t>& chunks, bool* met, double* theta)
         : SharedWork(query.stopped, query.clock), engine_(engine), query_(query), asked_(asked), n_(n), chunks_(chunks),
           met_(met), theta_(theta) {
-        query_.stopped = [](const void* self) { return static_cast<const Work*>(self)->stopped(); };
+        query_.stopped = [](const void* self) { return static_cast<const ReachableWork*>(self)->stopped(); };
         query_.clock = this;
     }
 
@@ -74,7 +74,7 @@ nb::object Chain::reachable(nb::handle kind, nb::handle numbers, nb::handle thet
         const Deadline never(Deadline::none);
         settings.query.stopped = &Deadline::passed;
         settings.query.clock = &never;
-        Work work(*engine_, settings.query, asked, n_, begins, memory<bool>(met), memory(theta));
+        ReachableWork work(*engine_, settings.query, asked, n_, begins, memory<bool>(met), memory(theta));
         share(work, static_cast<int>(std::min<std::size_t>(workers, begins.size() - 1)), asked.count, progress);
         if (work.out_of_memory()) throw std::bad_alloc();
     }

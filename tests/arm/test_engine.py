@@ -167,7 +167,7 @@ def test_what_is_not_plain_is_left_to_python(core: ModuleType, rover: twistarm.A
 
 def test_a_batch_lets_other_threads_run(core: ModuleType, rover: twistarm.Arm) -> None:
     """No thread is made to give way, so `start` returns while the batch runs only if the batch gives way itself."""
-    chain = made(core, rover, "baseline")
+    chain = made(core, rover)
     theta = np.tile(rover.ready, (1_000_000, 1))
     thread = threading.Thread(target=chain.fk, args=(theta,))
     interval = sys.getswitchinterval()

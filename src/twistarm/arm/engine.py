@@ -26,7 +26,7 @@ MOST_JOINTS = 32
 _PACKAGE = __package__.partition(".")[0]
 _LOG = logging.getLogger(_PACKAGE)
 
-_AGAIN = "pip install --force-reinstall --no-deps --no-cache-dir twistarm (or . in a checkout)"
+_AGAIN = "pip install --force-reinstall --no-deps --no-cache-dir twistarm (in a checkout: make core)"
 
 
 class NumpyChain:

@@ -61,31 +61,28 @@ TWISTARM_INLINE void joint_column(const link<T>& joint, const V p[3], const V z[
             out.w[k] = out.w[k] * joint.turn;
         }
 }
-}  // namespace detail
 
-/// base · J₁ ⋯ J_M · tip at θ, `base` and `tip` in place of the chain's own.
 template <class V, class T, int N, int M>
 TWISTARM_INLINE void walk(const chain<T, N, M>& arm, const frame<V>& base, const frame<V>& tip, const V* theta, frame<V>& g) {
     const int joints = arm.joints();
     V x[capacity(M)];
-    detail::joint_values(arm, theta, x);
+    joint_values(arm, theta, x);
     g = base;
     TWISTARM_UNROLL
-    for (int i = 0; i < joints; ++i) detail::step_through(arm.links[i], i == 0, x[i], g);
+    for (int i = 0; i < joints; ++i) step_through(arm.links[i], i == 0, x[i], g);
     g = product(g, tip);
 }
 
-/// `walk`, and the tool's velocity for each of the M joints: of its origin and angular, in base axes.
 template <class V, class T, int N, int M>
 TWISTARM_INLINE void walk_with_joint_columns(const chain<T, N, M>& arm, const frame<V>& base, const frame<V>& tip,
                                              const V* theta, frame<V>& g, column<V>* moved) {
     const int joints = arm.joints();
     V x[capacity(M)], axis[capacity(M)][3], origin[capacity(M)][3];
-    detail::joint_values(arm, theta, x);
+    joint_values(arm, theta, x);
     g = base;
     TWISTARM_UNROLL
     for (int i = 0; i < joints; ++i) {
-        detail::step_through(arm.links[i], i == 0, x[i], g);
+        step_through(arm.links[i], i == 0, x[i], g);
         for (int k = 0; k < 3; ++k) {
             axis[i][k] = g.z[k];
             origin[i][k] = g.p[k];
@@ -93,7 +90,30 @@ TWISTARM_INLINE void walk_with_joint_columns(const chain<T, N, M>& arm, const fr
     }
     g = product(g, tip);
     TWISTARM_UNROLL
-    for (int i = 0; i < joints; ++i) detail::joint_column(arm.links[i], g.p, axis[i], origin[i], moved[i]);
+    for (int i = 0; i < joints; ++i) joint_column(arm.links[i], g.p, axis[i], origin[i], moved[i]);
+}
+}  // namespace detail
+
+/// base · J₁ ⋯ J_M · tip at θ, `base` and `tip` in place of the chain's own.
+template <class V, class T, int N, int M>
+TWISTARM_INLINE void walk(const chain<T, N, M>& arm, const frame<V>& base, const frame<V>& tip, const V* theta, frame<V>& g) {
+    detail::walk(arm, base, tip, theta, g);
+}
+template <class T, int N, int M>
+TWISTARM_CALLED void walk(const chain<T, N, M>& arm, const frame<T>& base, const frame<T>& tip, const T* theta, frame<T>& g) {
+    detail::walk(arm, base, tip, theta, g);
+}
+
+/// `walk`, and the tool's velocity for each of the M joints: of its origin and angular, in base axes.
+template <class V, class T, int N, int M>
+TWISTARM_INLINE void walk_with_joint_columns(const chain<T, N, M>& arm, const frame<V>& base, const frame<V>& tip,
+                                             const V* theta, frame<V>& g, column<V>* moved) {
+    detail::walk_with_joint_columns(arm, base, tip, theta, g, moved);
+}
+template <class T, int N, int M>
+TWISTARM_CALLED void walk_with_joint_columns(const chain<T, N, M>& arm, const frame<T>& base, const frame<T>& tip,
+                                             const T* theta, frame<T>& g, column<T>* moved) {
+    detail::walk_with_joint_columns(arm, base, tip, theta, g, moved);
 }
 
 /// `walk`, and the hybrid Jacobian's N columns: velocity of the tool's origin and angular velocity, in base axes.
