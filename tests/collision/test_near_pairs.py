@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from twistarm import Scene, load_arm
+from twistarm import Scene, ServoState, TwistCommand, load_arm, servo_step
 from twistarm.collision.near_pairs import LOOK
 
 STEP = 1e-5
@@ -45,3 +45,12 @@ def test_no_near_pair_is_left_out_and_approaches_are_derivatives(name: str) -> N
         assert differing.mean() < 0.1
         compared += apart.sum()
     assert compared > 60
+
+
+def test_a_scene_without_pairs_bounds_nothing() -> None:
+    arm = load_arm("scara")
+    scene, state = Scene(arm), ServoState.at(arm, arm.ready)
+    command = TwistCommand([0.05, 0.0, 0.0, 0.0, 0.0, 0.0])
+    assert scene.distance(arm.ready).metres == np.inf
+    free, bound = (servo_step(arm, state, command, 0.01, scene=each)[1] for each in (None, scene))
+    assert bound.theta_dot.tolist() == free.theta_dot.tolist()

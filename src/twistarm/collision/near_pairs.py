@@ -77,7 +77,7 @@ class NearPairs(Checker):
         centres = np.zeros((count, 4, len(objects)))
         centres[self._joints, :, np.arange(len(objects))] = self._at[:, :, 0]
         ways = centres[:, :, self._ball] - centres[:, :, self._box]
-        self._ways = ways[1:].reshape(-1, ways.shape[2]), ways[0, 1:]
+        self._ways = ways[1:].reshape(4 * (count - 1), len(self.pairs)), ways[0, 1:]
         quick = balls[self._ball] & np.isin(kinds, ("Sphere", "Capsule", "Box", "Halfspace"))[self._box]
         self._all_at_once = len(quick) - quick.sum() < FEW and not self._solids
 
