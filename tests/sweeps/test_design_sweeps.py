@@ -75,7 +75,7 @@ def test_a_design_without_an_arm_says_why_and_the_others_go_on(tmp_path):
 
 def test_a_function_that_fails_is_told_with_its_design():
     with pytest.raises(InputError, match=r"upper.*0.2.*ZeroDivisionError"):
-        sweep(two_links, PARAMETERS, lambda arm: {"ratio": 1 / 0})
+        sweep(two_links, PARAMETERS, lambda arm: {"ratio": 1 / 0}, workers=1)
 
 
 @pytest.mark.parametrize(

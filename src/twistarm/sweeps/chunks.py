@@ -112,8 +112,9 @@ class Sweep:
                 if not waiting:
                     return
                 finished = wait(waiting, return_when=FIRST_COMPLETED).done
-                # What is done comes before a failure, which ends the sweep.
-                for future in sorted(finished, key=lambda each: each.cancelled() or each.exception() is not None):
+                # What is done comes before a failure, which ends the sweep: the first of several, by the items.
+                failed = {each: each.cancelled() or each.exception() is not None for each in finished}
+                for future in sorted(finished, key=lambda each: (failed[each], waiting[each])):
                     yield waiting.pop(future), future.result()
         finally:
             for future in waiting:
