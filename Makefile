@@ -18,7 +18,8 @@ demo: $(VENV)/base
 	$(BIN)/twistarm demo
 
 # After a change of its sources.
-core: $(VENV)/base
+core:
+	[ -x $(BIN)/python ] || $(PYTHON) -m venv --upgrade-deps $(VENV)
 	$(BIN)/python tools/install.py
 
 guide: $(VENV)/base
@@ -120,12 +121,12 @@ clean:
 # The stamps say what is installed: the demo needs less than the tests. The pip of an old Python searches long for
 # versions that fit, or fails, so it is brought up to date.
 $(VENV)/base: pyproject.toml tools/install.py $(CORE)
-	[ -x $(BIN)/python ] || $(PYTHON) -m venv --upgrade-deps $(VENV)
+	$(PYTHON) -m venv --upgrade-deps $(VENV)
 	$(BIN)/python tools/install.py view,check,plan,obstacles,guide
 	@touch $@
 
 $(VENV)/dev: pyproject.toml tools/install.py $(CORE)
-	[ -x $(BIN)/python ] || $(PYTHON) -m venv --upgrade-deps $(VENV)
+	$(PYTHON) -m venv --upgrade-deps $(VENV)
 	$(BIN)/python tools/install.py dev
 	@touch $(VENV)/base $@
 

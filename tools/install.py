@@ -8,10 +8,12 @@ what has not changed is not compiled again.
 from __future__ import annotations
 
 import re
+import shutil
 import subprocess
 import sys
-import threading
+import sysconfig
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -61,35 +63,40 @@ def pip(*arguments: str, log: str) -> bool:
 
 
 def compile_core() -> bool:
-    """Whether twistarm._core is compiled. Without it twistarm works, slower, and says so."""
-    nanobind = [sys.executable, "-m", "nanobind", "--cmake_dir"]
-    found = subprocess.run(nanobind, capture_output=True, text=True).stdout.strip()
+    """Whether twistarm._core is compiled. An outdated one goes: without it twistarm works, slower, and says so."""
     beside = ROOT / "src" / "twistarm"
-    cmake = Path(sys.executable).with_name("cmake")
+    found = {
+        name: shutil.which(name, path=Path(sys.executable).parent) or shutil.which(name) for name in ("cmake", "ninja")
+    }
+    nanobind = subprocess.run([sys.executable, "-m", "nanobind", "--cmake_dir"], capture_output=True, text=True)
     options = {
         "TWISTARM_PYTHON": "ON",
         "TWISTARM_NATIVE": "ON",
         "Python_EXECUTABLE": sys.executable,
-        "nanobind_ROOT": found,
-        "CMAKE_MAKE_PROGRAM": cmake.with_name("ninja"),
+        "nanobind_ROOT": nanobind.stdout.strip(),
+        "CMAKE_MAKE_PROGRAM": found["ninja"],
         "CMAKE_LIBRARY_OUTPUT_DIRECTORY": beside,
     }
     given = [f"-D{name}={value}" for name, value in options.items()]
-    return run([cmake, "-S", ROOT / "core", "-B", BUILD, "-G", "Ninja", *given], BUILD / "configure.log") and run(
-        [cmake, "--build", BUILD], BUILD / "build.log"
-    )
+    configure = [found["cmake"], "-S", ROOT / "core", "-B", BUILD, "-G", "Ninja", *given]
+    done = all(found.values()) and run(configure, BUILD / "configure.log")
+    done = done and run([found["cmake"], "--build", BUILD], BUILD / "build.log")
+    if not done:
+        print("The core is not compiled. twistarm works without it, slower; mend what is said above, then: make core")
+        (beside / f"_core{sysconfig.get_config_var('EXT_SUFFIX')}").unlink(missing_ok=True)
+    return done
 
 
 def main(extras: str) -> int:
-    """Install, and return 0 if the packages are there."""
-    print("Installing twistarm's packages and compiling its core. On two cores that takes one to two minutes.")
+    """Install, and return 0 if the packages are there; without extras, if the core is compiled."""
+    what = "Installing twistarm's packages and compiling its core" if extras else "Compiling the core"
+    print(f"{what}. On two cores that takes one to two minutes.", flush=True)
     if not pip(*TOOLS, log="tools.log"):
         return 1
-    compiler = threading.Thread(target=compile_core)
-    compiler.start()
-    installed = not extras or pip("--no-build-isolation", "--editable", f".[{extras}]", log="packages.log")
-    compiler.join()
-    return 0 if installed else 1
+    with ThreadPoolExecutor(1) as beside:
+        compiled = beside.submit(compile_core)
+        installed = not extras or pip("--no-build-isolation", "--editable", f".[{extras}]", log="packages.log")
+    return 0 if installed and (extras or compiled.result()) else 1
 
 
 if __name__ == "__main__":

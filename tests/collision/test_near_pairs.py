@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 
 from twistarm import Scene, ServoState, TwistCommand, load_arm, servo_step
 from twistarm.collision.near_pairs import LOOK
+from twistarm.support.errors import UnitsWarning
 
 STEP = 1e-5
 
@@ -54,3 +58,11 @@ def test_a_scene_without_pairs_bounds_nothing() -> None:
     assert scene.distance(arm.ready).metres == np.inf
     free, bound = (servo_step(arm, state, command, 0.01, scene=each)[1] for each in (None, scene))
     assert bound.theta_dot.tolist() == free.theta_dot.tolist()
+
+
+@pytest.mark.parametrize("form", [list, np.array])
+def test_angles_in_degrees_are_told_in_any_form(form: Callable[[list[float]], Any]) -> None:
+    scene = Scene(load_arm("ur5"))
+    for ask in (scene.collides, scene.distance, scene.contacts):
+        with pytest.warns(UnitsWarning):
+            ask(form([90.0] * 6))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +17,13 @@ from ..arm.pinocchio_model import import_pinocchio
 from ..support.checks import Array, Given, Row, as_flag, as_number, as_pose, as_positive, as_vector, require_names
 from ..support.errors import InputError, listed, shown, unknown_name
 from ..support.files import as_path
+from ..support.units import TURN
 
 Placed = tuple[Mapping[str, Body], Mapping[str, frozenset[str]]]
 """Obstacles by name, and what those that a link holds may touch."""
 
 DOUBLE = np.dtype(np.float64)
+PLAIN = (2.0 * TURN) ** 2  # Angles that look like degrees are beyond two turns. NaN is no less.
 
 # How many numbers the size of an obstacle has.
 NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh": 3}
@@ -274,7 +275,7 @@ class Obstacles:
     def _plain(self, theta: Any) -> Array | None:
         """Theta if it is one array (n,) that is plainly right, because the checks take longer than the collisions."""
         if type(theta) is np.ndarray and theta.dtype is DOUBLE and theta.shape == self._shape:
-            return theta if isfinite(theta.dot(theta)) else None
+            return theta if theta.dot(theta) <= PLAIN else None
         return None
 
     def _relative(self, theta: ArrayLike, frame: str, link: str) -> Array:

@@ -86,7 +86,8 @@ def plan(
         unwrap: Whether joints that can turn by 2π go to configurations by the shorter way, from 3.1 to −3.1 by 0.08
             rad. To targets they always do.
         scene: A `Scene` of the arm, or None. The motion is then proven free without gaps, and a `FreeMove` goes round.
-        max_time: Greatest wall time [s] for the way of one `FreeMove`; a busy computer searches less in it.
+        max_time: Greatest wall time [s] for the way of one `FreeMove`; a busy computer searches less in it. If the
+            timed motion collides, which is rare, the ways are searched once more.
         clearance: How far [m] the states of a `FreeMove` keep from everything; less near its start and goal. A
             twentieth of it in the second half of `max_time`, for narrow gaps.
         progress: Called with the fraction done, in (0, 1], or None.
@@ -121,7 +122,9 @@ def plan(
 
     def planned(proven: bool) -> tuple[Trajectory, Hit | None]:
         path = None if free_path is None else partial(free_path, proven=proven)
-        router = Router(ranged, moves, goals, lambda done: tell(0.9 * done / len(moves)), around, path)
+        # The second round goes on from where the first has stopped.
+        low, share = (0.8, 0.1) if proven else (0.0, 0.8)
+        router = Router(ranged, moves, goals, lambda done: tell(low + share * done / len(moves)), around, path)
         parts, said = _route(router, inside)
         if back:
             parts.insert(0, PathPart(0, JointMove(inside), inside, JointPath.straight(origin, inside), last=False))

@@ -342,8 +342,10 @@ class StateInput(MessageInput):
 
     _state_of: Callable[[Arm, bytes, MotorSide | None], StateMessage]
 
-    def _begin(self, arm: Arm, timeout: float, units: str = "joint") -> None:
-        self._states = StateInbox(arm, timeout, units=units)
+    _units: str
+
+    def _begin(self, arm: Arm, timeout: float) -> None:
+        self._states = StateInbox(arm, timeout, units=self._units)
         self.motors = self._states.motors
 
         def parsed(text: bytes) -> tuple[Any, int | None]:

@@ -73,16 +73,14 @@ def checksum(body: bytes) -> int:
 class SerialLines(Closeable):
     """A serial port read and written in lines, a context manager.
 
-    timeout [s]: how long a message counts. units: see `MotorSide`, for joint states alone. Raises InputError for a port
-    that cannot be opened, MissingExtraError without pyserial.
+    timeout [s]: how long a message counts. Raises InputError for a port that cannot be opened, MissingExtraError
+    without pyserial.
     """
 
     _begin: Callable[..., None]
 
-    def __init__(
-        self, arm: Arm, port: str, baudrate: int = BAUDRATE, *, timeout: float = MESSAGE_TIMEOUT, **units: str
-    ) -> None:
-        self._begin(arm, timeout, **units)
+    def __init__(self, arm: Arm, port: str, baudrate: int = BAUDRATE, *, timeout: float = MESSAGE_TIMEOUT) -> None:
+        self._begin(arm, timeout)
         self.port = port
         self._serial = _opened(port, baudrate)
         self._rest = b""
@@ -115,6 +113,12 @@ class SerialRobot(SerialLines, StateInput):
     """
 
     _state_of = staticmethod(parse_state_line)
+
+    def __init__(
+        self, arm: Arm, port: str, baudrate: int = BAUDRATE, *, timeout: float = MESSAGE_TIMEOUT, units: str = "joint"
+    ) -> None:
+        self._units = units
+        super().__init__(arm, port, baudrate, timeout=timeout)
 
     def write(self, setpoint: Setpoint) -> None:
         """Send the setpoint. Raises OSError where the port is gone or too slow."""

@@ -64,7 +64,7 @@ class Receiver(Socket):
     """A socket that listens on host and port (0: a free one, see `address`).
 
     timeout [s]: how long a message counts. senders: allowed hosts, empty for all. key: the key that signs the datagrams
-    (see `Signer`, `read_key`). units: see `MotorSide`, for joint states alone. The inbox's note counts the dropped
+    (see `Signer`, `read_key`). The inbox's note counts the dropped
     datagrams and gives the last reason. Raises InputError for an unusable host or port, and for an invalid key.
     """
 
@@ -80,9 +80,8 @@ class Receiver(Socket):
         timeout: float = MESSAGE_TIMEOUT,
         senders: Collection[str] = (),
         key: bytes | None = None,
-        **units: str,
     ) -> None:
-        self._begin(arm, timeout, **units)
+        self._begin(arm, timeout)
         self._allowed = _addresses(require_names(senders, "senders"))
         self._verifier = None if key is None else Verifier(key)
         self._left_out = 0
@@ -118,13 +117,27 @@ class Receiver(Socket):
 
 
 class UdpSource(Receiver, CommandInput):
-    """Commands from datagrams. A sender is an address with its port. Without `units`."""
+    """Commands from datagrams. A sender is an address with its port."""
 
 
 class UdpFeedback(Receiver, StateInput):
     """Joint states from datagrams. units: "joint", or "motor" or "counts" for a robot that reports its motors."""
 
     _state_of = staticmethod(parse_state)
+
+    def __init__(
+        self,
+        arm: Arm,
+        host: str = LOOPBACK,
+        port: int = 0,
+        *,
+        timeout: float = MESSAGE_TIMEOUT,
+        senders: Collection[str] = (),
+        key: bytes | None = None,
+        units: str = "joint",
+    ) -> None:
+        self._units = units
+        super().__init__(arm, host, port, timeout=timeout, senders=senders, key=key)
 
 
 class UdpSink(Socket):
