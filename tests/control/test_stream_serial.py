@@ -20,6 +20,7 @@ from twistarm.control.stream import (
     Setpoint,
     StateInbox,
     UdpFeedback,
+    UdpSource,
     parse_state,
     run,
     setpoint_message,
@@ -207,3 +208,5 @@ def test_units_that_cannot_be(rover, driven):
         UdpFeedback(driven, units="degrees")
     with pytest.raises(InputError, match="need actuators for each joint of rover_arm"):
         UdpFeedback(replace(rover, actuators=None), units="motor")
+    with pytest.raises(InputError, match="units of commands must be 'joint'"):
+        UdpSource(driven, units="motor")

@@ -15,7 +15,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm, require_arm
-from ...support.checks import as_number, as_positive, as_theta, frozen, require, require_mapping
+from ...support.checks import as_number, as_positive, as_theta, frozen, require, require_choice, require_mapping
 from ...support.errors import InputError, closest, listed, one_line, shown
 from ...support.strict_json import LARGEST_MESSAGE
 from ..servo import AnyCommand, JogCommand, ServoState, TwistCommand
@@ -320,8 +320,9 @@ class MessageInput(ABC):
 class CommandInput(MessageInput):
     """A source of commands and interlock messages as JSON (`command_of`)."""
 
-    def _begin(self, arm: Arm, timeout: float) -> None:
+    def _begin(self, arm: Arm, timeout: float, units: str) -> None:
         require_arm(arm)
+        require_choice(units, ("joint",), "units of commands")
         self._commands = Inbox(timeout)
         super().__init__(self._commands, lambda text: parse_command(arm, text))
 
@@ -342,10 +343,8 @@ class StateInput(MessageInput):
 
     _state_of: Callable[[Arm, bytes, MotorSide | None], StateMessage]
 
-    _units: str
-
-    def _begin(self, arm: Arm, timeout: float) -> None:
-        self._states = StateInbox(arm, timeout, units=self._units)
+    def _begin(self, arm: Arm, timeout: float, units: str) -> None:
+        self._states = StateInbox(arm, timeout, units=units)
         self.motors = self._states.motors
 
         def parsed(text: bytes) -> tuple[Any, int | None]:

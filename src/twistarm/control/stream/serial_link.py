@@ -73,14 +73,16 @@ def checksum(body: bytes) -> int:
 class SerialLines(Closeable):
     """A serial port read and written in lines, a context manager.
 
-    timeout [s]: how long a message counts. Raises InputError for a port that cannot be opened, MissingExtraError
-    without pyserial.
+    timeout [s]: how long a message counts. units: "joint"; of a robot also "motor" or "counts" (see `MotorSide`).
+    Raises InputError for a port that cannot be opened, MissingExtraError without pyserial.
     """
 
     _begin: Callable[..., None]
 
-    def __init__(self, arm: Arm, port: str, baudrate: int = BAUDRATE, *, timeout: float = MESSAGE_TIMEOUT) -> None:
-        self._begin(arm, timeout)
+    def __init__(
+        self, arm: Arm, port: str, baudrate: int = BAUDRATE, *, timeout: float = MESSAGE_TIMEOUT, units: str = "joint"
+    ) -> None:
+        self._begin(arm, timeout, units)
         self.port = port
         self._serial = _opened(port, baudrate)
         self._rest = b""
@@ -107,18 +109,9 @@ class SerialSource(SerialLines, CommandInput):
 
 
 class SerialRobot(SerialLines, StateInput):
-    """A robot at a serial port: setpoint lines out, joint state lines in.
-
-    units: "joint", or "motor" or "counts" for a robot without joint values (see `MotorSide`).
-    """
+    """A robot at a serial port: setpoint lines out, joint state lines in."""
 
     _state_of = staticmethod(parse_state_line)
-
-    def __init__(
-        self, arm: Arm, port: str, baudrate: int = BAUDRATE, *, timeout: float = MESSAGE_TIMEOUT, units: str = "joint"
-    ) -> None:
-        self._units = units
-        super().__init__(arm, port, baudrate, timeout=timeout)
 
     def write(self, setpoint: Setpoint) -> None:
         """Send the setpoint. Raises OSError where the port is gone or too slow."""

@@ -64,8 +64,9 @@ class Receiver(Socket):
     """A socket that listens on host and port (0: a free one, see `address`).
 
     timeout [s]: how long a message counts. senders: allowed hosts, empty for all. key: the key that signs the datagrams
-    (see `Signer`, `read_key`). The inbox's note counts the dropped
-    datagrams and gives the last reason. Raises InputError for an unusable host or port, and for an invalid key.
+    (see `Signer`, `read_key`). units: "joint"; of joint states also "motor" or "counts" (see `MotorSide`). The inbox's
+    note counts the dropped datagrams and gives the last reason. Raises InputError for an unusable host or port, and for
+    an invalid key.
     """
 
     _inbox: Inbox | StateInbox
@@ -80,8 +81,9 @@ class Receiver(Socket):
         timeout: float = MESSAGE_TIMEOUT,
         senders: Collection[str] = (),
         key: bytes | None = None,
+        units: str = "joint",
     ) -> None:
-        self._begin(arm, timeout)
+        self._begin(arm, timeout, units)
         self._allowed = _addresses(require_names(senders, "senders"))
         self._verifier = None if key is None else Verifier(key)
         self._left_out = 0
@@ -121,23 +123,9 @@ class UdpSource(Receiver, CommandInput):
 
 
 class UdpFeedback(Receiver, StateInput):
-    """Joint states from datagrams. units: "joint", or "motor" or "counts" for a robot that reports its motors."""
+    """Joint states from datagrams."""
 
     _state_of = staticmethod(parse_state)
-
-    def __init__(
-        self,
-        arm: Arm,
-        host: str = LOOPBACK,
-        port: int = 0,
-        *,
-        timeout: float = MESSAGE_TIMEOUT,
-        senders: Collection[str] = (),
-        key: bytes | None = None,
-        units: str = "joint",
-    ) -> None:
-        self._units = units
-        super().__init__(arm, host, port, timeout=timeout, senders=senders, key=key)
 
 
 class UdpSink(Socket):
