@@ -57,11 +57,11 @@ class Checker:
         self._kept = [any(self.bodies[i].solid for i in pair) for pair in self.pairs]
         self._shared, self._local = threading.local(), threading.local()
 
-    def with_margins(self, margins: Sequence[float]) -> Checker:
+    def with_margins(self, margins: Sequence[float] | Array) -> Checker:
         """The same bodies and pairs with other margins [m]. Those of kept triangles are not negative: Coal has none."""
         other = copy(self)
-        least = (0.0 if kept else -np.inf for kept in self._kept)
-        other.margins, other._local = tuple(map(max, margins, least)), threading.local()
+        other.margins = tuple(np.maximum(margins, np.where(self._kept, 0.0, -np.inf)).tolist())
+        other._local = threading.local()
         other.__dict__.pop("_tables", None)
         return other
 
