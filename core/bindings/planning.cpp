@@ -15,15 +15,14 @@ class Given {
 public:
     using Path = twistarm::limited_path<double>;
     using Limits = twistarm::interval_limits<double>;
-    Given(nb::handle breakpoints, nb::handle coefficients, nb::handle velocity, nb::handle acceleration, nb::handle ceiling,
-          nb::handle grid)
+    Given(nb::handle breakpoints, nb::handle coefficients, nb::handle velocity, nb::handle acceleration,
+          nb::handle ceiling, nb::handle grid)
         : grid_(grid) {
         const Numbers b(breakpoints), c(coefficients), v(velocity), a(acceleration), top(ceiling);
         if (!c.plain() || c.dimensions() != 3 || !grid_.plain() || grid_.dimensions() != 1) return;
         const std::size_t pieces = c.shape(1), rows = c.shape(2), points = grid_.shape(0);
-        if (points < 2 || points > most_intervals || pieces > most_intervals || rows > most_intervals || c.shape(0) < 1 ||
-            c.shape(0) > most_intervals)
-            return;
+        if (points < 2 || points > most_intervals || pieces > most_intervals || rows > most_intervals) return;
+        if (c.shape(0) < 1 || c.shape(0) > most_intervals) return;
         if (!b.is(pieces + 1) || !top.is(pieces) || !v.is(rows) || !a.is(rows)) return;
         path = {static_cast<int>(c.shape(0)) - 1, static_cast<int>(pieces), static_cast<int>(rows), b.data(), c.data(),
                 v.data(), a.data(), top.data()};
@@ -54,11 +53,13 @@ nb::object path_velocity(nb::handle breakpoints, nb::handle coefficients, nb::ha
     return nb::make_tuple(x, share);
 }
 
-nb::object shares_of_average(nb::handle breakpoints, nb::handle coefficients, nb::handle velocity, nb::handle acceleration,
-                             nb::handle ceiling, nb::handle grid, nb::handle x, nb::handle jerk, double window) {
+nb::object shares_of_average(nb::handle breakpoints, nb::handle coefficients, nb::handle velocity,
+                             nb::handle acceleration, nb::handle ceiling, nb::handle grid, nb::handle x,
+                             nb::handle jerk, double window) {
     const Given given(breakpoints, coefficients, velocity, acceleration, ceiling, grid);
     const Numbers law(x), limits(jerk);
-    if (!given.fits || !law.is(given.intervals() + 1) || !limits.is(given.path.rows) || !(window > 0.0)) return nb::none();
+    if (!given.fits || !law.is(given.intervals() + 1) || !limits.is(given.path.rows)) return nb::none();
+    if (!(window > 0.0)) return nb::none();
     nb::object shares = NumPy::get().empty(nb::make_tuple(3, given.path.pieces));
     nb::object fastest = NumPy::get().empty(nb::make_tuple(given.path.pieces));
     std::vector<double> scratch(3 * law.size());

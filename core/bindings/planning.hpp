@@ -12,7 +12,8 @@ nb::object path_velocity(nb::handle breakpoints, nb::handle coefficients, nb::ha
 
 // Returns the shares (3, m) of the limits that the law x (N + 1,) uses once it is averaged over a window [s], and the
 // largest ṡ (m,). None as above, and for no positive window.
-nb::object shares_of_average(nb::handle breakpoints, nb::handle coefficients, nb::handle velocity, nb::handle acceleration,
-                             nb::handle ceiling, nb::handle grid, nb::handle x, nb::handle jerk, double window);
+nb::object shares_of_average(nb::handle breakpoints, nb::handle coefficients, nb::handle velocity,
+                             nb::handle acceleration, nb::handle ceiling, nb::handle grid, nb::handle x,
+                             nb::handle jerk, double window);
 
 }  // namespace bindings

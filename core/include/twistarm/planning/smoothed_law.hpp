@@ -124,8 +124,8 @@ private:
 }  // namespace detail
 
 /// What shares of the limits of velocity, acceleration and jerk (rows) the averaged law uses on each piece of the path,
-/// `shares` (3, pieces), and the largest ṡ there, `fastest` (pieces). It looks at both ends and the middle of each part.
-/// Parts end at the knots of the law, and about where the pieces of the path do. `scratch` holds 3 (count + 1).
+/// `shares` (3, pieces), and the largest ṡ there, `fastest` (pieces). It looks at both ends and the middle of each
+/// part. Parts end at the knots of the law, and about where pieces of the path do. `scratch` holds 3 (count + 1).
 template <class T>
 void shares_of_average(const limited_path<T>& path, const T* jerk, const grid_law<T>& law, T window, T* scratch,
                        T* shares, T* fastest) {
