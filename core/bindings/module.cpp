@@ -8,6 +8,7 @@
 
 #include "chain.hpp"
 #include "closed_form.hpp"
+#include "gaps.hpp"
 #include "planning.hpp"
 #include "servo.hpp"
 #include "targets.hpp"
@@ -73,4 +74,9 @@ NB_MODULE(_core, module) {
                       nb::handle, nb::handle, nb::handle, double, double, double, bool>())
         .def("step", &bindings::Servo::step, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg(), nb::arg(),
              nb::arg().none(), nb::arg(), nb::arg(), nb::arg().none());
+    nb::class_<bindings::Gaps>(module, "Gaps")
+        .def(nb::init<std::vector<int>, nb::handle, std::vector<int>, std::vector<int>, nb::handle, nb::handle>())
+        .def("near", &bindings::Gaps::near)
+        .def("nearest", &bindings::Gaps::nearest)
+        .def("measure", &bindings::Gaps::measure);
 }
