@@ -39,10 +39,27 @@ def path_velocity(
     grid: object,
     most: float,
     /,
-) -> tuple[Array, Array, Array] | None:
-    """x (N + 1,) at most `most`, share (N,) and which (N,) on a grid along a `LimitedPath`: a `Profile`.
+) -> tuple[Array, Array] | None:
+    """x (N + 1,) at most `most` and share (N,) on a grid along a `LimitedPath`: a `Profile`.
 
     None for what is no plain array, and for paths of more rows or of a higher degree than the core takes.
+    """
+
+def shares_of_average(
+    breakpoints: object,
+    coefficients: object,
+    velocity: object,
+    acceleration: object,
+    ceiling: object,
+    grid: object,
+    x: object,
+    jerk: object,
+    window: float,
+    /,
+) -> tuple[Array, Array] | None:
+    """The shares (3, m) of the limits that the law x (N + 1,) uses, averaged over a window [s], and the largest ṡ (m,).
+
+    None as for `path_velocity`.
     """
 
 class Chain:
