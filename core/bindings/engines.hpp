@@ -48,13 +48,12 @@ template <class V> void write_pose(const frame<V>& g, int count, double* poses) 
     }
 }
 
-template <class V> void write_jacobian(const column<V>* columns, int n, int count, double* J) {
+template <class V> void write_column(const column<V>& moved, int i, int n, int count, double* J) {
     for (int l = 0; l < count; ++l, J += 6 * n)
-        for (int i = 0; i < n; ++i)
-            for (int k = 0; k < 3; ++k) {
-                J[k * n + i] = lane(columns[i].v[k], l);
-                J[(k + 3) * n + i] = lane(columns[i].w[k], l);
-            }
+        for (int k = 0; k < 3; ++k) {
+            J[k * n + i] = lane(moved.v[k], l);
+            J[(k + 3) * n + i] = lane(moved.w[k], l);
+        }
 }
 
 using some = pack<double, lanes_at_once<double>>;
@@ -72,16 +71,10 @@ void several(const chain<double, N, N>& arm, const double* theta, int count, dou
     }
     column<some> columns[capacity(N)];
     frame<some> g;
-    if (body != nullptr) {
-        g = forward_with_body_jacobian(arm, x, columns);
-        write_jacobian(columns, n, count, body);
-    } else if (spatial == nullptr) {
-        g = forward(arm, x);
-    }
-    if (spatial != nullptr) {
-        g = forward_with_spatial_jacobian(arm, x, columns);
-        write_jacobian(columns, n, count, spatial);
-    }
+    if (body == nullptr && spatial == nullptr) g = forward(arm, x);
+    else g = forward_with_columns(arm, x, columns);
+    for (int i = 0; body != nullptr && i < n; ++i) write_column(body_column(g, columns[i]), i, n, count, body);
+    for (int i = 0; spatial != nullptr && i < n; ++i) write_column(spatial_column(g, columns[i]), i, n, count, spatial);
     if (poses != nullptr) write_pose(g, count, poses);
 }
 
