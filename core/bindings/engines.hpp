@@ -326,7 +326,6 @@ public:
 
     void solve(const double* numbers, const double* near, const double* held, double position_tolerance,
                double orientation_tolerance, Configurations& found) const override {
-        const int n = arm_.coordinates();
         double values[most_joints];
         for (int h = 0; h < solved_.held_count; ++h) {
             const int k = solved_.held[h];
@@ -335,19 +334,28 @@ public:
         configurations<double, dynamic> all;
         find_all(arm_, solved_, range_, target_of_kind<Kind>(numbers), near, values, position_tolerance,
                  orientation_tolerance, all);
-        found.count = all.count;
-        found.inside = all.inside;
-        found.left = found.families = 0;
-        for (int i = 0; i < all.count; ++i) {
-            found.families += all.found[i].family;
-            found.left += i >= all.inside && all.found[i].family;
-            double* const row = found.rows + i * 2 * n;
-            found.distance[i] = all.found[i].distance;
-            for (int k = 0; k < n; ++k) {
-                row[k] = all.found[i].theta[k];
-                row[n + k] = (all.found[i].free >> k & 1U) != 0 ? 1.0 : 0.0;
+        write(all, found);
+    }
+
+    void verify(const double* numbers, const double* near, const double* rows, std::size_t count,
+                double position_tolerance, double orientation_tolerance, Configurations& found) const override {
+        const auto n = static_cast<std::size_t>(arm_.coordinates());
+        double held[most_joints];
+        for (int h = 0; h < solved_.held_count && count != 0; ++h) held[h] = rows[solved_.held[h]];
+        std::size_t taken = 0;
+        const auto next = [&](int, closed_form::candidate_list<double>& some) {
+            for (; taken < count && some.count < bindings::most_candidates; ++taken) {
+                closed_form::candidate<double> one{{}, 1};  // As if free to move: Newton's method has time to come from afar.
+                for (int i = 0; i < solved_.family.count; ++i)
+                    if (const int k = solved_.joint[i]; k >= 0) one.x[i] = rows[taken * n + static_cast<std::size_t>(k)] * solved_.rate[k];
+                some.add(one);
             }
-        }
+            return taken < count;
+        };
+        configurations<double, dynamic> all;
+        find_among(arm_, solved_, range_, target_of_kind<Kind>(numbers), near, held, position_tolerance,
+                   orientation_tolerance, next, all);
+        write(all, found);
     }
 
     int candidates(const double* numbers, const double* near, const double* held, double slack, int nth, unsigned& open,
@@ -366,6 +374,23 @@ public:
     }
 
 private:
+    void write(const configurations<double, dynamic>& all, Configurations& found) const {
+        const int n = arm_.coordinates();
+        found.count = all.count;
+        found.inside = all.inside;
+        found.left = found.families = 0;
+        for (int i = 0; i < all.count; ++i) {
+            found.families += all.found[i].family;
+            found.left += i >= all.inside && all.found[i].family;
+            double* const row = found.rows + i * 2 * n;
+            found.distance[i] = all.found[i].distance;
+            for (int k = 0; k < n; ++k) {
+                row[k] = all.found[i].theta[k];
+                row[n + k] = (all.found[i].free >> k & 1U) != 0 ? 1.0 : 0.0;
+            }
+        }
+    }
+
     const general_chain& arm_;
     const ranges<double, dynamic>& range_;
     const solved_arm<double, dynamic> solved_;
