@@ -67,6 +67,8 @@ NB_MODULE(_core, module) {
                       nb::handle, nb::handle, nb::handle>())
         .def("solve", &bindings::ClosedForm::solve, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
              nb::arg().none())
+        .def("verify", &bindings::ClosedForm::verify, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
+             nb::arg().none())
         .def("candidates", &bindings::ClosedForm::candidates, nb::arg().none(), nb::arg().none(), nb::arg().none(),
              nb::arg().none())
         .def("solve_batch", &bindings::ClosedForm::solve_batch, nb::arg().none(), nb::arg().none(), nb::arg().none(),

@@ -188,6 +188,10 @@ class ClosedForm:
 
         held: values (m, h) of the held joints, each of which is tried; None for those of theta0.
         """
+    def verify(
+        self, numbers: object, theta0: object, candidates: object, position_tol: object, orientation_tol: object, /
+    ) -> tuple[Array, int, int, int, int] | None:
+        """Every configuration among candidates (k, n), as `solve` gives them. Held joints are as in the first."""
     def candidates(self, numbers: object, theta0: object, held: object, slack: object, /) -> Array | None:
         """Candidates (k, n) that forward kinematics has not verified, with held joints at values (h,).
 
