@@ -8,6 +8,7 @@
 
 #include "chain.hpp"
 #include "closed_form.hpp"
+#include "gaps.hpp"
 #include "planning.hpp"
 #include "servo.hpp"
 #include "targets.hpp"
@@ -39,6 +40,8 @@ NB_MODULE(_core, module) {
     module.def("task", &bindings::task, nb::arg().none(), nb::arg().none(), nb::arg());
     module.def("path_velocity", &bindings::path_velocity, nb::arg().none(), nb::arg().none(), nb::arg().none(),
                nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg());
+    module.def("shares_of_average", &bindings::shares_of_average, nb::arg().none(), nb::arg().none(), nb::arg().none(),
+               nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg());
     nb::class_<Chain>(module, "Chain")
         .def(nb::init<nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, double,
                       const std::string&>(),
@@ -64,6 +67,8 @@ NB_MODULE(_core, module) {
                       nb::handle, nb::handle, nb::handle>())
         .def("solve", &bindings::ClosedForm::solve, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
              nb::arg().none())
+        .def("verify", &bindings::ClosedForm::verify, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
+             nb::arg().none())
         .def("candidates", &bindings::ClosedForm::candidates, nb::arg().none(), nb::arg().none(), nb::arg().none(),
              nb::arg().none())
         .def("solve_batch", &bindings::ClosedForm::solve_batch, nb::arg().none(), nb::arg().none(), nb::arg().none(),
@@ -73,4 +78,9 @@ NB_MODULE(_core, module) {
                       nb::handle, nb::handle, nb::handle, double, double, double, bool>())
         .def("step", &bindings::Servo::step, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg(), nb::arg(),
              nb::arg().none(), nb::arg(), nb::arg(), nb::arg().none());
+    nb::class_<bindings::Gaps>(module, "Gaps")
+        .def(nb::init<std::vector<int>, nb::handle, std::vector<int>, std::vector<int>, nb::handle, nb::handle>())
+        .def("near", &bindings::Gaps::near)
+        .def("nearest", &bindings::Gaps::nearest)
+        .def("measure", &bindings::Gaps::measure);
 }

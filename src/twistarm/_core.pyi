@@ -5,6 +5,7 @@ where an argument is another, or out of its range. Python then says what is wron
 kinematics a single row beyond two turns goes to Python too, as it may be in degrees.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -38,10 +39,27 @@ def path_velocity(
     grid: object,
     most: float,
     /,
-) -> tuple[Array, Array, Array] | None:
-    """x (N + 1,) at most `most`, share (N,) and which (N,) on a grid along a `LimitedPath`: a `Profile`.
+) -> tuple[Array, Array] | None:
+    """x (N + 1,) at most `most` and share (N,) on a grid along a `LimitedPath`: a `Profile`.
 
     None for what is no plain array, and for paths of more rows or of a higher degree than the core takes.
+    """
+
+def shares_of_average(
+    breakpoints: object,
+    coefficients: object,
+    velocity: object,
+    acceleration: object,
+    ceiling: object,
+    grid: object,
+    x: object,
+    jerk: object,
+    window: float,
+    /,
+) -> tuple[Array, Array] | None:
+    """The shares (3, m) of the limits that the law x (N + 1,) uses, averaged over a window [s], and the largest ṡ (m,).
+
+    None as for `path_velocity`.
     """
 
 class Chain:
@@ -170,6 +188,10 @@ class ClosedForm:
 
         held: values (m, h) of the held joints, each of which is tried; None for those of theta0.
         """
+    def verify(
+        self, numbers: object, theta0: object, candidates: object, position_tol: object, orientation_tol: object, /
+    ) -> tuple[Array, int, int, int, int] | None:
+        """Every configuration among candidates (k, n), as `solve` gives them. Held joints are as in the first."""
     def candidates(self, numbers: object, theta0: object, held: object, slack: object, /) -> Array | None:
         """Candidates (k, n) that forward kinematics has not verified, with held joints at values (h,).
 
@@ -228,3 +250,26 @@ class Servo:
         kind 0 for no command, else with flags and numbers as in control/servo/command.py. near (k, n + 2): how joints
         bring k pairs of bodies closer, the room of each pair and its time; at most 16 count.
         """
+
+class Gaps:
+    """Lower bounds of the distances of pairs of bodies: of a ball round one and a rounded box round the other.
+
+    Each body has its joint, 0 for the world, and [p R] (3, 4) of its box in the frame of that joint. Each pair has the
+    body with the ball and that with the box, half the box (3,), and the radii of both together. `frames` are [p R] of
+    all joints but the world, side by side (3, 4 m).
+    """
+
+    def __init__(
+        self, joints: list[int], placements: Array, balls: list[int], boxes: list[int], half: Array, radius: Array, /
+    ) -> None: ...
+    def near(self, frames: Array, limits: Array, /) -> tuple[NDArray[np.int64], Array]:
+        """The pairs (j,) whose gap is below their limit (k,), and these gaps (j,) [m]."""
+
+    def nearest(self, frames: Array, start: int, slack: float, measure: Callable[[int], float], /) -> tuple[int, float]:
+        """The pair of the smallest distance, the first of equal ones, and that distance [m].
+
+        `measure` gives the distance of a pair, less than the gap by at most `slack`. `start` is measured first.
+        """
+
+    def measure(self, frames: Array, pairs: list[int], /) -> Array:
+        """The gap of each of these pairs, its direction from first body to second, and its moment: (j, 7)."""

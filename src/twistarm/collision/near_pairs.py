@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 
 from ..arm.bodies import Body
 from ..arm.checker import Checker
+from ..arm.engine import gaps_of
 from ..arm.pinocchio_model import PinocchioModel
 from ..support.checks import Array
 from .swept import ancestors, pair_speeds
 
-ENDLESS = 1e3  # Half the size [m] of a plane without end.
+ENDLESS = 1e3  # Half the depth of a half-space [m].
 LOOK = 0.05  # Pairs nearer than this beyond their margin [m] are always near.
-FEW = 40  # So many pairs of other shapes than spheres are measured sooner than bounded.
-WORLD = np.eye(3, 4, 1)[None]  # [p R] of the world.
 ROUNDING = 1e-6  # What bounds may be too large by rounding, and distances too small by GJK's tolerance [m].
 
 Indices = NDArray[np.signedinteger[Any]]
@@ -28,8 +27,8 @@ Indices = NDArray[np.signedinteger[Any]]
 class NearPairs(Checker):
     """Finds the near pairs of a scene. `speeds` (pairs, n) bounds how fast each coordinate brings a pair closer.
 
-    A distance is at least that of the ball round the smaller body and the rounded box round the larger one. For balls
-    against balls, capsules, boxes and planes it is just that.
+    A distance is at least that of the ball round the smaller body and the rounded box round the larger one. For the
+    pairs `exact`, spheres against spheres, capsules, boxes and half-spaces, it is just that.
     """
 
     def __init__(
@@ -51,136 +50,138 @@ class NearPairs(Checker):
         self.between = np.zeros((len(self.pairs), model.model.nv))
         for j in range(1, count):
             self.between[:, model.model.idx_vs[j]] = (carried[first] - carried[second])[:, j]
+        self._last = 0  # the nearest pair of the last question, likely that of the next
         objects = list(self._geometry.geometryObjects)
-        self._joints = np.array([each.parentJoint for each in objects], dtype=int)
-        boxes = [body.shape.aabb_local for body in self.bodies]
-        low = np.array([box.min_ for box in boxes]).reshape(-1, 3).clip(-ENDLESS, ENDLESS)
-        high = np.array([box.max_ for box in boxes]).reshape(-1, 3).clip(-ENDLESS, ENDLESS)
-        half, centre = 0.5 * (high - low), 0.5 * (low + high)
         kinds = np.array([type(body.shape).__name__ for body in self.bodies], dtype=str)
-        balls = kinds == "Sphere"
+        boxes = [body.shape.aabb_local for body in self.bodies]
+        low = np.array([box.min_ for box in boxes]).reshape(-1, 3)
+        high = np.array([box.max_ for box in boxes]).reshape(-1, 3)
+        flat, balls = kinds == "Halfspace", kinds == "Sphere"
+        low[flat], high[flat] = (-ENDLESS, -ENDLESS, -2.0 * ENDLESS), (ENDLESS, ENDLESS, 0.0)
+        half, centre = 0.5 * (high - low), 0.5 * (low + high)
         edge = np.where(balls | (kinds == "Capsule"), half.min(axis=1, initial=np.inf), 0.0)
+        half[flat, :2] = np.inf
         radius = np.where(balls, edge, np.linalg.norm(half, axis=1))
-        # [1 0; c R] puts the centre c and the axes R of each box into frames [p R].
-        self._at = np.zeros((len(objects), 4, 4))
-        for at, each, middle in zip(self._at, objects, centre, strict=True):
-            at[0, 0], at[1:, 0], at[1:, 1:] = 1.0, each.placement.act(middle), each.placement.rotation
         # The ball of a sphere, or else of the smaller body of a pair, and the box of the other.
         rank = np.where(balls, radius - ENDLESS, radius)
         swapped = rank[first] > rank[second]
-        self._ball, self._box = np.where(swapped, second, first), np.where(swapped, first, second)
-        self._half = (half - edge[:, None])[self._box].T.copy()
-        self._radius = radius[self._ball] + edge[self._box]
-        endless = np.where(self._half.max(axis=0, initial=0.0) < 0.5 * ENDLESS, 0.0, np.inf)
-        self._balls = self._radius + np.linalg.norm(self._half, axis=0) + endless + ROUNDING
-        # The way between the centres of a pair is joint_frames @ ways[0] + ways[1].
-        centres = np.zeros((count, 4, len(objects)))
-        centres[self._joints, :, np.arange(len(objects))] = self._at[:, :, 0]
-        ways = centres[:, :, self._ball] - centres[:, :, self._box]
-        self._ways = ways[1:].reshape(4 * (count - 1), len(self.pairs)), ways[0, 1:]
-        quick = balls[self._ball] & np.isin(kinds, ("Sphere", "Capsule", "Box", "Halfspace"))[self._box]
-        self._all_at_once = len(quick) - quick.sum() < FEW and not self._solids
+        ball, box = np.where(swapped, second, first), np.where(swapped, first, second)
+        self.exact = balls[ball] & np.isin(kinds, ("Sphere", "Capsule", "Box", "Halfspace"))[box]
+        # [p R] of each box in the frame of its joint.
+        at = np.empty((len(objects), 3, 4))
+        for rows, each, middle in zip(at, objects, centre, strict=True):
+            rows[:, 0], rows[:, 1:] = each.placement.act(middle), each.placement.rotation
+        joints, around = [each.parentJoint for each in objects], radius[ball] + edge[box]
+        around[~self.exact] += ROUNDING
+        self._gaps = gaps_of(joints, at, ball.tolist(), box.tolist(), (half - edge[:, None])[box], around)
+        self.exact &= self._gaps is not None
 
     def _cover(self, most: Array) -> None:
         """Take speeds that hold while |theta| is at most `most` (n,)."""
         self._most = most
         self.speeds = pair_speeds(self._model, self.bodies, self.pairs, most)
-        self._fastest = self.speeds.max(axis=0, initial=0.0)
 
     def nearest(self, theta: Array) -> tuple[int, float, Array]:
         """The nearest pair at theta (n,), its distance [m], and its nearest points (2, 3) in Pinocchio's world."""
-        data, geometry, *_ = self._own()
-        self._local.at = None
-        if self._all_at_once:
-            q = self._model.q(theta)
-            best = self._pin.computeDistances(self._model.model, data, self._geometry, geometry, q)
-            found = geometry.distanceResults[best]
-            metres = found.min_distance
+        q = self._model.q(theta)
+        if self._gaps is None:
+            best = int(self.distances(q).argmin())
+            metres, found = self.measure(self._own().geometry, best)
         else:
-            # The distance of two balls is a bound that takes three operations, and few pairs more are measured.
-            way = self._model.joint_frames(self._model.q(theta)) @ self._ways[0]
-            way += self._ways[1]
-            low = np.sqrt(np.einsum("ip,ip->p", way, way)) - self._balls
-            self._pin.updateGeometryPlacements(self._model.model, data, self._geometry, geometry)
-            bounds, metres, best, found = low.tolist(), inf, 0, None
-            for k in low.argsort().tolist():
-                if bounds[k] > metres:
-                    break
-                result = self._pin.computeDistance(self._geometry, geometry, k)
-                distance = result.min_distance if not self._solids else self.measure(geometry, k)[0]
-                if found is None or distance < metres or (distance == metres and k < best):
-                    metres, best, found = distance, k, result
+            frames, geometry = self._model.joint_frames(q), self.place(q)
+            best, metres = self._gaps.nearest(frames, self._last, ROUNDING, lambda k: self.measure(geometry, k)[0])
+            self._last, found = best, geometry.distanceResults[best]
         return best, metres, np.array([found.getNearestPoint1(), found.getNearestPoint2()])
 
     def near(self, theta: Array, reach: Array) -> Near:
         """The pairs at theta (n,) that may be nearer than margin and LOOK, and what they may lose over `reach` (n,)."""
-        low = self.bounds(theta, reach)
+        self._cover_at_least(np.abs(theta) + reach)
         limit = self.speeds.dot(reach)
         limit += self._looked
-        maybe = (low < limit).nonzero()[0]
-        return Near(self, theta.copy(), maybe, low.take(maybe), limit.take(maybe))
+        frames = self._model.joint_frames(self._model.q(theta))
+        pairs, gaps = self._gaps.near(frames, limit)
+        return Near(self, theta, frames, pairs, gaps, limit.take(pairs))
 
-    def bounds(self, theta: Array, reach: Array | float = 0.0) -> Array:
-        """Lower bounds (pairs,) of the distances [m] at theta (n,), also of the depths of overlaps.
+    def bounds(self, theta: Array, reach: Array | float, pairs: Indices) -> Array:
+        """Lower bounds of the distances (k,) [m] of these pairs (k,) at theta (n,), also of the depths of overlaps.
 
-        They come from a configuration nearby, kept for each thread. `speeds` then holds up to `reach` (n,) from theta.
+        `speeds` then holds up to `reach` (n,) from theta. Without the compiled core the bounds are -infinity.
         """
-        if self._slides and ((far := np.abs(theta) + reach) > self._most).any():
-            self._cover(np.maximum(2.0 * far, self._most))
-        seen = getattr(self._local, "seen", None)
-        if seen is None or self._fastest.dot(moved := np.abs(theta - seen[0])) > LOOK:
-            seen = self._local.seen = theta.copy(), self._gaps(theta) - ROUNDING
-            return seen[1].copy()
-        low: Array = seen[1] - self.speeds.dot(moved)
+        self._cover_at_least(np.abs(theta) + reach)
+        if self._gaps is None:
+            return np.full(len(pairs), -np.inf)
+        low: Array = self._gaps.measure(self._model.joint_frames(self._model.q(theta)), pairs.tolist())[:, 0]
         return low
 
-    def _gaps(self, theta: Array) -> Array:
-        """The bounds from theta (n,) itself."""
-        # `take` needs a third of the time of an index, and there are many pairs.
-        frames = self._model.joint_frames(self._model.q(theta)).reshape(3, -1, 4).transpose(1, 0, 2)
-        at = np.concatenate([WORLD, frames]).take(self._joints, axis=0) @ self._at
-        centres = np.ascontiguousarray(at[:, :, 0])
-        way = centres.take(self._ball, axis=0) - centres.take(self._box, axis=0)
-        beyond = np.einsum("pij,pi->jp", at.take(self._box, axis=0)[:, :, 1:], way)
-        np.abs(beyond, out=beyond)
-        beyond -= self._half
-        inside = np.minimum(beyond.max(axis=0), 0.0)
-        np.maximum(beyond, 0.0, out=beyond)
-        gaps: Array = np.sqrt(np.einsum("jp,jp->p", beyond, beyond)) + inside - self._radius
-        return gaps
-
     def measured(self, theta: Array, pairs: Indices) -> tuple[Array, Array]:
-        """The distances (k,) [m] of these pairs (k,) at theta (n,), and `approach` (k, n); see `Near`."""
-        found = Near(self, theta, pairs, np.zeros(len(pairs)), np.full(len(pairs), np.inf))
-        every = np.arange(len(pairs))
-        found.measure(every)
-        return found.distances, found.approach(every)
+        """The distances (k,) [m] of these pairs (k,) at theta (n,), and `approach` (k, n)."""
+        q = self._model.q(theta)
+        frames, geometry = self._model.joint_frames(q), self.place(q)
+        found = [None if self.exact[k] else self.measure(geometry, k) for k in pairs.tolist()]
+        return self.approach(q, frames, pairs, found)
 
-    def place(self, theta: Array) -> tuple[Any, Any]:
-        """Pinocchio's data at theta with the Jacobians, and the geometry's with all bodies in their places.
+    def distances_of(self, theta: Array, pairs: Indices, low: Array | None = None, most: float | Array = inf) -> Array:
+        """The distances (k,) [m] of these pairs (k,) at theta (n,), without their directions.
 
-        Theta may not change afterwards: the same array again is where they are.
+        A pair keeps its lower bound `low` (k,) [m] where that is at least `most` (k,).
         """
-        data, geometry, *_ = self._own()
-        if getattr(self._local, "at", None) is theta:
-            return data, geometry
-        self._local.at = theta
-        self._pin.computeJointJacobians(self._model.model, data, self._model.q(theta))
-        self._pin.updateGeometryPlacements(self._model.model, data, self._geometry, geometry)
-        return data, geometry
+        metres = np.full(len(pairs), -np.inf) if low is None else low.copy()
+        wanted = (metres < most).nonzero()[0]
+        exact = self.exact[pairs[wanted]]
+        if exact.any():
+            metres[wanted] = self.bounds(theta, 0.0, pairs[wanted])
+            wanted = wanted[~exact]
+        if len(wanted):
+            geometry = self.place(self._model.q(theta))
+            metres[wanted] = [self.measure(geometry, k)[0] for k in pairs[wanted].tolist()]
+        return metres
+
+    def approach(
+        self, q: Array, frames: Array, pairs: Indices, found: Sequence[tuple[float, Any] | None]
+    ) -> tuple[Array, Array]:
+        """The distances (k,) [m] of these pairs (k,), and -∂distance/∂theta (k, n), by their witness points.
+
+        `frames` are the joint frames at q. What was `found` of each pair may not have been measured anew. None stands
+        for an exact pair.
+
+        Source: Faverjon and Tournassoud, A local based approach for path planning of manipulators with a high number of
+        degrees of freedom, ICRA 1987.
+        """
+        rows = self._gaps.measure(frames, pairs.tolist())
+        for row, each in enumerate(found):
+            if each is not None:
+                metres, result = each
+                (a, b, c), (x, y, z) = result.normal.tolist(), result.getNearestPoint1().tolist()
+                if (metres < 0.0) != (result.min_distance < 0.0):
+                    a, b, c = -a, -b, -c
+                rows[row] = metres, a, b, c, y * c - z * b, z * a - x * c, x * b - y * a
+        metres, forces = rows[:, 0], rows[:, 1:]
+        # Overlapping triangles have no depth and no direction.
+        if not isfinite(forces.sum()):
+            forces[~np.isfinite(forces).all(axis=1)] = 0.0
+        J = self._pin.computeJointJacobians(self._model.model, self._own().data, q)
+        return metres, (forces @ J * self.between[pairs]) @ self.dq_dtheta
+
+    def place(self, q: Array) -> Any:
+        """The geometry of this thread with all bodies where they are at q (nq,)."""
+        own = self._own()
+        self._pin.updateGeometryPlacements(self._model.model, own.data, self._geometry, own.geometry, q)
+        return own.geometry
 
     def measure(self, geometry: Any, k: int) -> tuple[float, Any]:
-        """The distance [m] of pair k where `geometry` has it, negative by the depth of an overlap, and all of it."""
+        """The distance [m] of pair k where `geometry` has it, negative by the depth of an overlap, and all of it.
+
+        The latter is the geometry's, which the next measure of the pair replaces.
+        """
         found = self._pin.computeDistance(self._geometry, geometry, k)
         metres: float = found.min_distance
         if self._solids and any(True for _ in self.enclosed(geometry, (k,))):
             metres = -abs(metres)
         return metres, found
 
-    def distances_of(self, theta: Array, pairs: Indices) -> list[float]:
-        """The distances [m] of these pairs (k,) at theta (n,), without their directions."""
-        _, geometry = self.place(theta)
-        return [self.measure(geometry, k)[0] for k in pairs.tolist()]
+    def _cover_at_least(self, most: Array) -> None:
+        if self._slides and (most > self._most).any():
+            self._cover(np.maximum(2.0 * most, self._most))
 
 
 class Near:
@@ -189,59 +190,45 @@ class Near:
     A pair that is measured has its distance, negative by the depth of an overlap; infinity if it is beyond its limit.
     """
 
-    def __init__(self, among: NearPairs, theta: Array, pairs: Indices, low: Array, limit: Array) -> None:
+    def __init__(self, among: NearPairs, theta: Array, frames: Array, pairs: Indices, low: Array, limit: Array) -> None:
         self.pairs, self.distances = pairs, low
-        self._among, self._theta, self._limit = among, theta, limit
-        self._found: dict[int, tuple[float, Any]] = {}
+        self._among, self._q, self._frames, self._limit = among, among._model.q(theta), frames, limit
+        self._measured = among.exact.take(pairs)
 
     def measure(self, rows: Indices) -> bool:
         """Measure those of these rows that are not. Return whether there was one."""
-        new = [row for row in rows.tolist() if row not in self._found]
+        new = rows[~self._measured[rows]].tolist()
         if new:
-            _, geometry = self._among.place(self._theta)
+            geometry = self._among.place(self._q)
             for row in new:
                 self._measure(geometry, row)
         return bool(new)
 
-    def closest(self, count: int) -> Indices:
-        """The rows of the pairs with the least room beyond their margins, at most `count`; they are measured."""
+    def closest(self, count: int) -> tuple[Indices, Array]:
+        """The rows (k,) of the pairs with the least room beyond their margin, at most `count`, and their `approach`."""
+        among, closest, found = self._among, list[tuple[float, int]](), dict[int, Any]()
         if not len(self.pairs):
-            return self.pairs
-        margins = self._among.least.take(self.pairs)
-        low, (_, geometry) = self.distances - margins, self._among.place(self._theta)
-        bounds, closest = low.tolist(), list[tuple[float, int]]()
-        for row in low.argsort().tolist():
-            if len(closest) == count and bounds[row] > closest[-1][0]:
+            return self.pairs, np.empty((0, among.dq_dtheta.shape[1]))
+        margins, exact, geometry = among.least.take(self.pairs), among.exact.take(self.pairs).tolist(), None
+        low = self.distances - margins
+        bounds = low.tolist()
+        for row in low.argsort(kind="stable").tolist():
+            room = bounds[row]
+            if len(closest) == count and room > closest[-1][0]:
                 break
-            if row not in self._found:
-                self._measure(geometry, row)
-            if self.distances[row] < inf:
-                insort(closest, (float(self.distances[row] - margins[row]), row))
+            if not exact[row]:
+                geometry = geometry or among.place(self._q)
+                found[row] = self._measure(geometry, row)
+                room = float(self.distances[row] - margins[row])
+            if room < inf:
+                insort(closest, (room, row))
                 del closest[count:]
-        return np.array([row for _, row in closest], dtype=int)
+        rows = np.array([row for _, row in closest], dtype=int)
+        _, approach = among.approach(self._q, self._frames, self.pairs[rows], [found.get(row) for row in rows.tolist()])
+        return rows, approach
 
-    def approach(self, rows: Indices) -> Array:
-        """−∂distance/∂theta (k, n) of measured rows (k,), by the witness points of the distance.
-
-        Source: Faverjon and Tournassoud, A local based approach for path planning of manipulators with a high number of
-        degrees of freedom, ICRA 1987.
-        """
-        wrenches = []
-        for row in rows.tolist():
-            metres, found = self._found[row]
-            (a, b, c), (x, y, z) = found.normal.tolist(), found.getNearestPoint1().tolist()
-            if (metres < 0.0) != (found.min_distance < 0.0):
-                a, b, c = -a, -b, -c
-            wrenches.append((a, b, c, y * c - z * b, z * a - x * c, x * b - y * a))
-        # Overlapping triangles have no depth and no direction.
-        forces = np.array(wrenches).reshape(-1, 6)
-        if not isfinite(forces.sum()):
-            forces[~np.isfinite(forces).all(axis=1)] = 0.0
-        among, pairs, (data, _) = self._among, self.pairs[rows], self._among.place(self._theta)
-        approach: Array = (forces @ data.J * among.between[pairs]) @ among.dq_dtheta
-        return approach
-
-    def _measure(self, geometry: Any, row: int) -> None:
-        self._found[row] = self._among.measure(geometry, int(self.pairs[row]))
-        metres = self._found[row][0]
+    def _measure(self, geometry: Any, row: int) -> tuple[float, Any]:
+        metres, found = self._among.measure(geometry, int(self.pairs[row]))
         self.distances[row] = metres if metres < self._limit[row] else inf
+        self._measured[row] = True
+        return metres, found

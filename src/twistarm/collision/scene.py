@@ -310,10 +310,10 @@ class Scene(Obstacles):
             begin, piece, middle, half, pairs = waiting.popleft()
             about = shifted(piece[:, None], np.array([middle]))[:, 0]
             moved = np.float_power(half, np.arange(len(piece) - 1, 0, -1)) @ np.abs(about[:-1])
-            low, lost = near.bounds(about[-1], moved)[pairs], near.speeds[pairs] @ moved
+            low, lost = near.bounds(about[-1], moved, pairs), near.speeds[pairs] @ moved
             counts = low < best + np.maximum(lost - NEARLY[0], 0.0)
             pairs, lost = pairs[counts], lost[counts]
-            metres = np.array(near.distances_of(about[-1], pairs))
+            metres = near.distances_of(about[-1], pairs)
             if metres.min(initial=np.inf) < best:
                 best, time, theta = metres.min(), begin + middle, about[-1]
             pairs = pairs[metres - lost < best - max(NEARLY[0], NEARLY[1] * best)]

@@ -240,13 +240,13 @@ def avoid_collisions(
     # The law slows a pair that has less room than a stop in twice its time takes.
     time = 3.0 * answer.period + 2.0 * bounds.stopping_time(answer.theta_dot)
     near = pairs.near(theta, np.abs(time * answer.theta_dot))
-    owner = near.closest(FIRST_ROWS)
+    owner, approach = near.closest(FIRST_ROWS)
     if not len(owner):
         return answer, None
     margins, speeds = pairs.least.take(near.pairs), pairs.speeds.take(near.pairs, axis=0)
     most = margins + SPARE  # an aim is less
     room = near.distances[owner] - margins[owner] - SPARE
-    rows = _rows(near.approach(owner), _unpushed(room), 0.0)
+    rows = _rows(approach, _unpushed(room), 0.0)
     for rounds in range(MOST_ROUNDS + 1):
         answer = solve(rows)
         time_to_rest = dt + 0.5 * bounds.stopping_time(answer.theta_dot)
@@ -262,8 +262,15 @@ def avoid_collisions(
             break
         # Where it is after the step, on its way to a stop and after it.
         times = dt, 0.5 * (dt + time_to_rest), time_to_rest
-        there = np.array([pairs.distances_of(theta + at * answer.theta_dot, near.pairs[risky]) for at in times])
-        unseen = there < aim[risky] - ROUNDING
+        where, enough = near.pairs[risky], aim[risky] - ROUNDING
+        low = [near.distances[risky] - at / time_to_rest * lost[risky] for at in times]
+        there = np.array(
+            [
+                pairs.distances_of(theta + at * answer.theta_dot, where, least, enough)
+                for at, least in zip(times, low, strict=True)
+            ]
+        )
+        unseen = there < enough
         if not unseen.any():
             break
         if rounds == MOST_ROUNDS:
