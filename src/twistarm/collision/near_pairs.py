@@ -95,23 +95,35 @@ class NearPairs(Checker):
 
     def near(self, theta: Array, reach: Array) -> Near:
         """The pairs at theta (n,) that may be nearer than margin and LOOK, and what they may lose over `reach` (n,)."""
-        self._cover_at_least(np.abs(theta) + reach)
+        self._cover_at_least(theta, reach)
         limit = self.speeds.dot(reach)
         limit += self._looked
-        frames = self._model.joint_frames(self._model.q(theta))
+        q = self._model.q(theta)
+        frames = self._model.joint_frames(q)
         pairs, gaps = self._gaps.near(frames, limit)
-        return Near(self, theta, frames, pairs, gaps, limit.take(pairs))
+        return Near(self, q, frames, pairs, gaps, limit.take(pairs))
 
     def bounds(self, theta: Array, reach: Array | float, pairs: Indices) -> Array:
         """Lower bounds of the distances (k,) [m] of these pairs (k,) at theta (n,), also of the depths of overlaps.
 
         `speeds` then holds up to `reach` (n,) from theta. Without the compiled core the bounds are -infinity.
         """
-        self._cover_at_least(np.abs(theta) + reach)
+        self._cover_at_least(theta, reach)
         if self._gaps is None:
             return np.full(len(pairs), -np.inf)
         low: Array = self._gaps.measure(self._model.joint_frames(self._model.q(theta)), pairs.tolist())[:, 0]
         return low
+
+    def distances_of(self, theta: Array, pairs: Indices) -> Array:
+        """The distances (k,) [m] of these pairs (k,) at theta (n,), without their directions."""
+        exact = self.exact.take(pairs).tolist()
+        metres = self.bounds(theta, 0.0, pairs) if True in exact else np.empty(len(pairs))
+        if False in exact:
+            geometry = self.place(self._model.q(theta))
+            for row, k in enumerate(pairs.tolist()):
+                if not exact[row]:
+                    metres[row] = self.measure(geometry, k)[0]
+        return metres
 
     def measured(self, theta: Array, pairs: Indices) -> tuple[Array, Array]:
         """The distances (k,) [m] of these pairs (k,) at theta (n,), and `approach` (k, n)."""
@@ -120,47 +132,23 @@ class NearPairs(Checker):
         found = [None if self.exact[k] else self.measure(geometry, k) for k in pairs.tolist()]
         return self.approach(q, frames, pairs, found)
 
-    def distances_of(self, theta: Array, pairs: Indices, low: Array | None = None, most: float | Array = inf) -> Array:
-        """The distances (k,) [m] of these pairs (k,) at theta (n,), without their directions.
-
-        A pair keeps its lower bound `low` (k,) [m] where that is at least `most` (k,).
-        """
-        metres = np.full(len(pairs), -np.inf) if low is None else low.copy()
-        wanted = (metres < most).nonzero()[0]
-        exact = self.exact[pairs[wanted]]
-        if exact.any():
-            metres[wanted] = self.bounds(theta, 0.0, pairs[wanted])
-            wanted = wanted[~exact]
-        if len(wanted):
-            geometry = self.place(self._model.q(theta))
-            metres[wanted] = [self.measure(geometry, k)[0] for k in pairs[wanted].tolist()]
-        return metres
-
     def approach(
         self, q: Array, frames: Array, pairs: Indices, found: Sequence[tuple[float, Any] | None]
     ) -> tuple[Array, Array]:
         """The distances (k,) [m] of these pairs (k,), and -∂distance/∂theta (k, n), by their witness points.
 
-        `frames` are the joint frames at q. What was `found` of each pair may not have been measured anew. None stands
-        for an exact pair.
+        `frames` are the joint frames at q (nq,). `found` is what `measure` has just given, None for an exact pair.
 
         Source: Faverjon and Tournassoud, A local based approach for path planning of manipulators with a high number of
         degrees of freedom, ICRA 1987.
         """
-        rows = self._gaps.measure(frames, pairs.tolist())
-        for row, each in enumerate(found):
-            if each is not None:
-                metres, result = each
-                (a, b, c), (x, y, z) = result.normal.tolist(), result.getNearestPoint1().tolist()
-                if (metres < 0.0) != (result.min_distance < 0.0):
-                    a, b, c = -a, -b, -c
-                rows[row] = metres, a, b, c, y * c - z * b, z * a - x * c, x * b - y * a
-        metres, forces = rows[:, 0], rows[:, 1:]
-        # Overlapping triangles have no depth and no direction.
-        if not isfinite(forces.sum()):
-            forces[~np.isfinite(forces).all(axis=1)] = 0.0
+        rows = [each and wrench(*each) for each in found]
+        if None in rows:
+            exact = self._gaps.measure(frames, pairs.tolist()).tolist()
+            rows = [each or row for each, row in zip(rows, exact, strict=True)]
         J = self._pin.computeJointJacobians(self._model.model, self._own().data, q)
-        return metres, (forces @ J * self.between[pairs]) @ self.dq_dtheta
+        numbers = np.array(rows).reshape(-1, 7)
+        return numbers[:, 0], (numbers[:, 1:] @ J * self.between.take(pairs, axis=0)) @ self.dq_dtheta
 
     def place(self, q: Array) -> Any:
         """The geometry of this thread with all bodies where they are at q (nq,)."""
@@ -179,20 +167,30 @@ class NearPairs(Checker):
             metres = -abs(metres)
         return metres, found
 
-    def _cover_at_least(self, most: Array) -> None:
-        if self._slides and (most > self._most).any():
+    def _cover_at_least(self, theta: Array, reach: Array | float) -> None:
+        if self._slides and ((most := np.abs(theta) + reach) > self._most).any():
             self._cover(np.maximum(2.0 * most, self._most))
 
 
+def wrench(metres: float, found: Any) -> tuple[float, ...]:
+    """A distance [m], its direction (3,) from first body to second, and its moment (3,), by the witness points."""
+    (a, b, c), (x, y, z) = found.normal.tolist(), found.getNearestPoint1().tolist()
+    if not isfinite(a + b + c + x + y + z):  # overlapping triangles have no depth and no direction
+        return metres, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if (metres < 0.0) != (found.min_distance < 0.0):
+        a, b, c = -a, -b, -c
+    return metres, a, b, c, y * c - z * b, z * a - x * c, x * b - y * a
+
+
 class Near:
-    """Pairs (k,) that may be near at theta (n,), with lower bounds of their distances (k,) [m].
+    """Pairs (k,) that may be near at q (nq,), with lower bounds of their distances (k,) [m].
 
     A pair that is measured has its distance, negative by the depth of an overlap; infinity if it is beyond its limit.
     """
 
-    def __init__(self, among: NearPairs, theta: Array, frames: Array, pairs: Indices, low: Array, limit: Array) -> None:
+    def __init__(self, among: NearPairs, q: Array, frames: Array, pairs: Indices, low: Array, limit: Array) -> None:
         self.pairs, self.distances = pairs, low
-        self._among, self._q, self._frames, self._limit = among, among._model.q(theta), frames, limit
+        self._among, self._q, self._frames, self._limit = among, q, frames, limit
         self._measured = among.exact.take(pairs)
 
     def measure(self, rows: Indices) -> bool:
@@ -206,26 +204,26 @@ class Near:
 
     def closest(self, count: int) -> tuple[Indices, Array]:
         """The rows (k,) of the pairs with the least room beyond their margin, at most `count`, and their `approach`."""
-        among, closest, found = self._among, list[tuple[float, int]](), dict[int, Any]()
+        among, closest, geometry = self._among, list[tuple[float, int, Any]](), None
         if not len(self.pairs):
             return self.pairs, np.empty((0, among.dq_dtheta.shape[1]))
-        margins, exact, geometry = among.least.take(self.pairs), among.exact.take(self.pairs).tolist(), None
+        exact, margins = among.exact.take(self.pairs).tolist(), among.least.take(self.pairs)
         low = self.distances - margins
         bounds = low.tolist()
-        for row in low.argsort(kind="stable").tolist():
-            room = bounds[row]
+        for row in low.argsort().tolist():
+            room, found = bounds[row], None
             if len(closest) == count and room > closest[-1][0]:
                 break
             if not exact[row]:
                 geometry = geometry or among.place(self._q)
-                found[row] = self._measure(geometry, row)
+                found = self._measure(geometry, row)
                 room = float(self.distances[row] - margins[row])
             if room < inf:
-                insort(closest, (room, row))
+                insort(closest, (room, row, found))
                 del closest[count:]
-        rows = np.array([row for _, row in closest], dtype=int)
-        _, approach = among.approach(self._q, self._frames, self.pairs[rows], [found.get(row) for row in rows.tolist()])
-        return rows, approach
+        rows, founds = [row for _, row, _ in closest], [found for _, _, found in closest]
+        _, approach = among.approach(self._q, self._frames, self.pairs[rows], founds)
+        return np.array(rows), approach
 
     def _measure(self, geometry: Any, row: int) -> tuple[float, Any]:
         metres, found = self._among.measure(geometry, int(self.pairs[row]))

@@ -263,13 +263,10 @@ def avoid_collisions(
         # Where it is after the step, on its way to a stop and after it.
         times = dt, 0.5 * (dt + time_to_rest), time_to_rest
         where, enough = near.pairs[risky], aim[risky] - ROUNDING
-        low = [near.distances[risky] - at / time_to_rest * lost[risky] for at in times]
-        there = np.array(
-            [
-                pairs.distances_of(theta + at * answer.theta_dot, where, least, enough)
-                for at, least in zip(times, low, strict=True)
-            ]
-        )
+        there = near.distances[risky] - np.array(times)[:, None] * (lost[risky] / time_to_rest)
+        maybe = there < enough
+        for row in np.flatnonzero(maybe.any(axis=1)).tolist():
+            there[row, maybe[row]] = pairs.distances_of(theta + times[row] * answer.theta_dot, where[maybe[row]])
         unseen = there < enough
         if not unseen.any():
             break
@@ -280,8 +277,7 @@ def avoid_collisions(
                 halted, owner = not still.theta_dot.any(), risky[[below.argmin()]]
                 answer = still._replace(cause=COLLISION, row=0, scale=0.0, halted=halted, held_pose=answer.held_pose)
             break
-        for too_near, at in zip(unseen, times, strict=True):
-            new = risky[too_near]
+        for at, new in [(at, risky[row]) for at, row in zip(times, unseen, strict=True) if row.any()]:
             distances, approach = pairs.measured(theta + at * answer.theta_dot, near.pairs[new])
             left = distances - aim[new] + at * approach @ answer.theta_dot
             rows, owner = np.concatenate([_rows(approach, left, at), rows]), np.concatenate([new, owner])
