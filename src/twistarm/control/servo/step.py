@@ -239,14 +239,14 @@ def avoid_collisions(
     theta = np.asarray(start, dtype=np.float64)
     # The law slows a pair that has less room than a stop in twice its time takes.
     time = 3.0 * answer.period + 2.0 * bounds.stopping_time(answer.theta_dot)
-    near = pairs.near(theta, np.abs(time * answer.theta_dot))
-    owner, approach = near.closest(FIRST_ROWS)
+    near = pairs.near(theta, np.abs(time * answer.theta_dot), FIRST_ROWS)
+    owner = near.closest
     if not len(owner):
         return answer, None
     margins, speeds = pairs.least.take(near.pairs), pairs.speeds.take(near.pairs, axis=0)
     most = margins + SPARE  # an aim is less
     room = near.distances[owner] - margins[owner] - SPARE
-    rows = _rows(approach, _unpushed(room), 0.0)
+    rows = _rows(near.approach, _unpushed(room), 0.0)
     for rounds in range(MOST_ROUNDS + 1):
         answer = solve(rows)
         time_to_rest = dt + 0.5 * bounds.stopping_time(answer.theta_dot)
@@ -309,6 +309,6 @@ def _unpushed(room: Array) -> Array:
 
 def _rows(approach: Array, room: Array, time: float) -> Array:
     """Rows (k, n + 2) for the law: a pair takes its room within `time` [s]. One without room moves apart slowly."""
-    rows = np.full((len(room), approach.shape[1] + 2), time)
-    rows[:, :-2], rows[:, -2] = approach, np.maximum(room, -SPARE)
+    rows = np.empty((len(room), approach.shape[1] + 2))
+    rows[:, :-2], rows[:, -2], rows[:, -1] = approach, np.maximum(room, -SPARE), time
     return rows
