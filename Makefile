@@ -76,6 +76,7 @@ bench: $(VENV)/dev
 	$(BIN)/python -m benchmarks $(BENCH)
 	$(BIN)/python -m benchmarks.startup
 	$(BIN)/python -m benchmarks.timing
+	$(BIN)/python -m benchmarks.all_solutions
 	$(BIN)/python -m benchmarks.servo
 	$(BIN)/python -m benchmarks.streaming
 	$(BIN)/python -m benchmarks.obstacles

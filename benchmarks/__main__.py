@@ -55,8 +55,8 @@ def main(arguments: list[str] | None = None) -> None:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--quick", action="store_true", help=f"a smoke run: few targets, {' and '.join(HERE)}")
-    parser.add_argument("--arms", nargs="+", choices=tuple(ARMS), default=tuple(ARMS), metavar="ARM",
-                        help=", ".join(ARMS))  # fmt: skip
+    parser.add_argument("--arms", nargs="+", choices=tuple(ARMS), default=("panda", "ur5", "jaco", "so101"),
+                        metavar="ARM", help=", ".join(ARMS))  # fmt: skip
     parser.add_argument("--peers", nargs="+", choices=PEERS, metavar="PEER", help=", ".join(PEERS))
     parser.add_argument("--targets", type=_count, metavar="N", help="of each kind for each arm; 1000")
     parser.add_argument("--seed", type=int, default=int(time.time()), help="of the fresh problems; from the clock")

@@ -80,7 +80,7 @@ def told(robot: Robot, judge: Judge, workers: dict[str, Worker], random: np.rand
 
 def main() -> None:
     options = argparse.ArgumentParser(prog="python -m benchmarks.all_solutions", description=__doc__)
-    options.add_argument("--arms", nargs="+", default=["ur5", "jaco", "so101", "panda"])
+    options.add_argument("--arms", nargs="+", default=["ur5", "jaco", "so101", "panda", "rover_arm_6dof"])
     options.add_argument("--peers", nargs="+", choices=PEERS, default=list(PEERS))
     options.add_argument("--count", type=int, default=200, help="targets for each arm (default 200)")
     options.add_argument("--seed", type=int, default=20260701)

@@ -22,11 +22,14 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+OWN = Path(__file__).resolve().parents[1] / "robots"
+
 ARMS = {
     "panda": ("panda_description/urdf/panda.urdf", "panda_link0", "panda_hand_tcp"),
     "ur5": ("ur_description/urdf/ur5_robot.urdf", "base_link", "tool0"),
     "jaco": ("kinova_description/robots/kinova.urdf", "j2s6s200_link_base", "j2s6s200_end_effector"),
     "so101": ("so_arm_description/urdf/so101.urdf", "base_link", "gripper_frame_link"),
+    "rover_arm_6dof": (str(OWN / "rover_arm_6dof/rover_arm_6dof.urdf"), "base_link", "tool0"),
 }
 """File, base and tool. The place in this order is the arm_index of the problems' seed."""
 

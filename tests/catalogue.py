@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
-import twistarm
+from pathlib import Path
+from typing import Any
 
+import twistarm
+from twistarm.description.catalog import robots_dir
+from twistarm.description.expansion.expand import Expanded, expand_xacro
+
+_EXPANDED: dict[str, Expanded] = {}
 _LOADED: dict[str, twistarm.Arm] = {}
 
 
@@ -12,3 +18,13 @@ def load(name: str) -> twistarm.Arm:
     if name not in _LOADED:
         _LOADED[name] = twistarm.load_arm(name)
     return _LOADED[name]
+
+
+def expanded_once(path: Path, packages: Any, *options: Any) -> Expanded:
+    """`expand_xacro`, which expands a file of the catalogue once for each set of options, and others every time."""
+    if robots_dir() not in path.parents:
+        return expand_xacro(path, packages, *options)
+    key = repr((path, options))
+    if key not in _EXPANDED:
+        _EXPANDED[key] = expand_xacro(path, packages, *options)
+    return _EXPANDED[key]

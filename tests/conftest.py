@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import signal
 from collections.abc import Iterator
@@ -9,15 +10,21 @@ from pathlib import Path
 
 import hypothesis
 import pytest
+import typer
 
 import twistarm
-from catalogue import load
+from catalogue import expanded_once, load
+from twistarm.description import urdf
 
 hypothesis.settings.register_profile("twistarm", derandomize=True, deadline=None, max_examples=50)
 hypothesis.settings.load_profile("twistarm")
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # so a shell starts what it sends to the background
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# What one process makes once, hundreds of tests in one need not make anew: the command line, and the texts of our arms.
+typer.main.get_command = functools.cache(typer.main.get_command)
+urdf.expand_xacro = expanded_once
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -238,6 +238,21 @@ nb::object ClosedForm::solve(nb::handle numbers, nb::handle theta0, nb::handle h
     return all.result();
 }
 
+nb::object ClosedForm::verify(nb::handle numbers, nb::handle theta0, nb::handle candidates, nb::handle position_tolerance,
+                              nb::handle orientation_tolerance) const {
+    const Numbers start(theta0), rows(candidates);
+    Met met;
+    double asked[most_numbers];
+    if (!met.read(position_tolerance, orientation_tolerance) || !read_target(numbers, kind_, asked) || !start.is(n_) ||
+        !is_start(start.data(), n_) || !rows.plain() || rows.dimensions() != 2 || !rows.is(rows.shape(0), n_) || !rows.finite())
+        return not_plain();
+    Gathered all(n_);
+    Configurations found;
+    engine_->verify(asked, start.data(), rows.data(), rows.shape(0), met.position, met.orientation, found);
+    all.add(found);
+    return all.result();
+}
+
 nb::object ClosedForm::candidates(nb::handle numbers, nb::handle theta0, nb::handle held, nb::handle slack) const {
     const Numbers start(theta0), values(held);
     double asked[most_numbers], allowed, list[most_candidates * most_joints];

@@ -23,6 +23,9 @@ public:
     // or values (m, h); the call tries each row.
     nb::object solve(nb::handle numbers, nb::handle theta0, nb::handle held, nb::handle position_tolerance,
                      nb::handle orientation_tolerance) const;
+    // The same from candidates (k, n), which all have held joints at the values of the first.
+    nb::object verify(nb::handle numbers, nb::handle theta0, nb::handle candidates, nb::handle position_tolerance,
+                      nb::handle orientation_tolerance) const;
     // None, or candidates (k, n) that nobody has verified, for values (h,) of the held joints. slack: by how much of its
     // size a subproblem may be missed.
     nb::object candidates(nb::handle numbers, nb::handle theta0, nb::handle held, nb::handle slack) const;

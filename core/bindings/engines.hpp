@@ -48,13 +48,12 @@ template <class V> void write_pose(const frame<V>& g, int count, double* poses) 
     }
 }
 
-template <class V> void write_jacobian(const column<V>* columns, int n, int count, double* J) {
+template <class V> void write_column(const column<V>& moved, int i, int n, int count, double* J) {
     for (int l = 0; l < count; ++l, J += 6 * n)
-        for (int i = 0; i < n; ++i)
-            for (int k = 0; k < 3; ++k) {
-                J[k * n + i] = lane(columns[i].v[k], l);
-                J[(k + 3) * n + i] = lane(columns[i].w[k], l);
-            }
+        for (int k = 0; k < 3; ++k) {
+            J[k * n + i] = lane(moved.v[k], l);
+            J[(k + 3) * n + i] = lane(moved.w[k], l);
+        }
 }
 
 using some = pack<double, lanes_at_once<double>>;
@@ -72,16 +71,10 @@ void several(const chain<double, N, N>& arm, const double* theta, int count, dou
     }
     column<some> columns[capacity(N)];
     frame<some> g;
-    if (body != nullptr) {
-        g = forward_with_body_jacobian(arm, x, columns);
-        write_jacobian(columns, n, count, body);
-    } else if (spatial == nullptr) {
-        g = forward(arm, x);
-    }
-    if (spatial != nullptr) {
-        g = forward_with_spatial_jacobian(arm, x, columns);
-        write_jacobian(columns, n, count, spatial);
-    }
+    if (body == nullptr && spatial == nullptr) g = forward(arm, x);
+    else g = forward_with_columns(arm, x, columns);
+    for (int i = 0; body != nullptr && i < n; ++i) write_column(body_column(g, columns[i]), i, n, count, body);
+    for (int i = 0; spatial != nullptr && i < n; ++i) write_column(spatial_column(g, columns[i]), i, n, count, spatial);
     if (poses != nullptr) write_pose(g, count, poses);
 }
 
@@ -333,7 +326,6 @@ public:
 
     void solve(const double* numbers, const double* near, const double* held, double position_tolerance,
                double orientation_tolerance, Configurations& found) const override {
-        const int n = arm_.coordinates();
         double values[most_joints];
         for (int h = 0; h < solved_.held_count; ++h) {
             const int k = solved_.held[h];
@@ -342,19 +334,28 @@ public:
         configurations<double, dynamic> all;
         find_all(arm_, solved_, range_, target_of_kind<Kind>(numbers), near, values, position_tolerance,
                  orientation_tolerance, all);
-        found.count = all.count;
-        found.inside = all.inside;
-        found.left = found.families = 0;
-        for (int i = 0; i < all.count; ++i) {
-            found.families += all.found[i].family;
-            found.left += i >= all.inside && all.found[i].family;
-            double* const row = found.rows + i * 2 * n;
-            found.distance[i] = all.found[i].distance;
-            for (int k = 0; k < n; ++k) {
-                row[k] = all.found[i].theta[k];
-                row[n + k] = (all.found[i].free >> k & 1U) != 0 ? 1.0 : 0.0;
+        write(all, found);
+    }
+
+    void verify(const double* numbers, const double* near, const double* rows, std::size_t count,
+                double position_tolerance, double orientation_tolerance, Configurations& found) const override {
+        const auto n = static_cast<std::size_t>(arm_.coordinates());
+        double held[most_joints];
+        for (int h = 0; h < solved_.held_count && count != 0; ++h) held[h] = rows[solved_.held[h]];
+        std::size_t taken = 0;
+        const auto next = [&](int, closed_form::candidate_list<double>& some) {
+            for (; taken < count && some.count < bindings::most_candidates; ++taken) {
+                closed_form::candidate<double> one{{}, 1};  // As if free to move: Newton's method has time to come from afar.
+                for (int i = 0; i < solved_.family.count; ++i)
+                    if (const int k = solved_.joint[i]; k >= 0) one.x[i] = rows[taken * n + static_cast<std::size_t>(k)] * solved_.rate[k];
+                some.add(one);
             }
-        }
+            return taken < count;
+        };
+        configurations<double, dynamic> all;
+        find_among(arm_, solved_, range_, target_of_kind<Kind>(numbers), near, held, position_tolerance,
+                   orientation_tolerance, next, all);
+        write(all, found);
     }
 
     int candidates(const double* numbers, const double* near, const double* held, double slack, int nth, unsigned& open,
@@ -373,6 +374,23 @@ public:
     }
 
 private:
+    void write(const configurations<double, dynamic>& all, Configurations& found) const {
+        const int n = arm_.coordinates();
+        found.count = all.count;
+        found.inside = all.inside;
+        found.left = found.families = 0;
+        for (int i = 0; i < all.count; ++i) {
+            found.families += all.found[i].family;
+            found.left += i >= all.inside && all.found[i].family;
+            double* const row = found.rows + i * 2 * n;
+            found.distance[i] = all.found[i].distance;
+            for (int k = 0; k < n; ++k) {
+                row[k] = all.found[i].theta[k];
+                row[n + k] = (all.found[i].free >> k & 1U) != 0 ? 1.0 : 0.0;
+            }
+        }
+    }
+
     const general_chain& arm_;
     const ranges<double, dynamic>& range_;
     const solved_arm<double, dynamic> solved_;

@@ -100,6 +100,9 @@ public:
     // held: values of the held joints, or null: those of `near`.
     virtual void solve(const double* numbers, const double* near, const double* held, double position_tolerance,
                        double orientation_tolerance, Configurations& found) const = 0;
+    // What forward kinematics finds among candidates (count, n). All have held joints at the values of the first.
+    virtual void verify(const double* numbers, const double* near, const double* rows, std::size_t count,
+                        double position_tolerance, double orientation_tolerance, Configurations& found) const = 0;
     // The nth list of candidates that nobody has verified: rows (most_candidates, n), and how many there are. The next
     // list has the joints in `open`, as bits, elsewhere. The last list leaves none open.
     virtual int candidates(const double* numbers, const double* near, const double* held, double slack, int nth,

@@ -40,6 +40,8 @@ NB_MODULE(_core, module) {
     module.def("task", &bindings::task, nb::arg().none(), nb::arg().none(), nb::arg());
     module.def("path_velocity", &bindings::path_velocity, nb::arg().none(), nb::arg().none(), nb::arg().none(),
                nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg());
+    module.def("shares_of_average", &bindings::shares_of_average, nb::arg().none(), nb::arg().none(), nb::arg().none(),
+               nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg());
     nb::class_<Chain>(module, "Chain")
         .def(nb::init<nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, double,
                       const std::string&>(),
@@ -64,6 +66,8 @@ NB_MODULE(_core, module) {
         .def(nb::init<nb::object, int, int, int, int, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle,
                       nb::handle, nb::handle, nb::handle>())
         .def("solve", &bindings::ClosedForm::solve, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
+             nb::arg().none())
+        .def("verify", &bindings::ClosedForm::verify, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
              nb::arg().none())
         .def("candidates", &bindings::ClosedForm::candidates, nb::arg().none(), nb::arg().none(), nb::arg().none(),
              nb::arg().none())

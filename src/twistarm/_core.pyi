@@ -39,10 +39,27 @@ def path_velocity(
     grid: object,
     most: float,
     /,
-) -> tuple[Array, Array, Array] | None:
-    """x (N + 1,) at most `most`, share (N,) and which (N,) on a grid along a `LimitedPath`: a `Profile`.
+) -> tuple[Array, Array] | None:
+    """x (N + 1,) at most `most` and share (N,) on a grid along a `LimitedPath`: a `Profile`.
 
     None for what is no plain array, and for paths of more rows or of a higher degree than the core takes.
+    """
+
+def shares_of_average(
+    breakpoints: object,
+    coefficients: object,
+    velocity: object,
+    acceleration: object,
+    ceiling: object,
+    grid: object,
+    x: object,
+    jerk: object,
+    window: float,
+    /,
+) -> tuple[Array, Array] | None:
+    """The shares (3, m) of the limits that the law x (N + 1,) uses, averaged over a window [s], and the largest ṡ (m,).
+
+    None as for `path_velocity`.
     """
 
 class Chain:
@@ -171,6 +188,10 @@ class ClosedForm:
 
         held: values (m, h) of the held joints, each of which is tried; None for those of theta0.
         """
+    def verify(
+        self, numbers: object, theta0: object, candidates: object, position_tol: object, orientation_tol: object, /
+    ) -> tuple[Array, int, int, int, int] | None:
+        """Every configuration among candidates (k, n), as `solve` gives them. Held joints are as in the first."""
     def candidates(self, numbers: object, theta0: object, held: object, slack: object, /) -> Array | None:
         """Candidates (k, n) that forward kinematics has not verified, with held joints at values (h,).
 

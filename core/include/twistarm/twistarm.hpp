@@ -5,7 +5,7 @@
 //   kinematics/   chains, frames, forward kinematics and Jacobians, motors, motion limits
 //   ik/           from a target to a configuration, or to the nearest one and the reason
 //   closed_form/  from a target to every configuration that meets it
-//   planning/     the velocity along a path
+//   planning/     the velocity along a path, and what a smoothed one needs
 //   servo/        one step from a command to joint rates
 #pragma once
 
@@ -17,5 +17,5 @@
 #include "ik/reaches.hpp"
 #include "kinematics/actuators.hpp"
 #include "kinematics/conversion.hpp"
-#include "planning/interval_limits.hpp"
+#include "planning/smoothed_law.hpp"
 #include "servo/servo.hpp"

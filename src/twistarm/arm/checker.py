@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Container, Iterable, Iterator, Sequence
 from copy import copy
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +18,10 @@ TOLERANCE = 1e-9  # Of the distance between convex shapes [m].
 
 
 class _Own(NamedTuple):
-    """What a thread has for itself: data of the model and of the geometry, and a broad phase on one with few pairs."""
+    """What a thread has for itself: data of the model and of the geometry, and a broad phase on one with few pairs.
+
+    Checkers that differ in their margins share it. It has those of the one that was asked last.
+    """
 
     data: Any
     geometry: Any
@@ -51,13 +55,14 @@ class Checker:
         found = ((k, i, j, self.bodies[i].solid, self.bodies[j].samples) for k, i, j in both)
         self._solids = [(k, i, j, solid, samples) for k, i, j, solid, samples in found if solid and solid.closed]
         self._kept = [any(self.bodies[i].solid for i in pair) for pair in self.pairs]
-        self._local = threading.local()
+        self._shared, self._local = threading.local(), threading.local()
 
-    def with_margins(self, margins: Sequence[float]) -> Checker:
+    def with_margins(self, margins: Sequence[float] | Array) -> Checker:
         """The same bodies and pairs with other margins [m]. Those of kept triangles are not negative: Coal has none."""
         other = copy(self)
-        least = (0.0 if kept else -np.inf for kept in self._kept)
-        other.margins, other._local = tuple(map(max, margins, least)), threading.local()
+        other.margins = tuple(np.maximum(margins, np.where(self._kept, 0.0, -np.inf)).tolist())
+        other._local = threading.local()
+        other.__dict__.pop("_tables", None)
         return other
 
     def collides(self, q: Array) -> bool:
@@ -109,24 +114,37 @@ class Checker:
                     yield k
 
     def _own(self) -> _Own:
-        own: _Own | None = getattr(self._local, "own", None)
+        own: _Own | None = getattr(self._shared, "own", None)
         if own is None:
             geometry = self._geometry.createData()
             self._ask(geometry, range(len(self.pairs)))
-            # The manager widens each box by the largest margin of its pairs, and reads all of them at each update. One
-            # pair of each body is enough.
-            widest: dict[int, int] = {}
-            for k in sorted(range(len(self.pairs)), key=self.margins.__getitem__):
-                first, second = self.pairs[k]
-                widest[first] = widest[second] = k
-            few = sorted({*widest.values()})
-            model = self._with_pairs(few)
+            # The manager reads every pair at each update. One of each body is enough.
+            last = {body: k for k, pair in enumerate(self.pairs) for body in pair}
+            model = self._with_pairs(sorted({*last.values()}))
             data = model.createData()
-            self._ask(data, few)
             manager = self._pin.BroadPhaseManager_SSaPCollisionManager(self._model.model, model, data)
             callback = self._pin.CollisionCallBackDefault(self._geometry, geometry, True)
-            own = self._local.own = _Own(self._model.data, geometry, (model, data), manager, callback)
+            own = self._shared.own = _Own(self._model.data, geometry, (model, data), manager, callback)
+            self._shared.asked = None
+        if self._shared.asked is not self:
+            self._shared.asked, (margins, widest) = self, self._tables
+            own.geometry.setSecurityMargins(self._geometry, margins, True, False)
+            own.boxes[1].setSecurityMargins(own.boxes[0], widest, True, False)
         return own
+
+    @cached_property
+    def _tables(self) -> tuple[Array, Array]:
+        """The margin of each pair (bodies, bodies), and one no less than any of either body.
+
+        The manager widens each box by the largest margin of its pairs.
+        """
+        first, second = np.array(self.pairs, dtype=int).reshape(-1, 2).T
+        margins = np.zeros((len(self.bodies), len(self.bodies)))
+        margins[first, second] = margins[second, first] = self.margins
+        widest = np.full(len(self.bodies), -np.inf)
+        for each in (first, second):
+            np.maximum.at(widest, each, self.margins)
+        return np.asfortranarray(margins), np.asfortranarray(np.maximum.outer(widest, widest))
 
     def _with_pairs(self, pairs: Iterable[int]) -> Any:
         """The geometry with these of the pairs."""

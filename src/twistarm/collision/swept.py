@@ -17,7 +17,8 @@ from ..support.errors import InputError
 FINE = 2.5e-4
 LEVELS = (0.0, *(FINE * 2.0**k for k in range(2, 9)))  # Clearances [m] that are checked: 0, 1, 2, 4, … 64 mm.
 FIRST = 3  # The level that is checked first.
-COARSE = (0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875)  # Where a straight way is checked before it is proven.
+# A straight way is checked at places so far apart [rad, m] before it is proven, at most so many.
+COARSE, MOST_COARSE = 0.1, 128
 PARTS = 256  # How many parts a motion has at least, each with its own bound of the speeds.
 LONGEST = 1e4  # The longest way [m] of a point in a motion: some 3 s of checks in free space.
 LEAST_SHARE = 0.02  # The least share of a clearance that a pair is given.
@@ -81,8 +82,10 @@ class Sweep:
     def straight(self, one: Array, other: Array) -> bool:
         """Whether the straight way in joint space from one configuration (n,) to another is free."""
         way = other - one
-        # Most ways that are not free are found so, without a clearance.
-        if any(self.checker(0.0).collides(self._model.q(one + t * way)) for t in COARSE):
+        halvings = int(np.log2(np.clip(np.linalg.norm(way) / COARSE, 1.0, MOST_COARSE)))
+        # Most ways that are not free are found so, without a clearance: halves first.
+        places = ((k + 0.5) / 2**halved for halved in range(halvings + 1) for k in range(2**halved))
+        if any(self.checker(0.0).collides(self._model.q(one + t * way)) for t in places):
             return False
         return self.first(np.array([0.0, 1.0]), np.array([[way], [one]])) is None
 
@@ -99,7 +102,7 @@ class Sweep:
         """The checker whose margins are larger by `clearance` [m] for the fastest pairs, and less for others."""
         if clearance not in self._checkers:
             margins = np.array(self._base.margins) + clearance * self._shares
-            self._checkers[clearance] = self._base.with_margins(margins.tolist())
+            self._checkers[clearance] = self._base.with_margins(margins)
         return self._checkers[clearance]
 
 

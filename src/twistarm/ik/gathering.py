@@ -55,6 +55,22 @@ class Gathering(Asked):
         assert found is not None, "what was checked is plain"
         return Configurations(*found)
 
+    def eliminated(self, values: Array) -> Configurations | None:
+        """What elimination finds with the held joints at `values` (h,). None where every way leaves a doubt."""
+        for candidates in self.method.eliminated(self.arm, self.target, values):
+            found = None if candidates.answers is None else self._judged(candidates.x)
+            if found is not None and len(found.rows) == candidates.answers and not found.families:
+                return found
+        return None
+
+    def _judged(self, candidates: Array) -> Configurations:
+        """The different answers among the candidates (k, n), verified by the core."""
+        assert self.method.judge is not None
+        met = self.tolerances
+        found = self.method.judge.verify(self.target.numbers, self.near, candidates, met.position, met.orientation)
+        assert found is not None, "what was checked is plain"
+        return Configurations(*found)
+
     @property
     def complete(self) -> bool:
         """Whether the method finds everything."""
@@ -68,8 +84,12 @@ class Gathering(Asked):
         lossy = self.method.rooted is not None or not self.method.exact
         return EXTRA_SEARCHES if lossy and not self.method.swept else 0
 
-    def new_roots(self, candidates: Iterable[Array], held: tuple[int, ...], known: list[Root]) -> list[Root]:
-        """New different answers among the candidates, until the time is up."""
+    def new_roots(self, candidates: Array, held: tuple[int, ...], known: list[Root]) -> list[Root]:
+        """New different answers among the candidates (k, n), until the time is up."""
+        if self.method.judge is not None:
+            found = self._judged(candidates)
+            if not found.families:
+                return [Root(theta, ()) for theta in found.theta if not self.known(theta, known)]
         return self.roots(self.deadline.until(candidates), held, known)
 
     def solved(self, values: Array) -> tuple[list[Root], int, int]:
@@ -77,15 +97,22 @@ class Gathering(Asked):
         method, found = self.method, list[Root]()
         tries = hits = 0
         for each in self.deadline.until(values if method.there else ()):
-            new = self.new_roots(
-                method.candidates(self.arm, self.target, self.near, each, method.exact), method.held, []
-            )
+            new = self._roots_with(each)
             held = {*method.idle, *method.swept}
             found += [replace(root, free=tuple(sorted({*root.free, *held}))) for root in new]
             hits += bool(new)
             tries += 1
             self.report_progress(tries, len(values) + self.searches)
         return (found, tries, hits) if method.swept else (found, 0, 0)
+
+    def _roots_with(self, values: Array) -> list[Root]:
+        """Roots with the held joints at `values` (h,)."""
+        method = self.method
+        found = self.eliminated(values) if method.judge is not None and method.swept else None
+        if found is not None:
+            return [Root(theta, ()) for theta in found.theta]
+        candidates = method.candidates(self.arm, self.target, self.near, values, method.exact)
+        return self.new_roots(candidates, method.held, [])
 
     def values_met(self) -> Array:
         """Values (k, h), k ≤ 1, of the held joints in a configuration found by a search. Samples may miss all."""

@@ -144,6 +144,9 @@ def _answered(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
     """The answers of the method, with `count` values of each sampled joint."""
     method, values = task.method, task.held_values(count)
     known = None if method.core is None else task.compiled(values)
+    if method.judge is not None and not method.swept:
+        known = task.eliminated(values[0])
+    more = 0 if known is not None and method.exact else task.searches
     if known is not None and not method.swept:
         if known.families:
             known = None  # the core keeps one of all families that move the same joints
@@ -162,7 +165,6 @@ def _answered(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
         found, starts, hits = found + members, starts + tried, hits + met
     families = task.families(found)
     missed = False
-    more = task.searches
     if more:
         beside, run, met = task.searched(more, found, int(method.there))
         before, families = len(families), task.families(found + beside) if beside else families

@@ -202,9 +202,9 @@ def _in_time(
     arm: Arm, origin: Array, parts: list[PathPart], limits: JointLimits, kind: str, notes: tuple[str, ...]
 ) -> Trajectory:
     """Return the motion along the parts, from stop to stop as fast as the limits allow."""
-    motions, stopped = list[Motion](), list[PathPart]()
+    motions, stopped, bounds = list[Motion](), list[PathPart](), PathBounds(limits, arm.actuators)
     for run, corners in runs(arm, parts, limits):
-        timed = cache(partial(_timed, arm, run, corners, limits, kind))
+        timed = cache(partial(_timed, arm, run, corners, bounds, kind))
         stops = best_stops(timed, np.array([timed(i, i + 1).duration for i in range(len(run))]))
         stretches = list(pairwise([0, *stops, len(run)]))
         motions += [timed(i, j) for i, j in stretches]
@@ -225,20 +225,19 @@ def _in_time(
 
 
 def _timed(
-    arm: Arm, run: list[PathPart], corners: list[Corner], limits: JointLimits, kind: str, i: int, j: int
+    arm: Arm, run: list[PathPart], corners: list[Corner], bounds: PathBounds, kind: str, i: int, j: int
 ) -> Motion:
     """Return the motion along the parts i … j − 1 of a run, all corners between them rounded."""
-    segment, theta = run[i].segment, run[i].end
-    if run[i].path is None:
+    segment, theta, own = run[i].segment, run[i].end, run[i].path
+    if own is None:
         stay = segment.seconds if isinstance(segment, Dwell) else 0.0
         return Motion(np.array([stay]), np.array([0.0, stay]), theta[None, None])
-    path, ends, ceiling = path_along(arm, run[i:j], corners[i : j - 1], limits)
-    bounds = PathBounds(limits, arm.actuators, ceiling)
-    if kind == "s_curve" and ceiling is None and path.coefficients.shape[:2] == (2, 1):
+    if kind == "s_curve" and j == i + 1 and not run[i].move.slowed and own.coefficients.shape[:2] == (2, 1):
         # A double-S for each joint would leave the straight line along which the free move was proven.
-        breakpoints, coefficients = double_s(path.start, path.end, bounds, straight=isinstance(segment, FreeMove))
+        breakpoints, coefficients = double_s(own.start, own.end, bounds, straight=isinstance(segment, FreeMove))
         return Motion(breakpoints[-1:], breakpoints, coefficients)
-    law = LAWS[kind](path, bounds)
+    path, ends, ceiling = path_along(arm, run[i:j], corners[i : j - 1], bounds.limits)
+    law = LAWS[kind](path, bounds.capped(ceiling))
     return Motion(law.passes(ends), *law.along(path))
 
 

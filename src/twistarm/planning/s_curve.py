@@ -9,7 +9,8 @@ import numpy as np
 from ..support.checks import Array
 from .piecewise import Indices, JointPath, bernstein, bisected, derivative, evaluate
 from .time_law import PathBounds, TimeLaw, distinct_instants
-from .time_optimal import LimitedPath, first_grid, on_grid
+from .time_optimal import LimitedPath, durations_of, first_grid, law_of, path_velocity, shares_of_average
+from .within import require_span
 
 # Window widths to try, as multiples of the rise time of the slowest rate to its acceleration limit. The first is the
 # best of most paths.
@@ -25,7 +26,7 @@ HEADROOM = 1.05  # A ceiling is at most the speed by this factor, so that it may
 # Share of the jerk for the bend of the path. The rest is for changes of the acceleration along it.
 BEND_SHARE = 0.9
 PIECES = 64  # Least number of pieces of the path, so that a ceiling is low only in a short part.
-SAMPLES = np.array([[0.0], [0.5], [1.0 - 1e-9]])  # Where in each of its pieces a law is looked at.
+ORDERS = np.array([[1.0], [2.0], [3.0]])  # Of the rates: a law slowed by f has 1/f^order of each.
 BISECTIONS = 60  # To find when a place is reached, to rounding.
 # The jerk in the seven phases of a double-S profile, as a share of its greatest.
 SIGNS: Array = np.array([1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0])
@@ -43,19 +44,23 @@ def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
     if not path.moves:
         return TimeLaw.at_once()
     fine, piece = path.in_pieces(path.length / PIECES)
-    bounds = replace(bounds, ceiling=bounds.ceiling_of(path)[piece])
-    needs, limited, grid = _Needs(fine, bounds), LimitedPath.of(fine, bounds), first_grid(fine.breakpoints)
+    bounds = bounds.capped(bounds.ceiling_of(path)[piece])
+    limited, grid, jerk = LimitedPath.of(fine, bounds), first_grid(fine.breakpoints), np.ascontiguousarray(bounds.jerk)
+    first = _ceiling(fine, bounds)
     limits = np.isfinite(bounds.acceleration)
     rise = float((bounds.acceleration[limits] / bounds.jerk[limits]).max())  # of the slowest rate to its limit [s]
     best, shortest = None, np.inf
     for window in rise * np.array(WINDOWS):
-        ceiling, least, vain = _ceiling(fine, bounds), np.inf, 0
+        ceiling, least, vain = first, np.inf, 0
         for _ in range(ROUNDS):
-            fastest = on_grid(replace(limited, ceiling=ceiling), grid)
-            factor, speed = needs.of(_roughly_smoothed(fastest, window, fine))
-            duration = (fastest.duration + window) * float(factor.max())  # once it is slowed as a whole
+            x = path_velocity(replace(limited, ceiling=ceiling), grid).x
+            passing = float(durations_of(grid, x).sum()) + window
+            require_span(passing)
+            shares, speed = shares_of_average(limited, grid, x, jerk, window)
+            factor = np.max([*shares ** (1.0 / ORDERS), speed / bounds.ceiling_of(fine)], axis=0)
+            duration = passing * float(factor.max())  # once it is slowed as a whole
             if duration < shortest:
-                best, shortest = (fastest, window), duration
+                best, shortest = (x, window), duration
             vain = 0 if duration < least * (1.0 - GAIN) else vain + 1
             least = min(least, duration)
             patience = PATIENCE if least <= shortest and len(piece) < MANY_PIECES else 1
@@ -65,7 +70,8 @@ def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
             ceiling = np.minimum(ceiling, reached) / np.clip(factor, LEAST, MOST) ** POWER
             ceiling = np.minimum(ceiling, bounds.ceiling_of(fine))
     assert best is not None
-    return _smoothed(*best, fine).at_full_pace(fine, bounds, bounds.jerk)
+    x, window = best
+    return _smoothed(law_of(grid, x), window, fine).at_full_pace(fine, bounds, bounds.jerk)
 
 
 def _ceiling(path: JointPath, bounds: PathBounds) -> Array:
@@ -76,35 +82,6 @@ def _ceiling(path: JointPath, bounds: PathBounds) -> Array:
     return np.asarray(np.fmin(bounds.ceiling_of(path), np.fmin.reduce(slow, axis=1)))
 
 
-class _Needs:
-    """Needs of a time law along a path with derivatives p', p'', p''' of the rows p = C q."""
-
-    def __init__(self, path: JointPath, bounds: PathBounds) -> None:
-        self.path, self.bounds, self.ceiling = path, bounds, bounds.ceiling_of(path)
-        rows = path.coefficients @ bounds.C.T
-        self.derivatives = [np.moveaxis(derivative(rows, k), 2, 1).copy() for k in (1, 2, 3)]
-
-    def of(self, law: TimeLaw) -> tuple[Array, Array]:
-        """By what factor each piece of the path must be slowed (m,), and ṡ (m,).
-
-        The rates are p' ṡ, p'' ṡ² + p' s̈ and p''' ṡ³ + 3 p'' ṡ s̈ + p' s⃛. Each piece of the law is sampled at three
-        instants. It may span several pieces of the path.
-        """
-        tau = SAMPLES * np.diff(law.breakpoints)
-        s, s1, s2, s3 = (evaluate(derivative(law.coefficients[:, :, None], k)[..., 0], tau).ravel() for k in range(4))
-        piece = self.path.piece_at(s)
-        sigma = s - self.path.breakpoints[piece]
-        p1, p2, p3 = (evaluate(rows[:, :, piece], sigma) for rows in self.derivatives)
-        rates = (p1 * s1, p2 * s1**2 + p1 * s2, (p3 * s1**2 + 3.0 * p2 * s2) * s1 + p1 * s3)
-        limits = (self.bounds.velocity, self.bounds.acceleration, self.bounds.jerk)
-        shares = (np.abs(rate / limit[:, None]).max(axis=0) for rate, limit in zip(rates, limits, strict=True))
-        factors = [share ** (1.0 / order) for order, share in enumerate(shares, start=1)]
-        factor, fastest = np.zeros((2, len(self.path.breakpoints) - 1))
-        np.maximum.at(factor, piece, np.max(factors, axis=0))
-        np.maximum.at(fastest, piece, s1)
-        return np.maximum(factor, fastest / self.ceiling), fastest
-
-
 def _smoothed(law: TimeLaw, window: float, path: JointPath) -> TimeLaw:
     """s_w(t) = (1/w) ∫ s(τ) dτ over [t − w, t] is longer by the window w [s], and of one degree more.
 
@@ -112,13 +89,8 @@ def _smoothed(law: TimeLaw, window: float, path: JointPath) -> TimeLaw:
     evenly. It is zero at both ends. Pieces end where the path's do.
     """
     average = _Average(law, window)
-    return average.law(_reached(average, path.breakpoints[1:-1]))
-
-
-def _roughly_smoothed(law: TimeLaw, window: float, path: JointPath) -> TimeLaw:
-    """The same law in pieces that end only about where the path's do."""
-    average = _Average(law, window)
-    return average.law(np.interp(path.breakpoints[1:-1], average.at(average.knots), average.knots))
+    times = distinct_instants(np.concatenate([average.knots, _reached(average, path.breakpoints[1:-1])]))
+    return TimeLaw(times, average.pieces(times))
 
 
 class _Average:
@@ -136,15 +108,6 @@ class _Average:
         self.starts = np.concatenate([[0.0], law.breakpoints])
         self.window = window
         self.knots = distinct_instants(np.concatenate([law.breakpoints, law.breakpoints + window]))
-
-    def law(self, instants: Array) -> TimeLaw:
-        """The average as a law with ends of pieces at these instants too."""
-        times = distinct_instants(np.concatenate([self.knots, instants]))
-        return TimeLaw(times, self.pieces(times))
-
-    def at(self, times: Array) -> Array:
-        """s_w at some of the knots."""
-        return self._quotient(times, self._piece(times), self._piece(times - self.window), 0)
 
     def pieces(self, times: Array) -> Array:
         """Coefficients (degree + 2, k) on the pieces between these times (k + 1,), which hold every knot."""

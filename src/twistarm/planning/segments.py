@@ -75,6 +75,11 @@ class Move(Segment):
         for name, value in kept.items():
             object.__setattr__(self, name, value)
 
+    @property
+    def slowed(self) -> bool:
+        """Whether it limits a speed further than the joints do."""
+        return self.velocity_scaling < 1.0 or self.linear_speed is not None or self.angular_speed is not None
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class JointMove(Move):

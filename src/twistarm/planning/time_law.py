@@ -5,6 +5,7 @@ The limits are rows C q' of joints and motors, and a cap of ṡ from limits of t
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
@@ -76,6 +77,12 @@ class PathBounds:
         """(r,); where none was given what brings the acceleration to its limit in 0.1 s."""
         given = self.rates.jerk
         return frozen(np.where(np.isinf(given), self.acceleration / RISE, given))
+
+    def capped(self, ceiling: Array | None) -> PathBounds:
+        """The same limits with another cap of ṡ. What was worked out of them is kept."""
+        other = copy(self)
+        object.__setattr__(other, "ceiling", ceiling)
+        return other
 
     def ceiling_of(self, path: JointPath) -> Array:
         """The largest ṡ on each of the path's pieces (m,), inf without a limit."""

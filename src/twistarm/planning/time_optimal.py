@@ -47,7 +47,7 @@ def time_optimal(path: JointPath, bounds: PathBounds) -> TimeLaw:
     limited, grid, shortest = LimitedPath.of(path, bounds), first_grid(path.breakpoints), np.inf
     for _ in range(ROUNDS):
         profile = path_velocity(limited, grid)
-        durations = _durations(grid, profile.x)
+        durations = durations_of(grid, profile.x)
         duration = float(durations.sum())
         endless = np.isinf(durations)
         # Where both speeds are zero, or an interval is tiny, no limit has a share; an endless interval is halved.
@@ -58,13 +58,7 @@ def time_optimal(path: JointPath, bounds: PathBounds) -> TimeLaw:
             break
         shortest = duration
         grid = np.sort(np.concatenate([grid, (0.5 * (grid[:-1] + grid[1:]))[coarse]]))
-    return _law(grid, profile, durations)
-
-
-def on_grid(limited: LimitedPath, grid: Array) -> TimeLaw:
-    """The shortest law with a constant s̈ on each interval of a grid (N + 1,)."""
-    profile = path_velocity(limited, grid)
-    return _law(grid, profile, _durations(grid, profile.x))
+    return law_of(grid, profile.x)
 
 
 def first_grid(breakpoints: Array) -> Array:
@@ -75,7 +69,7 @@ def first_grid(breakpoints: Array) -> Array:
     return np.append(inner.ravel(), breakpoints[-1])
 
 
-def _durations(grid: Array, x: Array) -> Array:
+def durations_of(grid: Array, x: Array) -> Array:
     """How long each interval takes (N,) [s]: 2 h / (ṡ0 + ṡ1), inf without speed at both ends."""
     speed = np.sqrt(x)
     with np.errstate(divide="ignore"):
@@ -83,10 +77,12 @@ def _durations(grid: Array, x: Array) -> Array:
     return durations
 
 
-def _law(grid: Array, profile: Profile, durations: Array) -> TimeLaw:
+def law_of(grid: Array, x: Array) -> TimeLaw:
+    """The law of x = ṡ² (N + 1,) with a constant s̈ on each interval of a grid (N + 1,)."""
+    durations = durations_of(grid, x)
     require_span(float(durations.sum()))
     breakpoints = np.concatenate([[0.0], np.cumsum(durations)])
-    coefficients = np.stack([0.25 * np.diff(profile.x) / np.diff(grid), np.sqrt(profile.x[:-1]), grid[:-1]])
+    coefficients = np.stack([0.25 * np.diff(x) / np.diff(grid), np.sqrt(x[:-1]), grid[:-1]])
     return TimeLaw(breakpoints, coefficients)
 
 
@@ -128,11 +124,24 @@ def path_velocity(path: LimitedPath, grid: Array) -> Profile:
     TwistarmError without the compiled core, InputError for more joints and motors than it takes.
     """
     core = engine.need(f"the shortest motion along a path{WITHOUT_CORE}")
-    found = core.path_velocity(*vars(path).values(), grid, greatest_rate(path))
+    return Profile(*_taken(path, core.path_velocity(*vars(path).values(), grid, greatest_rate(path))))
+
+
+def shares_of_average(path: LimitedPath, grid: Array, x: Array, jerk: Array, window: float) -> tuple[Array, Array]:
+    """What shares of its limits the law x = ṡ² (N + 1,) uses once a moving average over a window [s] limits its jerk.
+
+    The shares (3, m) are of velocity, acceleration and `jerk` (r,) on each piece, with the largest ṡ there (m,). Three
+    samples between any two knots of the law and of the path give them. Raises as `path_velocity` does.
+    """
+    core = engine.need(f"the shortest motion along a path{WITHOUT_CORE}")
+    return _taken(path, core.shares_of_average(*vars(path).values(), grid, x, jerk, window))
+
+
+def _taken(path: LimitedPath, found: tuple[Array, Array] | None) -> tuple[Array, Array]:
     if found is None:
         count, most = len(path.velocity), 2 * engine.MOST_JOINTS
         raise InputError(f"a path is timed for at most {most} joints and motors; this one has {count}")
-    return Profile(*found)
+    return found
 
 
 def greatest_rate(path: LimitedPath) -> float:

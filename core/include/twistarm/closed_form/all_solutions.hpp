@@ -181,6 +181,32 @@ __attribute__((noinline, cold)) void drop_twins(const Judge& judged, const range
 
 }  // namespace closed_form
 
+/// The answers among candidates: `next(nth, candidates)` fills list after list, and returns whether more follow.
+template <class T, int N, int M, class Target, class Next>
+void find_among(const chain<T, N, M>& arm, const solved_arm<T, N>& solved, const ranges<T, N>& range, const Target& asked,
+                const T* near, const T* held_values, T position_tolerance, T orientation_tolerance, const Next& next,
+                configurations<T, N>& all) {
+    all.count = all.inside = 0;
+    with_kind(asked, [&](auto kind) {
+        if constexpr (kind() != target_kind::task) {
+            const closed_form::judge<kind(), T, N, M> judged(arm, solved, asked, position_tolerance, orientation_tolerance);
+            T span[capacity(N)];
+            closed_form::find_spans(arm, range, span);
+            configuration<T, N> answers[most_configurations];
+            int count = 0;
+            bool twins = false, more = true;
+            for (int nth = 0; more; ++nth) {
+                closed_form::candidate_list<T> candidates;
+                more = next(nth, candidates);
+                count = closed_form::verify(judged, solved, range, arm.coordinates(), near, held_values, span, candidates,
+                                            answers, count, twins);
+            }
+            closed_form::arrange(answers, count, all);
+            if (twins) closed_form::drop_twins(judged, range, all);
+        }
+    });
+}
+
 /// All configurations that meet the target. Each continuous family has one member, with its free joint as in `near`.
 ///
 /// `solved`: the arm's family for this kind of target and, for an approach, this tool axis. near (n,): the reference
@@ -190,27 +216,12 @@ template <class T, int N, int M, class Target>
 void find_all(const chain<T, N, M>& arm, const solved_arm<T, N>& solved, const ranges<T, N>& range, const Target& asked,
               const T* near, const T* held_values, T position_tolerance, T orientation_tolerance,
               configurations<T, N>& all) {
-    all.count = all.inside = 0;
-    with_kind(asked, [&](auto kind) {
-        if constexpr (kind() != target_kind::task) {
-            const closed_form::judge<kind(), T, N, M> judged(arm, solved, asked, position_tolerance, orientation_tolerance);
-            T span[capacity(N)];
-            closed_form::find_spans(arm, range, span);
-            configuration<T, N> answers[most_configurations];
-            int count = 0;
-            unsigned open = 0;
-            bool twins = false;
-            for (int nth = 0; nth == 0 || (open != 0 && nth < closed_form::values_tried); ++nth) {
-                closed_form::candidate_list<T> candidates;
-                closed_form::find_candidates(solved, asked, near, held_values, closed_form::default_slack<T>, open, nth,
-                                             candidates);
-                count = closed_form::verify(judged, solved, range, arm.coordinates(), near, held_values, span, candidates,
-                                            answers, count, twins);
-            }
-            closed_form::arrange(answers, count, all);
-            if (twins) closed_form::drop_twins(judged, range, all);
-        }
-    });
+    unsigned open = 0;
+    const auto next = [&](int nth, closed_form::candidate_list<T>& found) {
+        closed_form::find_candidates(solved, asked, near, held_values, closed_form::default_slack<T>, open, nth, found);
+        return open != 0 && nth + 1 < closed_form::values_tried;
+    };
+    find_among(arm, solved, range, asked, near, held_values, position_tolerance, orientation_tolerance, next, all);
 }
 
 TWISTARM_END

@@ -73,7 +73,7 @@ TWISTARM_INLINE void step_by_rows(const residual<V, N, K>& at, const V& lambda, 
 
 /// The unconstrained step, by whichever system is smaller.
 template <class V, int N, int K>
-TWISTARM_INLINE void free_step(const residual<V, N, K>& at, const V& lambda, int n, V* d) {
+TWISTARM_CALLED void free_step(const residual<V, N, K>& at, const V& lambda, int n, V* d) {
     if constexpr (N == dynamic) {
         if (n < K) step_by_columns(at, lambda, n, d);
         else step_by_rows(at, lambda, n, d);
@@ -108,7 +108,7 @@ TWISTARM_INLINE void freeze_outward(const ranges<T, N>& range, int n, const V* t
 /// for the others succeeds slightly more often per search, but costs a fifth more in total. Source: S. K. Chan & P. D.
 /// Lawrence, General inverse kinematics with the error damped pseudoinverse, ICRA 1988.
 template <class V, class T, int N, int K>
-TWISTARM_INLINE void bounded_step(const ranges<T, N>& range, const V& lambda, int n, residual<V, N, K>& at, V* theta) {
+TWISTARM_CALLED void bounded_step(const ranges<T, N>& range, const V& lambda, int n, residual<V, N, K>& at, V* theta) {
     V d[capacity(N)];
     if (!range.all_turn) detail::freeze_outward(range, n, theta, at);
     detail::free_step(at, lambda, n, d);

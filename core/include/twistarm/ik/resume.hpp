@@ -64,7 +64,7 @@ void take_nearest(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
 }
 
 /// A race of searches from `starts` (settings.searches, n). Replaces `found` if one of them meets the target.
-template <target_kind Kind, int Lanes, class T, int N, int M, class Stopped>
+template <target_kind Kind, int Lanes = 0, class T, int N, int M, class Stopped>
 void race_from(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                const target<T>& asked, const T* theta0, const T* starts, int stride, Stopped& stopped,
                solution<T, N>& found) {

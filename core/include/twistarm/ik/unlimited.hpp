@@ -66,28 +66,34 @@ template <class T, int N> struct searched {
 };
 
 namespace detail {
-/// A search from each configuration, which its end replaces, until all have ended or enough have met the target.
+/// A search from each configuration, which its end replaces. They go in rounds of `searches_in_group`, so that the
+/// number of lanes changes no answer; no round begins once enough have met the target.
 template <class V, class T, int N, class Stopped> struct searches_from_each final : search_owner<V, T, N> {
     static constexpr int lane_count = number<V>::lanes, none = -1;
 
     searched<T, N>& set;
     int n, enough;
     Stopped& stopped;
-    int search[lane_count] = {}, begun = 0, running = 0, met = 0, nearest = 0;
+    int search[lane_count], begun = 0, end_of_round = 0, running = 0, met = 0, nearest = 0;
     T least_error = static_cast<T>(__builtin_inf());
 
     searches_from_each(const aim<V>& aims, searched<T, N>& from, int size, int wanted, Stopped& time_is_up)
         : search_owner<V, T, N>(aims), set(from), n(size), enough(wanted), stopped(time_is_up) {
         for (int k = 0; k < set.count; ++k) set.met[k] = false;
+        for (int& each : search) each = none;
     }
 
-    void begin(lane_starts<T, N, lane_count>& starts, int i) {
+    /// Gives the idle lanes the next searches of the round, or of the next one where none is running.
+    void begin(lane_starts<T, N, lane_count>& starts) {
         const int most = met > 0 ? set.count : least(set.count, searches_without_limits);
-        search[i] = begun < most && met < enough ? begun++ : none;
-        if (search[i] == none) return;
-        ++running;
-        for (int k = 0; k < n; ++k) starts.theta[k][i] = set.theta[search[i] * n + k];
-        starts.waiting |= 1U << i;
+        if (running == 0 && met < enough) end_of_round = least(begun + searches_in_group, most);
+        for (int i = 0; i < lane_count && begun < end_of_round; ++i) {
+            if (search[i] != none) continue;
+            search[i] = begun++;
+            ++running;
+            for (int k = 0; k < n; ++k) starts.theta[k][i] = set.theta[search[i] * n + k];
+            starts.waiting |= 1U << i;
+        }
     }
 
     void settle(const lane_searches<V, N>& lanes, lane_starts<T, N, lane_count>& starts, unsigned ended,
@@ -95,6 +101,7 @@ template <class V, class T, int N, class Stopped> struct searches_from_each fina
         for (; ended != 0U; ended &= ended - 1U) {
             const int i = __builtin_ctz(ended), which = search[i];
             if (which == none) continue;
+            search[i] = none;
             --running;
             for (int k = 0; k < n; ++k) set.theta[which * n + k] = lane(lanes.theta[k], i);
             set.met[which] = (there >> i & 1U) != 0U;
@@ -103,8 +110,8 @@ template <class V, class T, int N, class Stopped> struct searches_from_each fina
                 least_error = lane(lanes.error, i);
                 nearest = which;
             }
-            begin(starts, i);
         }
+        begin(starts);
     }
     bool finished(const lane_searches<V, N>&) override { return running == 0 || stopped(); }
 };
@@ -114,12 +121,12 @@ template <class V, class T, int N, class Stopped> struct searches_from_each fina
 template <target_kind Kind, class T, int N, int M, class Stopped>
 int search_from_each_as(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                         const target<T>& asked, int enough, Stopped& stopped, searched<T, N>& set) {
-    using V = pack<T, searches_in_group>;
+    using V = pack<T, lanes_at_once<T, searches_in_round>>;
     const int n = arm.coordinates();
     searches_from_each<V, T, N, Stopped> owner(aim_in_every_lane<V>(aim_at(arm, asked)), set, n, enough, stopped);
     lane_searches<V, N> lanes = searches_at_rest<V, N>();
-    lane_starts<T, N, searches_in_group> starts;
-    for (int i = 0; i < searches_in_group; ++i) owner.begin(starts, i);
+    lane_starts<T, N, number<V>::lanes> starts;
+    owner.begin(starts);
     run_searches<V, Kind, T, N, M>(arm, range, settings, lanes, starts, owner);
     if (owner.met == 0 && owner.least_error < on_its_way<T> && !stopped()) {
         resumed_ends<T, N> starts;
@@ -127,8 +134,7 @@ int search_from_each_as(const chain<T, N, M>& arm, const ranges<T, N>& range, co
         search_settings<T> how = patient(settings);
         solution<T, N> end{};
         for (int more = is_loose(settings) && !settings.to_edge; more >= 0 && !end.converged; --more, how.to_edge = true)
-            race_from<Kind, searches_in_group>(arm, range, how, asked, set.theta + owner.nearest * n, starts.theta[0],
-                                               capacity(N), stopped, end);
+            race_from<Kind>(arm, range, how, asked, set.theta + owner.nearest * n, starts.theta[0], capacity(N), stopped, end);
         for (int k = 0; k < n && end.converged; ++k) set.theta[k] = end.theta[k];
         return end.converged ? 1 : 0;
     }

@@ -61,28 +61,31 @@ TWISTARM_INLINE void joint_column(const link<T>& joint, const V p[3], const V z[
             out.w[k] = out.w[k] * joint.turn;
         }
 }
+}  // namespace detail
 
+/// base · J₁ ⋯ J_M · tip at θ, `base` and `tip` in place of the chain's own.
 template <class V, class T, int N, int M>
-TWISTARM_INLINE void walk(const chain<T, N, M>& arm, const frame<V>& base, const frame<V>& tip, const V* theta, frame<V>& g) {
+TWISTARM_CALLED void walk(const chain<T, N, M>& arm, const frame<V>& base, const frame<V>& tip, const V* theta, frame<V>& g) {
     const int joints = arm.joints();
     V x[capacity(M)];
-    joint_values(arm, theta, x);
+    detail::joint_values(arm, theta, x);
     g = base;
     TWISTARM_UNROLL
-    for (int i = 0; i < joints; ++i) step_through(arm.links[i], i == 0, x[i], g);
+    for (int i = 0; i < joints; ++i) detail::step_through(arm.links[i], i == 0, x[i], g);
     g = product(g, tip);
 }
 
+/// `walk`, and the tool's velocity for each of the M joints: of its origin and angular, in base axes.
 template <class V, class T, int N, int M>
-TWISTARM_INLINE void walk_with_joint_columns(const chain<T, N, M>& arm, const frame<V>& base, const frame<V>& tip,
+TWISTARM_CALLED void walk_with_joint_columns(const chain<T, N, M>& arm, const frame<V>& base, const frame<V>& tip,
                                              const V* theta, frame<V>& g, column<V>* moved) {
     const int joints = arm.joints();
     V x[capacity(M)], axis[capacity(M)][3], origin[capacity(M)][3];
-    joint_values(arm, theta, x);
+    detail::joint_values(arm, theta, x);
     g = base;
     TWISTARM_UNROLL
     for (int i = 0; i < joints; ++i) {
-        step_through(arm.links[i], i == 0, x[i], g);
+        detail::step_through(arm.links[i], i == 0, x[i], g);
         for (int k = 0; k < 3; ++k) {
             axis[i][k] = g.z[k];
             origin[i][k] = g.p[k];
@@ -90,30 +93,7 @@ TWISTARM_INLINE void walk_with_joint_columns(const chain<T, N, M>& arm, const fr
     }
     g = product(g, tip);
     TWISTARM_UNROLL
-    for (int i = 0; i < joints; ++i) joint_column(arm.links[i], g.p, axis[i], origin[i], moved[i]);
-}
-}  // namespace detail
-
-/// base · J₁ ⋯ J_M · tip at θ, `base` and `tip` in place of the chain's own.
-template <class V, class T, int N, int M>
-TWISTARM_INLINE void walk(const chain<T, N, M>& arm, const frame<V>& base, const frame<V>& tip, const V* theta, frame<V>& g) {
-    detail::walk(arm, base, tip, theta, g);
-}
-template <class T, int N, int M>
-TWISTARM_CALLED void walk(const chain<T, N, M>& arm, const frame<T>& base, const frame<T>& tip, const T* theta, frame<T>& g) {
-    detail::walk(arm, base, tip, theta, g);
-}
-
-/// `walk`, and the tool's velocity for each of the M joints: of its origin and angular, in base axes.
-template <class V, class T, int N, int M>
-TWISTARM_INLINE void walk_with_joint_columns(const chain<T, N, M>& arm, const frame<V>& base, const frame<V>& tip,
-                                             const V* theta, frame<V>& g, column<V>* moved) {
-    detail::walk_with_joint_columns(arm, base, tip, theta, g, moved);
-}
-template <class T, int N, int M>
-TWISTARM_CALLED void walk_with_joint_columns(const chain<T, N, M>& arm, const frame<T>& base, const frame<T>& tip,
-                                             const T* theta, frame<T>& g, column<T>* moved) {
-    detail::walk_with_joint_columns(arm, base, tip, theta, g, moved);
+    for (int i = 0; i < joints; ++i) detail::joint_column(arm.links[i], g.p, axis[i], origin[i], moved[i]);
 }
 
 /// `walk`, and the hybrid Jacobian's N columns: velocity of the tool's origin and angular velocity, in base axes.
@@ -144,28 +124,44 @@ template <class V, class T, int N, int M> TWISTARM_INLINE frame<V> forward(const
     return g;
 }
 
-/// g_st(θ) and the body Jacobian J^b (6, N) by columns: V^b = J^b dθ/dt = (Rᵀ ṗ, Rᵀ ω). MLS §3.4.1.
+/// A column of the hybrid Jacobian as one of the body Jacobian J^b: V^b = J^b dθ/dt = (Rᵀ ṗ, Rᵀ ω). MLS §3.4.1.
+template <class V> TWISTARM_INLINE column<V> body_column(const frame<V>& g, const column<V>& hybrid) {
+    column<V> moved;
+    rotate_back(g, hybrid.v, moved.v);
+    rotate_back(g, hybrid.w, moved.w);
+    return moved;
+}
+
+/// The same as one of the spatial Jacobian J^s: V^s = J^s dθ/dt = (ṗ + p × ω, ω). MLS §3.4.1.
+template <class V> TWISTARM_INLINE column<V> spatial_column(const frame<V>& g, const column<V>& hybrid) {
+    column<V> moved = hybrid;
+    V moment[3];
+    cross(g.p, hybrid.w, moment);
+    for (int k = 0; k < 3; ++k) moved.v[k] = moved.v[k] + moment[k];
+    return moved;
+}
+
+/// g_st(θ) and the hybrid Jacobian's N columns.
 template <class V, class T, int N, int M>
-TWISTARM_INLINE frame<V> forward_with_body_jacobian(const chain<T, N, M>& arm, const V* theta, column<V>* J) {
+TWISTARM_INLINE frame<V> forward_with_columns(const chain<T, N, M>& arm, const V* theta, column<V>* J) {
     frame<V> g;
     walk_with_columns(arm, converted<V>(arm.base), converted<V>(arm.tip), theta, g, J);
-    for (int i = 0; i < arm.coordinates(); ++i) {
-        rotate_back(g, J[i].v, J[i].v);
-        rotate_back(g, J[i].w, J[i].w);
-    }
     return g;
 }
 
-/// g_st(θ) and the spatial Jacobian J^s (6, N) by columns: V^s = J^s dθ/dt = (ṗ + p × ω, ω). MLS §3.4.1.
+/// g_st(θ) and the body Jacobian (6, N) by columns.
+template <class V, class T, int N, int M>
+TWISTARM_INLINE frame<V> forward_with_body_jacobian(const chain<T, N, M>& arm, const V* theta, column<V>* J) {
+    const frame<V> g = forward_with_columns(arm, theta, J);
+    for (int i = 0; i < arm.coordinates(); ++i) J[i] = body_column(g, J[i]);
+    return g;
+}
+
+/// g_st(θ) and the spatial Jacobian (6, N) by columns.
 template <class V, class T, int N, int M>
 TWISTARM_INLINE frame<V> forward_with_spatial_jacobian(const chain<T, N, M>& arm, const V* theta, column<V>* J) {
-    frame<V> g;
-    walk_with_columns(arm, converted<V>(arm.base), converted<V>(arm.tip), theta, g, J);
-    for (int i = 0; i < arm.coordinates(); ++i) {
-        V moment[3];
-        cross(g.p, J[i].w, moment);
-        for (int k = 0; k < 3; ++k) J[i].v[k] = J[i].v[k] + moment[k];
-    }
+    const frame<V> g = forward_with_columns(arm, theta, J);
+    for (int i = 0; i < arm.coordinates(); ++i) J[i] = spatial_column(g, J[i]);
     return g;
 }
 

@@ -19,10 +19,10 @@
 #define TWISTARM_BEGIN namespace twistarm { inline namespace TWISTARM_INSTRUCTION_SET {
 #define TWISTARM_END } }
 
-// Kernels are small and called from one place each. A call would put every pack through memory.
+// Small kernels, and those of one place. A call would put every pack through memory.
 #define TWISTARM_INLINE inline __attribute__((always_inline))
 
-// Of a single configuration: a call costs a few percent of the time and saves a sixth of the code.
+// Large kernels that several loops share. A call costs no time that shows, and saves a third of the compilation.
 #define TWISTARM_CALLED __attribute__((noinline))
 
 // Loops over joints and rows are short; unrolled, their arrays become registers. The pragma has a count instead of

@@ -232,6 +232,17 @@ def prove(arm: Arm) -> Proof:
     return proof
 
 
+def _descriptions_in(folder: Path) -> list[str]:
+    """The descriptions at most three levels deep, the outer first; what cannot be read is left out."""
+    found = []
+    for here, folders, files in os.walk(folder):
+        inside = Path(here).relative_to(folder)
+        if len(inside.parts) == 2:
+            folders.clear()
+        found += [inside / name for name in files if name.endswith(DESCRIPTIONS) and name != "package.xml"]
+    return [str(each) for each in sorted(found, key=lambda each: (len(each.parts), each))]
+
+
 def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
     """The specification of a path or a catalogue name. An existing file wins over a name."""
     if not isinstance(source, (str, os.PathLike)):
@@ -253,14 +264,8 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
     why, near = why_no_file(path), ""
     if why != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
         if why == FOLDER:
-            files = [str(each.relative_to(path)) for deep in ("*", "*/*", "*/*/*") for each in sorted(path.glob(deep))]
-            there = [file for file in files if file.endswith(DESCRIPTIONS) and not file.endswith("package.xml")]
-            raise refusal(
-                "file-unreadable",
-                Place(text[:200]),
-                why,
-                f"give a file in it: {listed(there) or 'none is a description'}",
-            )
+            remedy = f"give a file in it: {listed(_descriptions_in(path)) or 'none is a description'}"
+            raise refusal("file-unreadable", Place(text[:200]), why, remedy)
         with suppress(OSError, ValueError):
             near = closest(path.name, [each.name for each in path.parent.iterdir()])
         remedy = f"give a URDF, xacro or MJCF file, a DH table, an arm.toml or an arm of the catalogue{near}"

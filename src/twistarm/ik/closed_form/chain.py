@@ -21,7 +21,8 @@ import numpy as np
 from ...arm.arm import Arm
 from ...support.checks import Array
 from ...support.errors import InputError
-from ...theory.screws import inverse
+from ...theory.rotations import cross
+from ...theory.screws import inverse_of
 from ..targets import AnyTarget, Approach, Pose, Position, TolerancedPose
 
 NO_PITCH = 1e-9  # A pitch [m/rad] below this is the rounding of none.
@@ -138,9 +139,9 @@ def turn(w: Array, x: float) -> Array:
 
 def across(w: Array) -> tuple[Array, Array]:
     """Unit vectors u and w × u (3,) that span the plane across the unit vector w."""
-    u = np.cross(w, np.eye(3)[int(np.argmin(np.abs(w)))])
+    u = cross(w, np.eye(3)[int(np.argmin(np.abs(w)))])
     u /= np.linalg.norm(u)
-    return u, np.cross(w, u)
+    return u, cross(w, u)
 
 
 INDEPENDENT = 1e-6  # Singular values above this, lengths over the arm's reach, tell motions apart.
@@ -169,7 +170,7 @@ class Chain:
                 carried = carried @ axis.motion(float(values[joints.index(i)]))
             else:
                 left.append(axis.seen(carried))
-        return tuple(left), inverse(carried)
+        return tuple(left), inverse_of(carried)
 
     def left(self, held: tuple[int, ...]) -> list[int]:
         """The places of the axes without these joints."""
@@ -209,7 +210,7 @@ def chain_for(arm: Arm, like: AnyTarget) -> Chain:
 
 def goal(arm: Arm, target: AnyTarget) -> Array:
     """G (4, 4) for a target: g home⁻¹, with any pose g that meets it."""
-    return _any_pose(target) @ inverse(arm.home)
+    return _any_pose(target) @ inverse_of(arm.home)
 
 
 def _left_free(arm: Arm, like: AnyTarget) -> tuple[JointAxis, ...]:

@@ -16,35 +16,49 @@ Five joints get a sixth that stands still, about an unrelated line. The answers 
 0.
 
 For special axes the matrix may be singular everywhere. G closes the chain of joints, so it may begin at any joint, in
-either direction. `rooted` takes the one of these twelve ways that finds random configurations best.
+either direction. `rooted` keeps those of these twelve ways that find random configurations, the best first.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from ...support.checks import Array
-from ...theory.screws import exp, inverse
-from .chain import JointAxis, Point, across, product, settle
+from ...theory.rotations import cross, skew
+from ...theory.screws import exp, inverse_of
+from .chain import JointAxis, across, product
 
 SIX = 6
 
 # Three angles at which a function a + b cos x + c sin x is known.
-THIRDS = (0.0, 2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0)
-# (a, b, c) from its values there.
+THIRDS = np.array([0.0, 2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0])
+SINES, VERSINES = np.sin(THIRDS)[:, None, None], (1.0 - np.cos(THIRDS))[:, None, None]
+# (a, b, c) from its values there, and the same for functions of two and of three angles.
 FROM_SAMPLES = np.linalg.inv(np.stack([np.ones(3), np.cos(THIRDS), np.sin(THIRDS)], axis=1))
+OF_TWO = np.kron(FROM_SAMPLES, FROM_SAMPLES)
+OF_THREE = np.kron(FROM_SAMPLES, OF_TWO)
 # 1, cos x and sin x times 1 + t², as powers t⁰ … t² of t = tan(x/2).
 IN_TANGENT = np.array([[1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [0.0, 2.0, 0.0]])
-# t₃ = tan(y + INFINITY_SHIFT) for the eigenvalue tan y. It makes roots at infinity finite.
+# The eigenvalue is u = tan(x₃/2 − INFINITY_SHIFT). It makes roots at infinity finite.
 INFINITY_SHIFT = 0.7
-REAL = 1e-3  # An eigenvalue with a smaller imaginary part may be a double root that rounding has split.
+COS, SIN = math.cos(2.0 * INFINITY_SHIFT), math.sin(2.0 * INFINITY_SHIFT)
+IN_SHIFTED = np.array([[1.0, 0.0, 0.0], [0.0, COS, -SIN], [0.0, SIN, COS]]) @ IN_TANGENT
+# Products of 1, cos, sin of x₃, x₄ and x₅ in powers of u, t₄ and t₅.
+IN_POWERS = np.kron(IN_SHIFTED, np.kron(IN_TANGENT, IN_TANGENT))
+UPPER = np.eye(12, 24, k=12)  # The rows of the companion matrix that say which half of a vector is the other times u.
+# An eigenvalue with a smaller imaginary part may be a double root that rounding has split; below this it is real.
+REAL, SURELY_REAL = 1e-3, 1e-9
+WELL_CONDITIONED = 1e8  # Up to this condition the eigenvalues are believed.
+RANK = 1e-10  # Relative singular values of the right side below this are 0.
 TRIALS = 4  # Random configurations by which a way is judged.
 FOUND = 1e-5  # Greatest error of an uncorrected candidate, as a share of the reach.
+MOST_WAYS = 4  # Ways that are tried in turn until the eigenvalues of one are believed.
 # Greatest angle of the joint that is added to five, before correction. Double roots have few digits.
-EXTRA_JOINT_TOL = 0.1
+EXTRA_JOINT_TOL, EXTRA_JOINT_EXACT = 0.1, 1e-6
 # Direction of that joint, and a point on it in shares of the reach.
 EXTRA_AXIS = np.array([0.48, -0.6, 0.64]), np.array([0.31, 0.23, -0.41])
 
@@ -57,46 +71,91 @@ NEARBY_POSES = (
 """The pose and two nearby ones [m, rad]: near enough for Newton's method, far enough to separate eigenvalues."""
 
 
-@dataclass(frozen=True, eq=False)
-class Rooted:
-    """The start of the chain, and whether it is walked backward. `worst`: its error at random configurations.
+class Candidates(NamedTuple):
+    """Candidates x (m, k) of one elimination, and the number of `answers` to expect; None where that is in doubt.
 
-    `still`: the joint added to five.
+    The eigenvalues are beyond doubt if their problem is well conditioned and none is nearly real. Then x has every
+    answer, provided that as many different ones come from it as expected.
     """
+
+    x: Array
+    answers: int | None
+
+
+class Lines(NamedTuple):
+    """Directions w (6, 3) and points o (6, 3) [m] of six axes."""
+
+    w: Array
+    o: Array
+
+
+class Way(NamedTuple):
+    """The joint with which the chain starts, and whether it is walked backward."""
 
     start: int
     backward: bool
-    worst: float
-    still: tuple[JointAxis, ...] = ()
 
-    def chain(self, axes: tuple[JointAxis, ...], G: Array) -> tuple[tuple[JointAxis, ...], Array, list[int]]:
-        """Axes and G of the chain from this start, and the joint of each place."""
-        behind = inverse(G)
-        walked = [*axes[self.start :], *(axis.seen(behind) for axis in axes[: self.start])]
+    @property
+    def joints(self) -> list[int]:
+        """The joint of each place."""
         joints = [*range(self.start, SIX), *range(self.start)]
-        if not self.backward:
-            return tuple(walked), G, joints
-        return tuple(replace(axis, w=-axis.w) for axis in walked[::-1]), behind, joints[::-1]
+        return joints[::-1] if self.backward else joints
+
+    def chain(self, lines: Lines, G: Array) -> tuple[Lines, Array]:
+        """Axes and G of the chain this way."""
+        (w, o), k, R = lines, self.start, G[:3, :3]
+        w, o = np.concatenate([w[k:], w[:k] @ R]), np.concatenate([o[k:], (o[:k] - G[:3, 3]) @ R])
+        return (Lines(-w[::-1], o[::-1]), inverse_of(G)) if self.backward else (Lines(w, o), G)
+
+
+@dataclass(frozen=True, eq=False)
+class Rooted:
+    """How elimination solves five or six axes: `ways`, the best first, and the joint `still` that is added to five."""
+
+    ways: tuple[Way, ...]
+    still: tuple[JointAxis, ...]
+
+    def lines(self, axes: tuple[JointAxis, ...]) -> Lines:
+        """The lines of six axes."""
+        six = (*axes, *self.still)
+        return Lines(np.array([axis.w for axis in six]), np.array([axis.o for axis in six]))
+
+    def candidates(self, lines: Lines, way: Way, G: Array) -> Candidates:
+        """Candidates for E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), k = 6 or 5, mostly to six digits."""
+        found, sure = _solved(*way.chain(lines, G))
+        x = np.empty_like(found)
+        x[:, way.joints] = found
+        own = SIX - len(self.still)
+        extra = np.abs((x[:, own:] + math.pi) % (2.0 * math.pi) - math.pi).max(axis=1, initial=0.0)
+        answers = int((extra <= EXTRA_JOINT_EXACT).sum()) if sure else None
+        return Candidates(x[extra <= EXTRA_JOINT_TOL, :own], answers)
+
+    def nearby(self, lines: Lines, G: Array) -> Array:
+        """The candidates x (m, k) for G and for poses beside it, in unrelated directions. Their answers are near.
+
+        At special joint angles the matrix may be singular for this G alone. Its result is noise.
+        """
+        return np.vstack([self.candidates(lines, self.ways[0], G @ beside).x for beside in NEARBY_POSES])
 
 
 def rooted(axes: tuple[JointAxis, ...], reach: float) -> Rooted | None:
-    """The way that finds random configurations best. None where the matrix is singular every way."""
+    """The ways that find random configurations. None where the matrix is singular every way."""
     if not SIX - 1 <= len(axes) <= SIX or any(axis.slides for axis in axes):
         return None
     rng = np.random.default_rng(0)
     trials = rng.uniform(-np.pi, np.pi, (TRIALS, len(axes)))
     still = (JointAxis(EXTRA_AXIS[0], reach * EXTRA_AXIS[1], slides=False),) * (SIX - len(axes))
-    ways = [Rooted(start, backward, math.inf, still) for start in range(SIX) for backward in (False, True)]
-    judged = [replace(way, worst=max(_missed(axes, way, x, reach) for x in trials)) for way in ways]
-    best = min(judged, key=lambda way: way.worst)
-    return best if best.worst <= FOUND else None
+    ways = [Way(start, backward) for start in range(SIX) for backward in (False, True)]
+    missed = {way: max(_missed(axes, Rooted((way,), still), x, reach) for x in trials) for way in ways}
+    best = sorted((way for way in ways if missed[way] <= FOUND), key=lambda way: missed[way])
+    return Rooted(tuple(best[:MOST_WAYS]), still) if best else None
 
 
-def _missed(axes: tuple[JointAxis, ...], way: Rooted, x: Array, reach: float) -> float:
+def _missed(axes: tuple[JointAxis, ...], by: Rooted, x: Array, reach: float) -> float:
     """Distance of the nearest answer from the pose at x, in shares of the reach or rad."""
     G = product(axes, x)
     errors = [np.inf]
-    for found in _candidates_for(axes, way, G):
+    for found in by.candidates(by.lines(axes), by.ways[0], G).x:
         off = np.abs(product(axes, found) - G)
         apart = float(np.abs((found - x + np.pi) % (2.0 * np.pi) - np.pi).max())
         if apart < 1e-2:
@@ -104,111 +163,92 @@ def _missed(axes: tuple[JointAxis, ...], way: Rooted, x: Array, reach: float) ->
     return min(errors)
 
 
-def eliminated(axes: tuple[JointAxis, ...], way: Rooted, G: Array) -> list[Array]:
-    """Candidates x (k,) for E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), k = 6 or 5: every answer, mostly to six digits.
+def _solved(lines: Lines, G: Array) -> tuple[Array, bool]:
+    """Candidates x (m, 6) of a chain, and whether the eigenvalues are beyond doubt."""
+    w, o = lines
+    hat = skew(w)
+    square = hat @ hat
+    turns = np.eye(3) + SINES * hat[:, None] + VERSINES * square[:, None]  # (6, 3, 3, 3): each axis by each third
+    points = np.zeros((SIX, 3, 2))
+    points[..., 0] = o
+    tip = np.stack([o[5], w[5]], axis=1)
+    seen = G[:3, :3] @ tip
+    seen[:, 0] += G[:3, 3]
+    left = OF_THREE @ _fourteen(tip, points, turns, (4, 3, 2))  # (27, 14): of products of 1, cos, sin of x₃, x₄, x₅
+    right = OF_TWO @ _fourteen(seen, points, np.swapaxes(turns, -1, -2), (0, 1))  # (9, 14): of x₂ and x₁
+    U, size, Vt = np.linalg.svd(right[1:].T)
+    without = U[:, 8:].T  # the six combinations that x₁ and x₂ do not enter
+    equations = without @ left.T
+    equations[:, 0] -= without @ right[0]
+    x3, vectors, sure = _eigenpairs((equations @ IN_POWERS).reshape(6, 3, 9))
+    x = np.empty((len(x3), SIX))
+    x[:, 2], x[:, 3] = x3, _angles(vectors[:, :3], vectors[:, 1:])
+    x[:, 4] = _angles(vectors[:, :, :2], vectors[:, :, 1:])
+    x[:, 1], x[:, 0] = _first_two(x[:, 2:5], left, right[0], U[:, :8], size, Vt)
+    # x₆ by the turn that is left over.
+    u, v = across(w[5])
+    left_over = (G[:3, :3] @ u)[:, None]
+    five = x[:, :5, None, None]
+    sine, versine = np.sin(five), 1.0 - np.cos(five)
+    for k in range(5):
+        left_over = left_over - sine[:, k] * (hat[k] @ left_over) + versine[:, k] * (square[k] @ left_over)
+    x[:, 5] = np.arctan2(left_over[..., 0] @ v, left_over[..., 0] @ u)
+    return x, sure
 
-    At special joint angles the matrix may be singular for this G alone. Its result is noise. So poses beside it are
-    solved too, in unrelated directions. Their answers are near.
+
+def _fourteen(tip: Array, points: Array, turns: Array, order: tuple[int, ...]) -> Array:
+    """The fourteen numbers of p and d, columns of tip (3, 2), turned by each third about these axes in their order.
+
+    (3 ⋯ 3, 14), of the last axis first. points (6, 3, 2): of the axes, and 0. p is seen from the second.
     """
-    return [x for beside in NEARBY_POSES for x in _candidates_for(axes, way, G @ beside)]
+    for k in order:
+        each = turns[k].reshape(3, *(1,) * (tip.ndim - 2), 3, 3)
+        tip = each @ (tip - points[k]) + points[k]
+    p, d = np.moveaxis((tip - points[1]).reshape(-1, 3, 2), -1, 0)
+    pp, pd = (p * p).sum(axis=1, keepdims=True), (p * d).sum(axis=1, keepdims=True)
+    return np.concatenate([p, d, pp, pd, cross(p, d), pp * d - 2.0 * pd * p], axis=1)
 
 
-def _candidates_for(axes: tuple[JointAxis, ...], way: Rooted, G: Array) -> list[Array]:
-    """Candidates for this G alone."""
-    chain, closed, joints = way.chain((*axes, *way.still), G)
-    left, right = _left_side(chain), _right_side(chain, closed)
-    found = []
-    for middle in _middle_angles(left, right):
-        x = np.empty(SIX)
-        x[joints] = _completed(chain, closed, left, right, middle)
-        if all(abs((angle + math.pi) % (2.0 * math.pi) - math.pi) <= EXTRA_JOINT_TOL for angle in x[len(axes) :]):
-            found.append(x[: len(axes)])
-    return found
+def _first_two(middle: Array, left: Array, constant: Array, U: Array, size: Array, Vt: Array) -> tuple[Array, Array]:
+    """x₂ and x₁ (m,) of x₃, x₄, x₅ (m, 3), by least squares from the fourteen equations with U diag(size) Vt right."""
+    one, two, three = np.stack([np.ones(middle.shape), np.cos(middle), np.sin(middle)]).transpose(2, 1, 0)
+    products = (one[:, :, None, None] * two[:, None, :, None] * three[:, None, None, :]).reshape(-1, 27)
+    inverse = np.divide(1.0, size, out=np.zeros(8), where=size > RANK * size[0])
+    found = ((products @ left - constant) @ U * inverse) @ Vt
+    return np.arctan2(found[:, 5], found[:, 2]), np.arctan2(found[:, 1], found[:, 0])
 
 
-def _fourteen(p: Array, d: Array) -> Array:
-    """The fourteen numbers of p and d (3,)."""
-    pp, pd = p @ p, p @ d
-    return np.concatenate([p, d, [pp, pd], np.cross(p, d), pp * d - 2.0 * pd * p])
+def _eigenpairs(powers: Array) -> tuple[Array, Array, bool]:
+    """x₃ (m,) and vectors (m, 4, 3) of t₄ⁱ t₅ʲ, i ≤ 3 and j ≤ 2, where (M₀ + M₁u + M₂u²) vector = 0.
 
-
-def _left_side(chain: tuple[JointAxis, ...]) -> Array:
-    """(14, 3, 3, 3): coefficients of 1, cos, sin of x₃, x₄ and x₅ on the left."""
-    _, second, third, fourth, fifth, sixth = chain
-    values = np.empty((3, 3, 3, 14))
-    for i, j, k in np.ndindex(3, 3, 3):
-        g: Array = third.motion(THIRDS[i]) @ fourth.motion(THIRDS[j]) @ fifth.motion(THIRDS[k])
-        values[i, j, k] = _fourteen(g[:3, :3] @ sixth.o + g[:3, 3] - second.o, g[:3, :3] @ sixth.w)
-    return np.einsum("ai,bj,ck,ijke->eabc", FROM_SAMPLES, FROM_SAMPLES, FROM_SAMPLES, values)
-
-
-def _right_side(chain: tuple[JointAxis, ...], G: Array) -> Array:
-    """(14, 9): coefficients of the products of 1, cos, sin of x₂ and of x₁ on the right."""
-    first, second, *_, sixth = chain
-    p, d = G[:3, :3] @ sixth.o + G[:3, 3], G[:3, :3] @ sixth.w
-    values = np.empty((3, 3, 14))
-    for i, j in np.ndindex(3, 3):
-        g: Array = second.motion(-THIRDS[i]) @ first.motion(-THIRDS[j])
-        values[i, j] = _fourteen(g[:3, :3] @ p + g[:3, 3] - second.o, g[:3, :3] @ d)
-    return np.einsum("ai,bj,ije->eab", FROM_SAMPLES, FROM_SAMPLES, values).reshape(14, 9)
-
-
-def _middle_angles(left: Array, right: Array) -> list[tuple[float, float, float]]:
-    """x₃, x₄, x₅ where the matrix is singular."""
-    without = np.linalg.svd(right[:, 1:])[0][:, 8:].T  # the six combinations that x₁ and x₂ do not enter
-    equations = np.einsum("re,eabc->rabc", without, left)
-    equations[:, 0, 0, 0] -= without @ right[:, 0]
-    powers = np.einsum("rabc,ai,bj,ck->irjk", equations, IN_TANGENT, IN_TANGENT, IN_TANGENT)
-    M = np.zeros((3, 12, 4, 3))
-    M[:, :6, :3], M[:, 6:, 1:] = powers, powers
-    return [_angles_of(*pair) for pair in _real_eigenpairs(M.reshape(3, 12, 12))]
-
-
-def _real_eigenpairs(M: Array) -> list[tuple[float, Array]]:
-    """(x₃, vector (12,)) with (M₀ + M₁t + M₂t²) vector = 0, t = tan(x₃/2)."""
-    c, s = math.cos(INFINITY_SHIFT), math.sin(INFINITY_SHIFT)
-    above, below = np.array([s, c]), np.array([c, -s])  # t = (s + c u) / (c − s u), lowest power first
-    squares = np.convolve(below, below), np.convolve(above, below), np.convolve(above, above)
-    turned = np.einsum("kij,kd->dij", M, np.array(squares))
+    powers (6, 3, 9): of u, and of t₄ and t₅, in the six equations. Also whether the eigenvalues are beyond doubt.
+    """
+    M = np.zeros((3, 12, 12))
+    M[:, :6, :9] = M[:, 6:, 3:] = powers.swapaxes(0, 1)
     try:
-        lower = -np.linalg.solve(turned[2], np.hstack([turned[0], turned[1]]))
+        last = np.linalg.solve(M[2], np.hstack([M[0], M[1]]))
+        first = np.linalg.solve(M[0], np.hstack([M[1], M[2]]))
     except np.linalg.LinAlgError:
-        return []
-    companion = np.vstack([np.hstack([np.zeros((12, 12)), np.eye(12)]), lower])
+        return np.empty(0), np.empty((0, 4, 3)), False
+    companion = np.vstack([UPPER, -last])
     if not np.isfinite(companion).all():
-        return []
+        return np.empty(0), np.empty((0, 4, 3)), False
     values, vectors = np.linalg.eig(companion)
-    real = np.abs(values.imag) <= REAL * (1.0 + np.abs(values) ** 2)
-    pairs = []
-    for u, vector in zip(values[real].real, vectors[:, real].T, strict=True):
-        half = vector[:12] if abs(u) <= 1.0 else vector[12:]
-        largest = half[int(np.abs(half).argmax())]
-        pairs.append((2.0 * math.atan2(s + c * u, c - s * u), (half / largest).real))
-    return pairs
+    off = np.abs(values.imag) / (1.0 + np.abs(values) ** 2)
+    real = off <= REAL
+    # The Frobenius norms of the companion and of its inverse, each with an identity in it.
+    condition = math.sqrt((12.0 + np.square(last).sum()) * (12.0 + np.square(first).sum()))
+    sure = condition <= WELL_CONDITIONED and not (real & (off > SURELY_REAL)).any()
+    u, both = values[real].real, vectors[:, real].T
+    half = np.where(np.abs(u)[:, None] <= 1.0, both[:, :12], both[:, 12:])
+    largest = half[range(len(u)), np.abs(half).argmax(axis=1)]
+    return 2.0 * (np.arctan(u) + INFINITY_SHIFT), (half / largest[:, None]).real.reshape(-1, 4, 3), sure
 
 
-def _angles_of(x3: float, vector: Array) -> tuple[float, float, float]:
-    """x₄ and x₅ from the vector of products t₄ⁱ t₅ʲ, i ≤ 3 and j ≤ 2. Neighbours differ by the factor t."""
-    table = vector.reshape(4, 3)
-    return x3, _angle(table[:3], table[1:]), _angle(table[:, :2], table[:, 1:])
+def _angles(lower: Array, upper: Array) -> Array:
+    """x (m,) with upper = tan(x/2) lower, tables (m, …), by least squares from the longer of the two.
 
-
-def _angle(lower: Array, upper: Array) -> float:
-    """x with upper = tan(x/2) lower, by least squares from the longer of the two."""
-    a, b, both = float((lower**2).sum()), float((upper**2).sum()), float((lower * upper).sum())
-    return 2.0 * math.atan2(both, a) if a >= b else 2.0 * math.atan2(b, both)
-
-
-def _completed(
-    chain: tuple[JointAxis, ...], G: Array, left: Array, right: Array, middle: tuple[float, float, float]
-) -> Array:
-    """All six angles: x₁ and x₂ by least squares from the fourteen equations, x₆ by the remaining turn."""
-    factors = [np.array([1.0, math.cos(x), math.sin(x)]) for x in middle]
-    value = np.einsum("eabc,a,b,c->e", left, *factors) - right[:, 0]
-    products = np.concatenate([[1.0], np.linalg.lstsq(right[:, 1:], value, rcond=1e-10)[0]]).reshape(3, 3)
-    x2, x1 = math.atan2(products[2, 0], products[1, 0]), math.atan2(products[0, 2], products[0, 1])
-    five = np.array([x1, x2, *middle])
-    left_over = inverse(product(chain[:5], five)) @ G
-    u = across(chain[5].w)[0]
-    axis = replace(chain[5], o=np.zeros(3))
-    return np.append(five, settle(axis, Point(u), Point(left_over[:3, :3] @ u))[0])
+    Neighbours in the vector of products differ by the factor t.
+    """
+    a, b, both = ((one * other).sum(axis=(1, 2)) for one, other in ((lower, lower), (upper, upper), (lower, upper)))
+    return 2.0 * np.where(a >= b, np.arctan2(both, a), np.arctan2(b, both))

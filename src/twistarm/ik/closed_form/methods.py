@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Set
+from collections.abc import Callable, Iterator, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -24,8 +24,9 @@ from ..ranges import standing
 from ..targets import AnyTarget, Approach, Pose, Position, TargetLike, checked_target
 from . import elimination
 from .chain import MOST_JOINTS, Chain, JointAxis, Plane, Point, chain_for, goal
-from .elimination import Rooted, eliminated
+from .elimination import Candidates, Lines, Rooted
 from .families import (
+    DECOUPLED,
     EXACT,
     NEARLY,
     Family,
@@ -118,7 +119,7 @@ class Method:
 
     `held`: joints of the arm that are `given` or sampled, because the target does not determine them. `idle`: held
     joints that move only free parts of the target, so one value is enough. `numbers` and `core`: the family for the
-    core and in it.
+    core and in it. `judge`: what verifies the candidates of elimination in the core.
     """
 
     chain: Chain
@@ -131,6 +132,7 @@ class Method:
     reason: str = ""
     numbers: ClosedFormParameters | None = None
     core: ClosedForm | None = None
+    judge: ClosedForm | None = None
 
     @property
     def there(self) -> bool:
@@ -141,11 +143,6 @@ class Method:
     def exact(self) -> bool:
         """Whether the candidates hold every answer: by an exact family or by elimination."""
         return self.rooted is not None or (self.family is not None and self.off <= EXACT)
-
-    @property
-    def compiled(self) -> ClosedForm | None:
-        """The family in the core that finds every answer. One that is not exact only proposes candidates."""
-        return self.core if self.exact else None
 
     @property
     def name(self) -> str:
@@ -174,7 +171,8 @@ class Method:
         `exact`: whether only rounding of numbers, not of axes, makes candidates miss a subproblem.
         """
         if self.rooted is not None:
-            return self._eliminated(goal(arm, target), self.rooted, values)
+            lines, G = self._lines(goal(arm, target), values)
+            return self._theta(self.rooted.nearby(lines, G), values)
         if len(self.held) == arm.n:
             return values[None]
         assert self.core is not None, "the solvers ask for the core"
@@ -182,20 +180,37 @@ class Method:
         assert found is not None, "what was checked is plain"
         return found
 
-    def _eliminated(self, G: Array, rooted: Rooted, values: Array) -> Array:
-        """The candidates (k, n) of elimination."""
-        rates, held = self.chain.rates, list(self.held)
-        axes, behind = self.chain.held(self.held, rates[held] * values)
-        solved = [i for i in range(self.chain.n) if i not in held]
-        found = eliminated(axes, rooted, G @ behind)
-        theta = np.empty((len(found), self.chain.n))
+    def eliminated(self, arm: Arm, target: AnyTarget, values: Array) -> Iterator[Candidates]:
+        """The candidates (k, n) of elimination in one way after another, for what leaves no doubt."""
+        assert self.rooted is not None
+        lines, G = self._lines(goal(arm, target), values)
+        for way in self.rooted.ways:
+            x, answers = self.rooted.candidates(lines, way, G)
+            yield Candidates(self._theta(x, values), answers)
+
+    def _lines(self, G: Array, values: Array) -> tuple[Lines, Array]:
+        """The lines that elimination solves, and the factor G (4, 4) without held joints."""
+        assert self.rooted is not None
+        if not self.held:
+            return self._own_lines, G
+        axes, behind = self.chain.held(self.held, self.chain.rates[list(self.held)] * values)
+        return self.rooted.lines(axes), G @ behind
+
+    @cached_property
+    def _own_lines(self) -> Lines:
+        assert self.rooted is not None
+        return self.rooted.lines(self.chain.axes)
+
+    def _theta(self, x: Array, values: Array) -> Array:
+        """theta (k, n) of x, without what the target leaves free."""
+        held, solved = list(self.held), [i for i in range(self.chain.n) if i not in self.held]
+        theta = np.empty((len(x), self.chain.n))
         theta[:, held] = values
-        for row, x in zip(theta, found, strict=True):
-            row[solved] = x[: len(solved)] / rates[solved]
+        theta[:, solved] = x[:, : len(solved)] / self.chain.rates[solved]
         return theta
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "core": None}  # what is compiled belongs to this process
+        return {**self.__dict__, "core": None, "judge": None}  # what is compiled belongs to this process
 
 
 _KEPT: WeakKeyDictionary[Arm, dict[object, Method]] = WeakKeyDictionary()
@@ -245,11 +260,17 @@ def _cached_method(arm: Arm, target: AnyTarget, what: object, made: Callable[[],
 
 
 def _in_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
-    """The method, with its family in the core."""
-    if method.family is None or not method.family.order:  # with every joint given nothing is solved
+    """The method, with its family in the core, or what verifies its candidates there."""
+    family = method.family
+    if method.rooted is not None:  # all joints together, as the core is not asked to solve for them
+        left = len(method.chain.left(method.held))
+        family = Family(DECOUPLED, tuple(range(left)), 0, left)
+    if family is None or not family.order:  # with every joint given nothing is solved
         return method
-    numbers = family_numbers(arm, method.chain, method.family, method.held, {*method.held} - {*method.given})
+    numbers = family_numbers(arm, method.chain, family, method.held, {*method.held} - {*method.given})
     made = None if arm.compiled is None else engine.asked("ClosedForm", arm.compiled, target.kind, *numbers)
+    if method.rooted is not None:
+        return replace(method, judge=made)
     return replace(method, numbers=numbers, core=made)
 
 

@@ -83,28 +83,18 @@ class Asked:
             theta = theta - np.clip((U.T @ error)[there] / size[there], -LONGEST_STEP, LONGEST_STEP) @ Vt[there]
         return theta
 
-    def roots(
-        self,
-        candidates: Iterable[Array],
-        held: tuple[int, ...] = (),
-        known: Sequence[Root] = (),
-        singular: float = SINGULAR,
-    ) -> list[Root]:
-        """The different answers among the candidates that are not `known` yet, each corrected and verified.
-
-        `held` joints stay. `singular`: as for `corrected`.
-        """
+    def roots(self, candidates: Iterable[Array], held: tuple[int, ...], known: Sequence[Root]) -> list[Root]:
+        """The different answers among the candidates that are not `known` yet, corrected and verified. `held` stay."""
         found: list[Root] = []
         for candidate in candidates:
-            theta = self.corrected(np.array(candidate), held, singular)
+            theta = self.corrected(np.array(candidate), held)
             if not self.met(theta):
                 continue
-            if not any(self._same(theta, other.theta) for other in (*known, *found)):
-                dependent = max(singular, DEPENDENT)
-                found.append(Root(theta, self.self_motion(theta, held, dependent)))
+            if not self.known(theta, [*known, *found]):
+                found.append(Root(theta, self.self_motion(theta, held)))
         return found
 
-    def self_motion(self, theta: Array, held: tuple[int, ...] = (), dependent: float = DEPENDENT) -> tuple[int, ...]:
+    def self_motion(self, theta: Array, held: tuple[int, ...] = ()) -> tuple[int, ...]:
         """The joints, beside those `held`, that move while the target stays met.
 
         If more joints are left than independent rows, the null space is a family's tangent: all that it moves is free.
@@ -114,7 +104,7 @@ class Asked:
         solved = [i for i in range(self.arm.n) if i not in held]
         J = self.rows(theta)[1][:, solved]
         _, size, Vt = np.linalg.svd(J)
-        rank = int((size > dependent * size.max(initial=1e-300)).sum())
+        rank = int((size > DEPENDENT * size.max(initial=1e-300)).sum())
         if rank == len(J) and np.abs(Vt[rank:]).max(axis=0, initial=0.0).min(initial=1.0) > DEPENDENT:
             return tuple(solved)
         moving: set[int] = set()
@@ -124,7 +114,7 @@ class Asked:
         for direction in Vt[rank:]:
             step = np.zeros(self.arm.n)
             step[solved] = SIDESTEP * direction
-            beside = self.corrected(theta + step, held, dependent)
+            beside = self.corrected(theta + step, held, DEPENDENT)
             errors, moved = self.errors(beside), np.abs(beside - theta)
             if (max(errors) <= alike or turned.met(*errors)) and np.linalg.norm(moved) > 0.5 * SIDESTEP:
                 moving |= set(np.flatnonzero(moved > 1e-6).tolist())
@@ -159,12 +149,17 @@ class Asked:
         near = np.flatnonzero(np.abs(left).max(axis=1, initial=0.0) <= TWINS)
         return next((int(i) for i in near if self.met(theta + 0.5 * left[i])), None)
 
-    def _same(self, a: Array, b: Array) -> bool:
-        left = apart(self.arm, a, b)
-        if np.abs(left).max(initial=0.0) > SAME:
+    def known(self, theta: Array, others: Sequence[Root]) -> bool:
+        """Whether theta (n,) is one of the others."""
+        if not others:
             return False
-        here, halfway, there = (max(self.errors(theta)) for theta in (a, b + 0.5 * left, b))
-        return halfway <= max(HALFWAY, 2.0 * here, 2.0 * there)
+        left = apart(self.arm, theta, np.array([other.theta for other in others]))
+        for i in np.flatnonzero(np.abs(left).max(axis=1, initial=0.0) <= SAME):
+            b = others[int(i)].theta
+            here, halfway, there = (max(self.errors(each)) for each in (theta, b + 0.5 * left[i], b))
+            if halfway <= max(HALFWAY, 2.0 * here, 2.0 * there):
+                return True
+        return False
 
 
 def _nearest_copy(arm: Arm, theta: Array, near: Array, slack: float) -> Array:
