@@ -90,7 +90,7 @@ def written(command: AnyCommand | None) -> str:
 
 def test_the_same_drive(compiler: str, tmp_path: Path) -> None:  # noqa: F811
     arm = with_wrist_motors()
-    drive_o = build(compiler, arm, tmp_path, "drive.o", PROGRAM, "-O1", "-c")
+    drive_o = build(compiler, arm, tmp_path, "drive.o", PROGRAM, "-O0", "-c")
     compile_one([compiler, str(drive_o), "-o", str(tmp_path / "drive")])
     commands = drive(arm)
     given = "\n".join([" ".join(map(repr, arm.ready.tolist())), *map(written, commands)])

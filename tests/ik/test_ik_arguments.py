@@ -166,9 +166,9 @@ def test_millimetres_and_degrees_are_told() -> None:
 def test_a_move_in_millimetres_is_told() -> None:
     for move in (LineMove.by([0.0, 0.0, 50.0]), JointMove(MILLIMETRES)):
         with pytest.raises((PathError, NotConvergedError), match="from the base looks like millimetres"):
-            plan(ARM, move)
+            plan(load("scara"), move)
     with pytest.raises(PathError) as caught:
-        plan(ARM, LineMove.by([0.0, 0.0, 5.0]))
+        plan(load("scara"), LineMove.by([0.0, 0.0, 5.0]))
     assert "millimetres" not in str(caught.value)
 
 

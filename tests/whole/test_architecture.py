@@ -15,6 +15,7 @@ import twistarm
 
 PACKAGE = Path(twistarm.__file__).parent
 FILES = sorted(file for file in PACKAGE.rglob("*.py") if file.parent.name != "lessons")
+KNOWN = set(FILES)
 
 FLOORS = (
     ("cli",),
@@ -74,8 +75,13 @@ def syntax(file: Path) -> ast.Module:
     return ast.parse(file.read_text("utf-8"))
 
 
-def imports(file: Path) -> Iterator[tuple[ast.stmt, str, bool]]:
+@cache
+def imports(file: Path) -> tuple[tuple[ast.stmt, str, bool], ...]:
     """Every import as (node, absolute module name, at the top of the file)."""
+    return tuple(_imports(file))
+
+
+def _imports(file: Path) -> Iterator[tuple[ast.stmt, str, bool]]:
     tree = syntax(file)
     top = set(map(id, tree.body))
     for node in ast.walk(tree):
@@ -162,7 +168,7 @@ def package_imports(file: Path, *, typing: bool = True) -> set[Path]:
         below = [alias.name for alias in node.names] if isinstance(node, ast.ImportFrom) else []
         for name in [module, *(f"{module}.{each}" for each in below)]:
             path = PACKAGE.joinpath(*name.split(".")[1:])
-            found |= {each for each in (path.with_suffix(".py"), path / "__init__.py") if each in FILES}
+            found |= {each for each in (path.with_suffix(".py"), path / "__init__.py") if each in KNOWN}
     return found - {file}
 
 

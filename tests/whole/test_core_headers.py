@@ -15,7 +15,7 @@ TESTS = Path(__file__).parents[2] / "core" / "tests"
 
 EVERY_SIZE = "1,2,3,4,5,6,7,8"
 
-# What compiles in seconds, and what the tests in Python do not see.
+# What compiles in seconds unoptimised, and what the tests in Python do not see.
 QUICK = "lanes elementary ldl ranges singular_directions motion_limits"
 
 
@@ -46,7 +46,7 @@ def instruction_sets() -> list[str]:
 
 
 def test_the_headers(compiler: str, tmp_path: Path) -> None:
-    check(compiler, tmp_path, f"TESTS={QUICK}")
+    check(compiler, tmp_path, f"TESTS={QUICK}", "EXTRA=-O0")
 
 
 @pytest.mark.slow

@@ -14,7 +14,7 @@ from twistarm import load_arm
 from urdf_text import two_joints, write
 
 # Mutants in `make test`, and in `make test-all` of what is at hand everywhere and of real models.
-QUICK, LONG, REAL = 80, 10_000, 3_000
+QUICK, LONG, REAL = 40, 10_000, 3_000
 
 
 def run(sources: list[Source], count: int, folder: Path, workers: int) -> Campaign:

@@ -19,6 +19,7 @@ import pytest
 import twistarm
 from twistarm import stream, testing
 from twistarm.cli import application
+from twistarm.design import parking
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -124,6 +125,9 @@ def compiled(source: str, kind: str, said: str) -> None:
 def test_every_block_does_what_the_page_says(page, tmp_path, monkeypatch, capsys):
     laid_out(page, tmp_path)
     monkeypatch.chdir(tmp_path)
+    # A coarse search for a parking pose: tests/design and an example have the whole one.
+    monkeypatch.setattr(parking, "POSES", 500)
+    monkeypatch.setattr(parking, "CANDIDATES", 1)
     if page.name == "README.md":
         for module in not_set_up():  # what it shows works in what its set-up builds
             monkeypatch.setitem(sys.modules, module, None)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, as_number, as_vector, require_choice
 from ..support.errors import InputError, missing_extra, one_line
-from ..support.files import as_path, open_regular, write_whole
+from ..support.files import as_path, open_regular, writable, write_whole
 
 FORMAT = "twistarm reach map 1"
 
@@ -162,6 +162,7 @@ class ReachMap:
             from matplotlib.figure import Figure
         except ImportError as error:
             raise missing_extra("a picture of a map", "matplotlib", "guide") from error
+        path = writable(path)  # before it is drawn
         figure, half = Figure(layout="constrained", figsize=(12, 4.2)), 0.5 * self.grid.voxel
         for k, ax in enumerate(figure.subplots(1, 3)):
             across, up = (i for i in range(3) if i != k)
