@@ -3,14 +3,20 @@
 Allowed: a check 1.1 × Pinocchio's with its broadphase manager; the nearest pair 0.5 × `computeDistances` of hulls and
 1.1 × of spheres; a batch 1.05 × single checks on one thread, 0.8 × on two; a step of the servo 100 µs.
 With --problems FOLDER: MotionBenchMaker's problems (panda_spherized.urdf, panda.srdf, and a folder of problems with
-scene*.yaml and request*.yaml for each set). Pinocchio checks each motion by dense samples, without a broadphase.
+scene*.yaml and request*.yaml for each set), beside roboplan. Pinocchio checks each motion by dense samples, without a
+broadphase. Allowed: a proven motion in 1.5 × roboplan's processor time with its step of 0.05, 0.5 × with 0.01.
 """
 
 from __future__ import annotations
 
 import argparse
+import sys
+import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -18,15 +24,18 @@ import numpy as np
 import pinocchio as pin
 import yaml
 
-from twistarm import Arm, FreeMove, PathError, Scene, Trajectory, load_arm, plan
+from twistarm import Arm, FreeMove, PathError, Scene, load_arm, plan
 from twistarm.control.servo import ServoState, servo_step
-from twistarm.planning.free_moves import free_path
+
+from .conductor import DEFAULT_FOLDER, NotInstalled, Worker, WorkerError, python_of
 
 ARMS = ("ur5", "panda")
 ROUNDS, CHECKS, BATCH = 100, 20, 2000
 # The problems ignore the soft limit of panda_joint4: four goals are beyond it, but inside the URDF's <limit>.
 LIMITS = {"acceleration": 5.0, "upper": {"panda_joint4": 0.0873}}
 STEP = 1e-3  # Between two samples of a motion that Pinocchio checks no joint moves farther [rad].
+PEER, PEER_STEPS = "roboplan", (0.05, 0.01)  # Its default step [rad], and one with which most of its paths hold.
+SECONDS = 60.0  # For one motion, of wall time: a busy machine searches less in it.
 
 
 def interleaved(calls: dict[str, Callable[[], object]], rounds: int = ROUNDS) -> dict[str, float]:
@@ -91,27 +100,35 @@ def held(arm: Arm, state: ServoState, scene: Scene | None) -> None:
         state, _ = servo_step(arm, state, (0.1, 0.05, -0.05, 0.0, 0.1, 0.0), 0.01, scene=scene)
 
 
-def problems(folder: Path, count: int) -> None:
-    """MotionBenchMaker's problems: solved, times to a path and to a proven motion in time."""
+def problems(folder: Path, count: int, environments: Path) -> None:
+    """MotionBenchMaker's problems: processor times to a proven motion, beside the peer's to a timed one."""
     arm = load_arm(folder / "panda_spherized.urdf", tip="panda_hand", srdf=folder / "panda.srdf", limits=LIMITS)
-    print(f"{'set':26s} solved   path [ms]: median   p95    motion [ms]: median   p95   samples in collision")
-    everything: list[tuple[float, float]] = []
-    for group in sorted(path for path in (folder / "problems").iterdir() if path.is_dir()):
-        times, failed, wrong = [], [], 0
-        for scene_file in sorted(group.glob("scene*.yaml"))[:count]:
-            number = scene_file.stem.removeprefix("scene")
-            scene, start, goal = problem(arm, scene_file, group / f"request{number}.yaml")
-            try:
-                took, motion = solved(arm, scene, start, goal)
-            except PathError as error:
-                failed.append(f"{number}: {error}")
-                continue
-            times.append(took)
-            wrong += colliding(arm, scene, motion)
-        everything += times
-        print(f"{group.name:26s} {len(times):3d}/{len(times) + len(failed):<3d} {row(times)}   {wrong}", flush=True)
-        print(*(f"    {each}" for each in failed), sep="\n", end="\n" * bool(failed))
-    print(f"{'all':26s} {len(everything):7d} {row(everything)}")
+    print("processor time [ms], median and p95; paths in collision by Pinocchio's samples; ratios of medians")
+    steps = "".join(f"{f'{PEER}, step {step}':>40s}" for step in PEER_STEPS)
+    print(f"{'set':24s} solved {'motion':>15s} wrong{steps}")
+    rows: list[Solved] = []
+    with peer(environments) as beside:
+        for group in sorted(path for path in (folder / "problems").iterdir() if path.is_dir()):
+            files = sorted(group.glob("scene*.yaml"))[:count]
+            found = [solved(arm, folder, file, group / f"request{file.stem[5:]}.yaml", beside) for file in files]
+            print(f"{group.name:24s} {row(found)}", flush=True)
+            rows += found
+    print(f"{'all':24s} {row(rows)}")
+
+
+@contextmanager
+def peer(environments: Path) -> Iterator[Worker | None]:
+    """The peer's process, or None where it cannot be installed."""
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            python = python_of(PEER, environments, lambda text: print(text, file=sys.stderr))
+        except NotInstalled as error:
+            print(f"{PEER} cannot be installed: {error}")
+            yield None
+            return
+        worker = Worker([str(python), "-m", "benchmarks.obstacles_worker"], Path(folder) / "log.txt")
+        yield worker
+        worker.close()
 
 
 def problem(arm: Arm, scene_file: Path, request: Path) -> tuple[Scene, np.ndarray, np.ndarray]:
@@ -126,37 +143,84 @@ def problem(arm: Arm, scene_file: Path, request: Path) -> tuple[Scene, np.ndarra
     return scene, first, last
 
 
-def solved(arm: Arm, scene: Scene, start: np.ndarray, goal: np.ndarray) -> tuple[tuple[float, float], Trajectory]:
-    """The seconds to a proven path and to a proven motion, and the motion."""
-    began = time.perf_counter()
-    free_path(scene, start, goal, arm.limits, 5.0)
-    path = time.perf_counter() - began
-    motion = plan(arm, FreeMove(goal), start=start, scene=scene, max_time=5.0)
-    return (path, time.perf_counter() - began - path), motion
+@dataclass
+class Solved:
+    """Processor times [ms] to a motion for one problem, and to the peer's; NaN for none. Which of them collide."""
+
+    motion: float = np.nan
+    collides: bool = False
+    peers: list[float] = field(default_factory=lambda: [np.nan] * len(PEER_STEPS))
+    peers_collide: list[bool] = field(default_factory=lambda: [False] * len(PEER_STEPS))
 
 
-def colliding(arm: Arm, scene: Scene, motion: Trajectory) -> int:
-    """How many samples of a motion collide, by Pinocchio alone."""
-    steps = int(np.ceil((motion.peak(1) * motion.duration).max() / STEP))
+def solved(arm: Arm, folder: Path, scene_file: Path, request: Path, beside: Worker | None) -> Solved:
+    """One problem by twistarm, then by the peer."""
+    scene, start, goal = problem(arm, scene_file, request)
+    found = Solved()
+    try:
+        begin = time.process_time()
+        motion = plan(arm, FreeMove(goal), start=start, scene=scene, max_time=SECONDS)
+        found.motion = 1e3 * (time.process_time() - begin)
+        count = int(np.ceil((motion.peak(1) * motion.duration).max() / STEP)) + 1
+        found.collides = colliding(arm, scene, motion(np.linspace(0.0, motion.duration, count)))
+    except PathError as error:
+        print(f"    {scene_file.parent.name} {scene_file.stem}: {error}")
+    if beside is None:
+        return found
+    objects = [
+        {"name": f"object {i}", "kind": body.kind, "size": body.size, "pose": body.pose.tolist()}
+        for i, body in enumerate(scene._checker.bodies)
+        if body.obstacle
+    ]
+    files = {"urdf": str(folder / "panda_spherized.urdf"), "srdf": str(folder / "panda.srdf"), "group": "panda_arm"}
+    beside.ask("scene", **files, fixed=[arm.base], acceleration=LIMITS["acceleration"], objects=objects)
+    for k, step in enumerate(PEER_STEPS):
+        try:
+            ends = {"start": start.tolist(), "goal": goal.tolist()}
+            answer = beside.ask("plan", **ends, step=step, seconds=SECONDS)
+        except WorkerError as error:
+            print(f"    {scene_file.parent.name} {scene_file.stem}: {PEER} with {step}: {error}")
+            continue
+        found.peers[k] = answer["ns"] / 1e6
+        samples = [straight(*ends) for ends in pairwise(np.array(answer["path"]))]
+        found.peers_collide[k] = colliding(arm, scene, np.concatenate(samples))
+    return found
+
+
+def straight(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Samples (k, n) on the straight way."""
+    return np.linspace(one, other, int(np.ceil(np.abs(other - one).max() / STEP)) + 2)
+
+
+def colliding(arm: Arm, scene: Scene, samples: np.ndarray) -> bool:
+    """Whether some of the samples (k, n) collide, by Pinocchio alone."""
     model, geometry = arm.pinocchio.model, scene._checker._geometry
     data, shapes = model.createData(), geometry.createData()
-    samples = motion(np.linspace(0.0, motion.duration, steps + 1))
-    return sum(pin.computeCollisions(model, data, geometry, shapes, arm.pinocchio.q(x), True) for x in samples)
+    return any(pin.computeCollisions(model, data, geometry, shapes, arm.pinocchio.q(x), True) for x in samples)
 
 
-def row(times: list[tuple[float, float]]) -> str:
-    if not times:
-        return "–"
-    path, motion = 1e3 * np.array(times).T
-    return (
-        f"{np.median(path):18.0f} {np.percentile(path, 95):7.0f} {np.median(motion):18.0f} "
-        f"{np.percentile(motion, 95):7.0f}"
-    )
+def row(found: list[Solved]) -> str:
+    motions = np.array([each.motion for each in found])
+    done = int(np.isfinite(motions).sum())
+    text = f"{done:3d}/{len(found):<3d} {told(motions)} {sum(each.collides for each in found):5d}"
+    for k in range(len(PEER_STEPS)):
+        times = np.array([each.peers[k] for each in found])
+        both = np.isfinite(times) & np.isfinite(motions)
+        ratio = np.median(motions[both]) / np.median(times[both]) if both.any() else np.nan
+        wrong = sum(each.peers_collide[k] for each in found)
+        text += f"{int(np.isfinite(times).sum()):6d} {told(times)} wrong {wrong:3d} {ratio:5.2f} ×"
+    return text
+
+
+def told(times: np.ndarray) -> str:
+    times = times[np.isfinite(times)]
+    return f"{np.median(times):7.0f} {np.percentile(times, 95):7.0f}" if len(times) else f"{'–':>15s}"
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--problems", type=Path, metavar="FOLDER", help="MotionBenchMaker's problems for the Panda")
+    parser.add_argument("--environments", type=Path, default=DEFAULT_FOLDER, metavar="FOLDER")
     parser.add_argument("--count", type=int, default=100, help="problems of each set")
     asked = parser.parse_args()
     print(f"one check of random configurations, median of {ROUNDS} interleaved rounds")
@@ -164,7 +228,7 @@ def main() -> None:
         for boxes in (0, 20):
             checks(name, boxes)
     if asked.problems is not None:
-        problems(asked.problems, asked.count)
+        problems(asked.problems, asked.count, asked.environments)
 
 
 if __name__ == "__main__":

@@ -291,7 +291,7 @@ def test_the_path_of_a_free_move_is_proven_where_its_motion_collides(
 ) -> None:
     """A first path with states 3 m apart goes through the wall."""
     pytest.importorskip("ompl")
-    arm, asked, whole = slider(tmp_path, SHAPES["sphere"]), list[bool](), free_moves.free_path
+    arm, asked, seen, whole = slider(tmp_path, SHAPES["sphere"]), list[bool](), list[float](), free_moves.free_path
 
     def free_path(*args: Any, proven: bool, **given: Any) -> np.ndarray:
         asked.append(proven)
@@ -302,8 +302,10 @@ def test_the_path_of_a_free_move_is_proven_where_its_motion_collides(
     monkeypatch.setattr(free_moves, "_seems_free", lambda *_: True)
     scene = Scene(arm)
     scene.add_box("wall", (0.1, 2.0, 1.0))
-    motion = plan(arm, FreeMove([0.6, 0.0]), start=[-0.6, 0.0], scene=scene, max_time=60.0)
-    assert asked == [False, True]
+    moves = [FreeMove([0.6, 0.0]), FreeMove([-0.6, 0.0])]
+    motion = plan(arm, moves, start=[-0.6, 0.0], scene=scene, max_time=60.0, progress=seen.append)
+    assert asked == [False, False, True, True]
+    assert seen == pytest.approx([0.25, 0.5, 0.7, 0.9, 1.0])
     assert not scene.collides(motion(np.linspace(0.0, motion.duration, 3000))).any()
 
 

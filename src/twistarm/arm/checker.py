@@ -69,13 +69,18 @@ class Checker:
         """Whether some pair overlaps or comes nearer than its margin at q (nq,)."""
         if not self.pairs:
             return False
-        own, pin = self._own(), self._pin
+        own, pin, local = self._own(), self._pin, self._local
         # One call for all three takes half as long again: Boost tries its other signatures first.
         pin.updateGeometryPlacements(self._model.model, own.data, self._geometry, own.geometry, q)
+        # The pair that was found last is the first to collide more often than not.
+        if pin.computeCollision(self._geometry, own.geometry, getattr(local, "hit", 0)):
+            return True
         pin.updateGeometryPlacements(self._model.model, own.data, own.boxes[0], own.boxes[1])
         own.manager.update()
-        hit: bool = own.manager.collide(own.callback)
-        return hit or (bool(self._solids) and any(True for _ in self.enclosed(own.geometry)))
+        if own.manager.collide(own.callback):
+            local.hit = own.callback.collisionPairIndex
+            return True
+        return bool(self._solids) and any(True for _ in self.enclosed(own.geometry))
 
     def batch(self, Q: Array, threads: int) -> Array:
         """`collides` of each row of Q (N, nq), on this many threads: (N,) of bool."""

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from functools import partial
 from itertools import pairwise
+from operator import itemgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -105,8 +106,10 @@ def _searched(
         bounds.setHigh(i, most)
     space.setBounds(bounds)
 
+    read = itemgetter(*range(len(start)))
+
     def numbers(state: Any) -> Array:
-        return np.array([state[i] for i in range(len(start))])
+        return np.array(read(state), ndmin=1)
 
     def state_at(theta: Array) -> Any:
         state = space.allocState()

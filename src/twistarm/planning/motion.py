@@ -117,13 +117,13 @@ def plan(
     inside, back = inside_from(origin, bounds, arm.joint_names, arm.units)
     how = {"max_time": as_positive(max_time, "max_time"), "clearance": as_number(clearance, "clearance", 0.0)}
     around, free_path = _obstacles(arm, moves, origin, scene, {"limits": bounds, **how})
-    tell = progress or (lambda _: None)
+    tell = _onward(progress)
     goals = Goals(ranged, bounds, as_flag(unwrap, "unwrap"))
 
     def planned(proven: bool) -> tuple[Trajectory, Hit | None]:
         path = None if free_path is None else partial(free_path, proven=proven)
-        # The second round goes on from where the first has stopped.
-        low, share = (0.8, 0.1) if proven else (0.0, 0.8)
+        # The ways are half of the work. A second round goes on where the first stopped.
+        low, share = (0.5, 0.4) if proven else (0.0, 0.5)
         router = Router(ranged, moves, goals, lambda done: tell(low + share * done / len(moves)), around, path)
         parts, said = _route(router, inside)
         if back:
@@ -140,6 +140,18 @@ def plan(
         raise PathError(f"the motion ends in collision, as it began: {contacts[0]}", reason="collision")
     tell(1.0)
     return motion
+
+
+def _onward(progress: Progress | None) -> Callable[[float], None]:
+    """Report each fraction that is more than any before: a route that is tried again begins anew."""
+    told = [0.0]
+
+    def tell(done: float) -> None:
+        if progress is not None and done > told[0]:
+            told[0] = done
+            progress(done)
+
+    return tell
 
 
 def _route(router: Router, origin: Array) -> tuple[list[PathPart], list[str]]:
