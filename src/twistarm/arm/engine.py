@@ -105,7 +105,7 @@ def chain_of(
         _say_once()
         return None
     if max(A.shape) > MOST_JOINTS:
-        _LOG.warning("the core holds %d joints, this arm has %d, so inverse kinematics %s", MOST_JOINTS, max(A.shape), _LOST)
+        _LOG.warning("%d joints exceed the core's %d, so inverse kinematics %s", max(A.shape), MOST_JOINTS, _LOST)
         return None
     return module.Chain(screws, home, A, *limits, *starts, reach)
 
