@@ -35,10 +35,6 @@ ARM = make_arm()
 PATH = np.array([[0.0, 0.0, 0.0], [0.2, 0.8, -0.5], [0.1, 1.0, 1.0], [-0.3, -0.5, 0.5]])
 
 
-def with_rates(arm, **changes):
-    return arm.limits.with_(RATES | changes, arm.joint_names)
-
-
 def use(motion, limits, kind="time_optimal"):
     """The largest part of a limit that the motion uses. Only an s-curve limits the jerk, by default to a in 0.1 s."""
     rates = [limits.velocity, limits.acceleration]

@@ -79,8 +79,9 @@ NB_MODULE(_core, module) {
         .def("step", &bindings::Servo::step, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg(), nb::arg(),
              nb::arg().none(), nb::arg(), nb::arg(), nb::arg().none());
     nb::class_<bindings::Gaps>(module, "Gaps")
-        .def(nb::init<std::vector<int>, nb::handle, std::vector<int>, std::vector<int>, nb::handle, nb::handle>())
-        .def("near", &bindings::Gaps::near)
+        .def(nb::init<std::vector<int>, nb::handle, std::vector<int>, std::vector<int>, nb::handle, nb::handle,
+                      nb::handle, nb::handle>())
+        .def("gaps", &bindings::Gaps::gaps)
         .def("nearest", &bindings::Gaps::nearest)
-        .def("measure", &bindings::Gaps::measure);
+        .def("closest", &bindings::Gaps::closest);
 }

@@ -255,15 +255,18 @@ class Gaps:
     """Lower bounds of the distances of pairs of bodies: of a ball round one and a rounded box round the other.
 
     Each body has its joint, 0 for the world, and [p R] (3, 4) of its box in the frame of that joint. Each pair has the
-    body with the ball and that with the box, half the box (3,), and the radii of both together. `frames` are [p R] of
-    all joints but the world, side by side (3, 4 m).
+    body with the ball and that with the box. `sizes` (k, 5) are half the box, the radii of both together, and 1 where
+    the gap is the distance. Each of m joints has its twist (m, 6) in its own frame. `between` (k, m) is 1 where it
+    carries the first body of a pair, -1 where the second. coupling (m, n): how fast it follows theta. `frames` are
+    [p R] of these joints side by side (3, 4 m).
     """
 
     def __init__(
-        self, joints: list[int], placements: Array, balls: list[int], boxes: list[int], half: Array, radius: Array, /
-    ) -> None: ...
-    def near(self, frames: Array, limits: Array, /) -> tuple[NDArray[np.int64], Array]:
-        """The pairs (j,) whose gap is below their limit (k,), and these gaps (j,) [m]."""
+        self, joints: list[int], placements: Array, balls: list[int], boxes: list[int], sizes: Array,
+        twists: Array, between: Array, coupling: Array, /,
+    ) -> None: ...  # fmt: skip
+    def gaps(self, frames: Array, pairs: list[int], /) -> Array:
+        """The lower bounds (j,) [m] of these pairs."""
 
     def nearest(self, frames: Array, start: int, slack: float, measure: Callable[[int], float], /) -> tuple[int, float]:
         """The pair of the smallest distance, the first of equal ones, and that distance [m].
@@ -271,5 +274,12 @@ class Gaps:
         `measure` gives the distance of a pair, less than the gap by at most `slack`. `start` is measured first.
         """
 
-    def measure(self, frames: Array, pairs: list[int], /) -> Array:
-        """The gap of each of these pairs, its direction from first body to second, and its moment: (j, 7)."""
+    def closest(
+        self, frames: Array, limits: Array, margins: Array, count: int, measure: Callable[[int], tuple[float, ...]], /
+    ) -> tuple[NDArray[np.int64], Array, NDArray[np.bool_], NDArray[np.int64], Array]:
+        """The pairs (j,) whose gap is below their limit (k,), their distances or gaps (j,), and which are distances.
+
+        Then the rows (c,) of at most `count` of them, with the least room beyond their margin (k,), and their
+        -∂distance/∂theta (c, n). `measure` gives the distance [m] of a pair, its direction from first body to second,
+        and the moment of that about the origin.
+        """

@@ -28,21 +28,18 @@ def test_no_near_pair_is_left_out_and_approaches_are_derivatives(name: str) -> N
     theta = arm.random_theta(1)
     for way in np.random.default_rng(2).normal(scale=0.02, size=(60, arm.n)):
         theta = np.clip(theta + way, arm.limits.lower, arm.limits.upper)
-        found = pairs.near(theta, reach)
-        first, leading = found.closest(8)
+        found = pairs.near(theta, reach, 8)
+        first = found.closest
         pairs.distances(arm.pinocchio.q(arm.ready))  # the same bodies elsewhere
         found.measure(np.arange(len(found.pairs)))
         rows = np.flatnonzero(found.distances < np.inf)
         near, (distances, approach) = found.pairs[rows], pairs.measured(theta, found.pairs[rows])
-        q = [
-            arm.pinocchio.q(theta + step)
-            for step in (np.zeros(arm.n), *(STEP * np.eye(arm.n)), *(-STEP * np.eye(arm.n)))
-        ]
-        here, *beside = (pairs.distances(each) for each in q)
+        steps = STEP * np.vstack([np.zeros(arm.n), np.eye(arm.n), -np.eye(arm.n)])
+        here, *beside = (pairs.distances(arm.pinocchio.q(theta + step)) for step in steps)
         assert scene.distance(theta).metres == pytest.approx(here.min(), abs=1e-12)
         assert found.distances[rows].tolist() == distances.tolist()
-        assert leading.tolist() == pairs.measured(theta, found.pairs[first])[1].tolist()
-        assert near.tolist() == np.flatnonzero(here < 0.02 + LOOK + pairs.speeds @ reach).tolist()
+        assert found.approach.tolist() == pairs.measured(theta, found.pairs[first])[1].tolist()
+        assert sorted(near) == np.flatnonzero(here < 0.02 + LOOK + pairs.speeds @ reach).tolist()
         assert found.distances[first] == pytest.approx(np.sort(here[near])[:8], abs=1e-6)
         slopes = (np.array(beside[: arm.n]) - beside[arm.n :]).T[near] / (2.0 * STEP)
         apart = distances > 0.001

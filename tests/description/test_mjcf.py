@@ -92,7 +92,7 @@ def test_a_file_is_what_mujoco_makes_of_it(path: Path) -> None:
     assert require_as_mujoco(load_arm(path), path, 20) == 20 * len(named - {"", "box", "target"})  # not of the arm
 
 
-@pytest.mark.parametrize("seed", range(100))
+@pytest.mark.parametrize("seed", [*range(40), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(40, 100))])
 def test_a_random_file_is_what_mujoco_makes_of_it(seed: int, tmp_path: Path) -> None:
     path, written = tmp_path / "arm.xml", Random(seed)
     path.write_text(written.text())

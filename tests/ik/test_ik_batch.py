@@ -17,8 +17,6 @@ from catalogue import load
 from ik_targets import KINDS, judged, target_from
 from twistarm.ik import Pose, Position, StopReason, solve_ik, solve_ik_batch
 
-NAN = float("nan")
-
 
 def problems(arm, count, seed=0):
     """Poses (count, 4, 4) that the arm meets, and as many starts."""

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .._core import Chain as Chain
     from .._core import Servo as Servo
 
-INTERFACE = 24
+INTERFACE = 25
 """Version of the compiled core that this Python needs. It rises with each change of a call."""
 
 MOST_JOINTS = 32
@@ -117,12 +117,10 @@ def servo_of(arrays: tuple[Array, ...], length: float, below: float, damping: fl
     return module.Servo(*arrays, length, below, damping, stops)
 
 
-def gaps_of(
-    joints: list[int], placements: Array, balls: list[int], boxes: list[int], half: Array, radius: Array
-) -> Any:
+def gaps_of(*given: Any) -> Any:
     """The gaps between pairs of bodies in the core, from what `_core.Gaps` takes; None without a core."""
     module = core()
-    return None if module is None else module.Gaps(joints, placements, balls, boxes, half, radius)
+    return None if module is None else module.Gaps(*given)
 
 
 @cache

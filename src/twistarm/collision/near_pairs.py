@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from bisect import insort
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import inf, isfinite
 from typing import Any
 
@@ -40,17 +39,12 @@ class NearPairs(Checker):
         most: Array,
     ) -> None:
         super().__init__(model, bodies, pairs, margins)
-        self.least, self.dq_dtheta = np.array(self.margins), model.dq_dtheta
+        self.least = np.array(self.margins)
         self._looked = self.least + LOOK
         self._cover(most)
         self._slides = bool((pair_speeds(model, bodies, pairs, 2.0 * most + 1.0) > self.speeds).any())
-        count = model.model.njoints
-        carried = np.array([[j in ancestors(model, body) for j in range(count)] for body in self.bodies], dtype=float)
-        first, second = np.array(self.pairs, dtype=int).reshape(-1, 2).T
-        self.between = np.zeros((len(self.pairs), model.model.nv))
-        for j in range(1, count):
-            self.between[:, model.model.idx_vs[j]] = (carried[first] - carried[second])[:, j]
         self._last = 0  # the nearest pair of the last question, likely that of the next
+        first, second = np.array(self.pairs, dtype=int).reshape(-1, 2).T
         objects = list(self._geometry.geometryObjects)
         kinds = np.array([type(body.shape).__name__ for body in self.bodies], dtype=str)
         boxes = [body.shape.aabb_local for body in self.bodies]
@@ -73,13 +67,25 @@ class NearPairs(Checker):
             rows[:, 0], rows[:, 1:] = each.placement.act(middle), each.placement.rotation
         joints, around = [each.parentJoint for each in objects], radius[ball] + edge[box]
         around[~self.exact] += ROUNDING
-        self._gaps = gaps_of(joints, at, ball.tolist(), box.tolist(), (half - edge[:, None])[box], around)
+        sizes = np.column_stack([(half - edge[:, None])[box], around, self.exact])
+        self._gaps = gaps_of(joints, at, ball.tolist(), box.tolist(), sizes, *self._motion(first, second))
         self.exact &= self._gaps is not None
+        self._all_exact = bool(self.exact.all())
 
     def _cover(self, most: Array) -> None:
         """Take speeds that hold while |theta| is at most `most` (n,)."""
         self._most = most
         self.speeds = pair_speeds(self._model, self.bodies, self.pairs, most)
+
+    def _motion(self, first: Indices, second: Indices) -> tuple[Array, Array, Array]:
+        """Each joint's twist (m, 6) in its own frame, which bodies of pairs it carries (k, m), and dq/dtheta (m, n)."""
+        pin, model, data = self._pin, self._model.model, self._model.data
+        joints, own = range(1, model.njoints), pin.ReferenceFrame.LOCAL
+        pin.computeJointJacobians(model, data, pin.neutral(model))
+        # A model with one joint has Jacobians of shape (6,).
+        twists = [pin.getJointJacobian(model, data, j, own).reshape(6, -1)[:, j - 1] for j in joints]
+        carried = np.array([[j in ancestors(self._model, body) for j in joints] for body in self.bodies], dtype=float)
+        return np.array(twists), carried[first] - carried[second], np.ascontiguousarray(self._model.dq_dtheta)
 
     def nearest(self, theta: Array) -> tuple[int, float, Array]:
         """The nearest pair at theta (n,), its distance [m], and its nearest points (2, 3) in Pinocchio's world."""
@@ -93,74 +99,69 @@ class NearPairs(Checker):
             self._last, found = best, geometry.distanceResults[best]
         return best, metres, np.array([found.getNearestPoint1(), found.getNearestPoint2()])
 
-    def near(self, theta: Array, reach: Array) -> Near:
-        """The pairs at theta (n,) that may be nearer than margin and LOOK, and what they may lose over `reach` (n,)."""
-        self._cover_at_least(np.abs(theta) + reach)
-        limit = self.speeds.dot(reach)
-        limit += self._looked
-        frames = self._model.joint_frames(self._model.q(theta))
-        pairs, gaps = self._gaps.near(frames, limit)
-        return Near(self, theta, frames, pairs, gaps, limit.take(pairs))
+    def near(self, theta: Array, reach: Array, count: int) -> Near:
+        """The pairs at theta (n,) that may be nearer than margin and LOOK, and what they may lose over `reach` (n,).
+
+        At most `count` with the least room beyond their margins are measured.
+        """
+        self._cover_at_least(theta, reach)
+        limits = self.speeds.dot(reach)
+        limits += self._looked
+        return self._near(self._model.q(theta), limits, count)
 
     def bounds(self, theta: Array, reach: Array | float, pairs: Indices) -> Array:
         """Lower bounds of the distances (k,) [m] of these pairs (k,) at theta (n,), also of the depths of overlaps.
 
         `speeds` then holds up to `reach` (n,) from theta. Without the compiled core the bounds are -infinity.
         """
-        self._cover_at_least(np.abs(theta) + reach)
+        self._cover_at_least(theta, reach)
         if self._gaps is None:
             return np.full(len(pairs), -np.inf)
-        low: Array = self._gaps.measure(self._model.joint_frames(self._model.q(theta)), pairs.tolist())[:, 0]
+        low: Array = self._gaps.gaps(self._model.joint_frames(self._model.q(theta)), pairs.tolist())
         return low
 
-    def measured(self, theta: Array, pairs: Indices) -> tuple[Array, Array]:
-        """The distances (k,) [m] of these pairs (k,) at theta (n,), and `approach` (k, n)."""
-        q = self._model.q(theta)
-        frames, geometry = self._model.joint_frames(q), self.place(q)
-        found = [None if self.exact[k] else self.measure(geometry, k) for k in pairs.tolist()]
-        return self.approach(q, frames, pairs, found)
-
-    def distances_of(self, theta: Array, pairs: Indices, low: Array | None = None, most: float | Array = inf) -> Array:
-        """The distances (k,) [m] of these pairs (k,) at theta (n,), without their directions.
-
-        A pair keeps its lower bound `low` (k,) [m] where that is at least `most` (k,).
-        """
-        metres = np.full(len(pairs), -np.inf) if low is None else low.copy()
-        wanted = (metres < most).nonzero()[0]
-        exact = self.exact[pairs[wanted]]
-        if exact.any():
-            metres[wanted] = self.bounds(theta, 0.0, pairs[wanted])
-            wanted = wanted[~exact]
-        if len(wanted):
+    def distances_of(self, theta: Array, pairs: Indices) -> Array:
+        """The distances (k,) [m] of these pairs (k,) at theta (n,), without their directions."""
+        exact = self.exact.take(pairs).tolist()
+        metres = self.bounds(theta, 0.0, pairs) if True in exact else np.empty(len(pairs))
+        if False in exact:
             geometry = self.place(self._model.q(theta))
-            metres[wanted] = [self.measure(geometry, k)[0] for k in pairs[wanted].tolist()]
+            for row, k in enumerate(pairs.tolist()):
+                if not exact[row]:
+                    metres[row] = self.measure(geometry, k)[0]
         return metres
 
-    def approach(
-        self, q: Array, frames: Array, pairs: Indices, found: Sequence[tuple[float, Any] | None]
-    ) -> tuple[Array, Array]:
-        """The distances (k,) [m] of these pairs (k,), and -∂distance/∂theta (k, n), by their witness points.
-
-        `frames` are the joint frames at q. What was `found` of each pair may not have been measured anew. None stands
-        for an exact pair.
+    def measured(self, theta: Array, pairs: Indices) -> tuple[Array, Array]:
+        """The distances (k,) [m] of these pairs (k,) at theta (n,), and -∂distance/∂theta (k, n).
 
         Source: Faverjon and Tournassoud, A local based approach for path planning of manipulators with a high number of
         degrees of freedom, ICRA 1987.
         """
-        rows = self._gaps.measure(frames, pairs.tolist())
-        for row, each in enumerate(found):
-            if each is not None:
-                metres, result = each
-                (a, b, c), (x, y, z) = result.normal.tolist(), result.getNearestPoint1().tolist()
-                if (metres < 0.0) != (result.min_distance < 0.0):
-                    a, b, c = -a, -b, -c
-                rows[row] = metres, a, b, c, y * c - z * b, z * a - x * c, x * b - y * a
-        metres, forces = rows[:, 0], rows[:, 1:]
-        # Overlapping triangles have no depth and no direction.
-        if not isfinite(forces.sum()):
-            forces[~np.isfinite(forces).all(axis=1)] = 0.0
-        J = self._pin.computeJointJacobians(self._model.model, self._own().data, q)
-        return metres, (forces @ J * self.between[pairs]) @ self.dq_dtheta
+        limits = np.full(len(self.pairs), -np.inf)
+        limits[pairs] = np.inf
+        found = self._near(self._model.q(theta), limits, len(pairs))
+        rows = {k: row for row, k in enumerate(found.pairs[found.closest].tolist())}
+        order = [rows[k] for k in pairs.tolist()]
+        return found.distances[found.closest[order]], found.approach[order]
+
+    def _near(self, q: Array, limits: Array, count: int) -> Near:
+        frames, measure = self._model.joint_frames(q), self._measure_at(q)
+        return Near(self, q, limits, *self._gaps.closest(frames, limits, self.least, count, measure))
+
+    def _measure_at(self, q: Array) -> Callable[[int], tuple[float, ...]]:
+        """Measure a pair at q (nq,): its distance [m], the direction (3,) from first body to second, its moment."""
+        geometry = None if self._all_exact else self.place(q)
+
+        def measure(k: int) -> tuple[float, ...]:
+            metres, found = self.measure(geometry, k)
+            (a, b, c), (x, y, z) = found.normal.tolist(), found.getNearestPoint1().tolist()
+            if not isfinite(a + b + c + x + y + z):  # overlapping triangles have no depth and no direction
+                return metres, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            if (metres < 0.0) != (found.min_distance < 0.0):
+                a, b, c = -a, -b, -c
+            return metres, a, b, c, y * c - z * b, z * a - x * c, x * b - y * a
+
+        return measure
 
     def place(self, q: Array) -> Any:
         """The geometry of this thread with all bodies where they are at q (nq,)."""
@@ -179,21 +180,31 @@ class NearPairs(Checker):
             metres = -abs(metres)
         return metres, found
 
-    def _cover_at_least(self, most: Array) -> None:
-        if self._slides and (most > self._most).any():
+    def _cover_at_least(self, theta: Array, reach: Array | float) -> None:
+        if self._slides and ((most := np.abs(theta) + reach) > self._most).any():
             self._cover(np.maximum(2.0 * most, self._most))
 
 
 class Near:
-    """Pairs (k,) that may be near at theta (n,), with lower bounds of their distances (k,) [m].
+    """Pairs (k,) that may be near at q (nq,), with lower bounds of their distances (k,) [m].
 
     A pair that is measured has its distance, negative by the depth of an overlap; infinity if it is beyond its limit.
+    `closest` (c,) are the rows of those with the least room, and `approach` (c, n) is their -∂distance/∂theta.
     """
 
-    def __init__(self, among: NearPairs, theta: Array, frames: Array, pairs: Indices, low: Array, limit: Array) -> None:
-        self.pairs, self.distances = pairs, low
-        self._among, self._q, self._frames, self._limit = among, among._model.q(theta), frames, limit
-        self._measured = among.exact.take(pairs)
+    def __init__(
+        self,
+        among: NearPairs,
+        q: Array,
+        limits: Array,
+        pairs: Indices,
+        distances: Array,
+        measured: NDArray[np.bool_],
+        closest: Indices,
+        approach: Array,
+    ) -> None:
+        self.pairs, self.distances, self.closest, self.approach = pairs, distances, closest, approach
+        self._among, self._q, self._limits, self._measured = among, q, limits, measured
 
     def measure(self, rows: Indices) -> bool:
         """Measure those of these rows that are not. Return whether there was one."""
@@ -201,34 +212,7 @@ class Near:
         if new:
             geometry = self._among.place(self._q)
             for row in new:
-                self._measure(geometry, row)
+                k = self.pairs[row]
+                metres = self._among.measure(geometry, int(k))[0]
+                self.distances[row], self._measured[row] = metres if metres < self._limits[k] else inf, True
         return bool(new)
-
-    def closest(self, count: int) -> tuple[Indices, Array]:
-        """The rows (k,) of the pairs with the least room beyond their margin, at most `count`, and their `approach`."""
-        among, closest, found = self._among, list[tuple[float, int]](), dict[int, Any]()
-        if not len(self.pairs):
-            return self.pairs, np.empty((0, among.dq_dtheta.shape[1]))
-        margins, exact, geometry = among.least.take(self.pairs), among.exact.take(self.pairs).tolist(), None
-        low = self.distances - margins
-        bounds = low.tolist()
-        for row in low.argsort(kind="stable").tolist():
-            room = bounds[row]
-            if len(closest) == count and room > closest[-1][0]:
-                break
-            if not exact[row]:
-                geometry = geometry or among.place(self._q)
-                found[row] = self._measure(geometry, row)
-                room = float(self.distances[row] - margins[row])
-            if room < inf:
-                insort(closest, (room, row))
-                del closest[count:]
-        rows = np.array([row for _, row in closest], dtype=int)
-        _, approach = among.approach(self._q, self._frames, self.pairs[rows], [found.get(row) for row in rows.tolist()])
-        return rows, approach
-
-    def _measure(self, geometry: Any, row: int) -> tuple[float, Any]:
-        metres, found = self._among.measure(geometry, int(self.pairs[row]))
-        self.distances[row] = metres if metres < self._limit[row] else inf
-        self._measured[row] = True
-        return metres, found

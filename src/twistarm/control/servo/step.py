@@ -239,14 +239,14 @@ def avoid_collisions(
     theta = np.asarray(start, dtype=np.float64)
     # The law slows a pair that has less room than a stop in twice its time takes.
     time = 3.0 * answer.period + 2.0 * bounds.stopping_time(answer.theta_dot)
-    near = pairs.near(theta, np.abs(time * answer.theta_dot))
-    owner, approach = near.closest(FIRST_ROWS)
+    near = pairs.near(theta, np.abs(time * answer.theta_dot), FIRST_ROWS)
+    owner = near.closest
     if not len(owner):
         return answer, None
     margins, speeds = pairs.least.take(near.pairs), pairs.speeds.take(near.pairs, axis=0)
     most = margins + SPARE  # an aim is less
     room = near.distances[owner] - margins[owner] - SPARE
-    rows = _rows(approach, _unpushed(room), 0.0)
+    rows = _rows(near.approach, _unpushed(room), 0.0)
     for rounds in range(MOST_ROUNDS + 1):
         answer = solve(rows)
         time_to_rest = dt + 0.5 * bounds.stopping_time(answer.theta_dot)
@@ -263,13 +263,10 @@ def avoid_collisions(
         # Where it is after the step, on its way to a stop and after it.
         times = dt, 0.5 * (dt + time_to_rest), time_to_rest
         where, enough = near.pairs[risky], aim[risky] - ROUNDING
-        low = [near.distances[risky] - at / time_to_rest * lost[risky] for at in times]
-        there = np.array(
-            [
-                pairs.distances_of(theta + at * answer.theta_dot, where, least, enough)
-                for at, least in zip(times, low, strict=True)
-            ]
-        )
+        there = near.distances[risky] - np.array(times)[:, None] * (lost[risky] / time_to_rest)
+        maybe = there < enough
+        for row in np.flatnonzero(maybe.any(axis=1)).tolist():
+            there[row, maybe[row]] = pairs.distances_of(theta + times[row] * answer.theta_dot, where[maybe[row]])
         unseen = there < enough
         if not unseen.any():
             break
@@ -280,8 +277,7 @@ def avoid_collisions(
                 halted, owner = not still.theta_dot.any(), risky[[below.argmin()]]
                 answer = still._replace(cause=COLLISION, row=0, scale=0.0, halted=halted, held_pose=answer.held_pose)
             break
-        for too_near, at in zip(unseen, times, strict=True):
-            new = risky[too_near]
+        for at, new in [(at, risky[row]) for at, row in zip(times, unseen, strict=True) if row.any()]:
             distances, approach = pairs.measured(theta + at * answer.theta_dot, near.pairs[new])
             left = distances - aim[new] + at * approach @ answer.theta_dot
             rows, owner = np.concatenate([_rows(approach, left, at), rows]), np.concatenate([new, owner])
@@ -313,6 +309,6 @@ def _unpushed(room: Array) -> Array:
 
 def _rows(approach: Array, room: Array, time: float) -> Array:
     """Rows (k, n + 2) for the law: a pair takes its room within `time` [s]. One without room moves apart slowly."""
-    rows = np.full((len(room), approach.shape[1] + 2), time)
-    rows[:, :-2], rows[:, -2] = approach, np.maximum(room, -SPARE)
+    rows = np.empty((len(room), approach.shape[1] + 2))
+    rows[:, :-2], rows[:, -2], rows[:, -1] = approach, np.maximum(room, -SPARE), time
     return rows
