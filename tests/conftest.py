@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import gc
 import os
 import signal
 from collections.abc import Iterator
@@ -25,6 +26,14 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # so a shell starts what 
 # What one process makes once, hundreds of tests in one need not make anew: the command line, and the texts of our arms.
 typer.main.get_command = functools.cache(typer.main.get_command)
 urdf.expand_xacro = expanded_once
+
+gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    """What was made until here stays: the garbage collector need not look at it, now or ever."""
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -30,7 +30,7 @@ def away(rng):
     return exp(np.r_[rng.normal(size=3), rng.normal(size=3)])
 
 
-@pytest.fixture(scope="module", params=["rover_arm", "family"])
+@pytest.fixture(scope="module", params=["rover_arm", pytest.param("family", marks=pytest.mark.slow)])
 def log(request):
     rng = np.random.default_rng(3)
     arm = load_arm("rover_arm") if request.param == "rover_arm" else family_arm("parallel 2-3-4")

@@ -19,6 +19,7 @@ LEVELS = (0.0, *(FINE * 2.0**k for k in range(2, 9)))  # Clearances [m] that are
 FIRST = 3  # The level that is checked first.
 # A straight way is checked at places so far apart [rad, m] before it is proven, at most so many.
 COARSE, MOST_COARSE = 0.1, 128
+PATIENCE = 8  # After so many intervals that pass, a longer one is tried at the latest.
 PARTS = 256  # How many parts a motion has at least, each with its own bound of the speeds.
 LONGEST = 1e4  # The longest way [m] of a point in a motion: some 3 s of checks in free space.
 LEAST_SHARE = 0.02  # The least share of a clearance that a pair is given.
@@ -62,7 +63,7 @@ class Sweep:
         if not ends[-1] <= LONGEST:
             raise InputError(f"a point may move {ends[-1]:.3g} m in this motion; at most {LONGEST:g} m are checked")
         known, values = ends.tolist(), about.transpose(1, 0, 2).copy()
-        s, level, passed = 0.0, FIRST, False
+        s, level, passed, needed = 0.0, FIRST, 0, 1
         while True:
             half = LEVELS[level] or FINE
             middle = min(s + half, known[-1])
@@ -72,12 +73,15 @@ class Sweep:
             if bounded.checker(LEVELS[level]).collides(self._model.q(theta)):
                 if not level:
                     return float(times[k // parts] + begin[k] + 0.5 * width[k] + tau), theta
-                level, passed = level - 1, False
+                # One that fails at once is tried again after twice as many shorter ones.
+                level, passed, needed = level - 1, 0, min(2 * needed, PATIENCE) if not passed else 1
                 continue
             s = middle + half
             if s >= known[-1]:
                 return None
-            level, passed = min(level + passed, len(LEVELS) - 1), True
+            passed += 1
+            if passed > needed and level < len(LEVELS) - 1:
+                level, passed = level + 1, 0
 
     def straight(self, one: Array, other: Array) -> bool:
         """Whether the straight way in joint space from one configuration (n,) to another is free."""
