@@ -24,8 +24,8 @@ from .show import Part, Route, Show
 
 # Most seconds of a search. The core needs at most 3 ms. Without it, an unreachable target takes some 0.4 s.
 MAX_TIME = 0.5
-# Most seconds of a search in the loop, which only the compiled core keeps. A dragged target needs a tenth.
-AT_ONCE = 0.2e-3
+# Most seconds of a search in the loop, and joints: only the compiled core keeps them. A dragged target needs a tenth.
+AT_ONCE, MOST_AT_ONCE = 0.2e-3, 32
 LENGTH_TOL = 1e-3  # Rounding of a quaternion's length, from decimal text.
 
 TOLERANCES = {"position": "m", "orientation": "rad"}
@@ -59,7 +59,7 @@ class TargetPart(Part):
         self._wanted = True
         finish = partial(self._finish, show, show.theta, self._number)
         search = partial(solve_ik, show.arm, target, show.theta, posture="theta0", **show.tolerances)
-        if show.arm.compiled is not None:
+        if show.arm.n <= MOST_AT_ONCE and show.arm.compiled is not None:
             begin = time.perf_counter()
             solution = search(restarts=1, max_time=AT_ONCE)
             # A full search gives the same bits: the first converged search wins, and none was cut short.
