@@ -45,10 +45,9 @@ Chain::Chain(nb::handle screws, nb::handle home, nb::handle coupling, nb::handle
     require(S.finite() && g.finite() && A.finite() && from.finite() && to.finite(), "a chain's numbers are finite");
     engine_.reset(kernels_->make({static_cast<int>(S.shape(1)), static_cast<int>(n_), S.data(), g.data(), A.data(),
                                   low.data(), high.data(), from.data(), to.data(), reach}));
-    require(engine_ != nullptr, "a chain has 1 to 32 coordinates and moving joints");
+    require(engine_ != nullptr, "a chain has 1 to 64 coordinates and moving joints");
     pose_ = nb::make_tuple(4, 4);
     jacobian_ = nb::make_tuple(6, n_);
-    record_ = nb::int_(Record::size(n_) / sizeof(double));
 }
 
 nb::dict Chain::constants() const {
@@ -221,8 +220,9 @@ nb::object Chain::solve(nb::handle kind, nb::handle numbers, nb::handle theta0, 
     query.clock = &watch;
     engine_->solve(query, question, found);
     watch.end();
-    const nb::object kept = NumPy::get().empty(record_);
-    auto* const record = memory<Record>(kept);
+    const nb::object kept = nb::steal(PyByteArray_FromStringAndSize(nullptr, static_cast<Py_ssize_t>(Record::size(n_))));
+    if (!kept.is_valid()) throw nb::python_error();
+    auto* const record = reinterpret_cast<Record*>(PyByteArray_AS_STRING(kept.ptr()));
     record->ask(query, question, n_);
     record->answer(found, n_);
     return nb::make_tuple(found.stop, kept);

@@ -50,8 +50,7 @@ public:
     // tool.
     nb::object split_rotation(nb::handle kind, nb::handle numbers, nb::handle theta) const;
 
-    // None, or the number of the reason and the memory of a record (answer.hpp), which NumPy makes as float64 in a
-    // quarter of the time.
+    // None, or the number of the reason and the bytes of a record (answer.hpp): NumPy would take ten times as long.
     nb::object solve(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
                      nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed, nb::handle max_time,
                      nb::handle posture) const;
@@ -70,7 +69,7 @@ private:
     const Kernels* kernels_;
     std::unique_ptr<Engine> engine_;
     std::size_t n_;
-    nb::object pose_, jacobian_, record_;
+    nb::object pose_, jacobian_;
 };
 
 }  // namespace bindings

@@ -196,9 +196,9 @@ ClosedForm::ClosedForm(nb::object chain, int kind, int first, int last, int keep
     require(keeps == 0 ? last - first == all : (keeps == 1 || keeps == 2) && last - first <= 3 && all - (last - first) <= 3,
             "a group has one to three joints, and no more stand beside it");
     const std::vector<int> joints = whole_numbers(which, n_), held_joints = whole_numbers(still, n_);
-    std::uint32_t idle_bits = 0;
+    std::uint64_t idle_bits = 0;
     for (std::size_t k = 0; k < n_; ++k) {
-        if (free.data()[k] != 0.0) idle_bits |= std::uint32_t{1} << k;
+        if (free.data()[k] != 0.0) idle_bits |= std::uint64_t{1} << k;
         const auto at = static_cast<int>(k);
         require(std::count(joints.begin(), joints.end(), at) + std::count(held_joints.begin(), held_joints.end(), at) == 1,
                 "each joint is solved for or held");

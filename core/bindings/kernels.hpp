@@ -6,7 +6,7 @@
 
 namespace bindings {
 
-constexpr int most_joints = 32;
+constexpr int most_joints = 64;
 
 // An arm as numbers, all row-major. Bounds (coordinates,) are infinite without limits, except those of the random
 // starts.
@@ -82,7 +82,7 @@ struct FamilyNumbers {
     int held_count;
     const int* held;             // (held_count,)
     const double *held_axes, *rate, *home;  // (held_count, 7), (coordinates,), (4, 4)
-    std::uint32_t idle;
+    std::uint64_t idle;
 };
 
 constexpr int most_configurations = 32, most_candidates = 64;

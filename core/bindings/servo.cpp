@@ -31,10 +31,10 @@ Servo::Servo(nb::handle screws, nb::handle home, nb::handle coupling, nb::handle
     require(g.is(4, 4), "home must be float64 (4, 4)");
     n_ = A.shape(1);
     const twistarm::screw_model model{static_cast<int>(S.shape(1)), static_cast<int>(n_), S.data(), g.data(), A.data()};
-    require(twistarm::chain_from_screws(model, chain_), "a chain has 1 to 32 coordinates and moving joints");
+    require(twistarm::chain_from_screws(model, chain_), "a chain has 1 to 64 coordinates and moving joints");
     require(motors.plain() && motors.dimensions() == 2 && motors.shape(1) == n_, "C must be float64 (k, n)");
     const std::size_t count = motors.shape(0);
-    require(count <= twistarm::most_joints && offset.is(count), "c must be float64 (k,), k at most 32");
+    require(count <= twistarm::most_joints && offset.is(count), "c must be float64 (k,), k at most 64");
     require(scale.is(n_) && posture.is(n_), "unit and ready must be float64 (n,)");
     auto& motion = bounds_.motion;
     motion.motors = static_cast<int>(count);

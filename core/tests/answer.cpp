@@ -127,7 +127,7 @@ void test_chords_near_half_turns() {
 
 int main() {
     test_chords_near_half_turns();
-    for (const int n : {1, 7, 32})
+    for (const int n : {1, 7, 33})
         for (const target_kind kind : kinds) {
             generator random;
             const drawn_arm arm(random, n, wiring::plain);

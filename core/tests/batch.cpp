@@ -193,7 +193,7 @@ int main() {
     test_sizes(std::integer_sequence<int, TWISTARM_TEST_SIZES>{});
     test_size<dynamic, dynamic>(4, wiring::followers);
     test_size<dynamic, dynamic>(6, wiring::differential);
-    test_size<dynamic, dynamic>(32, wiring::plain);
+    test_size<dynamic, dynamic>(64, wiring::plain);
     tests::generator random;
     for (int i = 0; i < 2; ++i) {
         test_single_precision(random, 6, wiring::plain);

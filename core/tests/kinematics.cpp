@@ -41,9 +41,9 @@ void test_what_becomes_of_joints() {
     const double nothing[8] = {};
     CHECK(!chain_from_screws({4, 2, screws, home, nothing}, arm), "nothing moves");
     CHECK(!chain_from_screws({0, 0, screws, home, nullptr}, arm), "no joints");
-    static double many[6 * 33] = {};
-    for (int i = 0; i < 33; ++i) many[(3 + i % 3) * 33 + i] = 1.0;
-    CHECK(!chain_from_screws({33, 33, many, home, nullptr}, arm), "one joint too many");
+    static double many[6 * 65] = {};
+    for (int i = 0; i < 65; ++i) many[(3 + i % 3) * 65 + i] = 1.0;
+    CHECK(!chain_from_screws({65, 65, many, home, nullptr}, arm), "one joint too many");
 }
 }  // namespace
 

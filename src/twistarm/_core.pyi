@@ -115,10 +115,10 @@ class Chain:
         max_time: object,
         posture: object,
         /,
-    ) -> tuple[int, Array] | None:
+    ) -> tuple[int, bytearray] | None:
         """Inverse kinematics of one target, given as its kind and its numbers (ik/targets.py).
 
-        The number of the reason, and the memory of a record (ik/answer.py).
+        The number of the reason, and the bytes of a record (ik/answer.py).
         """
     def solve_batch(
         self,

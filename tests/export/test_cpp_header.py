@@ -385,8 +385,8 @@ def test_the_namespace_is_an_identifier(name: str, namespace: str) -> None:
 
 @pytest.mark.usefixtures("compiler")
 def test_more_joints_than_the_core_holds() -> None:
-    with pytest.raises(TwistarmError, match="its chains have at most 32 joints; snake has 33"):
-        cpp_header(arm_from_screws(np.tile(np.eye(6)[:, 3:], 11), np.eye(4), name="snake"))
+    with pytest.raises(TwistarmError, match="its chains have at most 64 joints; snake has 66"):
+        cpp_header(arm_from_screws(np.tile(np.eye(6)[:, 3:], 22), np.eye(4), name="snake"))
 
 
 def test_the_command_names_the_folder(compiler: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -116,8 +116,8 @@ def test_the_same_drive(compiler: str, tmp_path: Path) -> None:  # noqa: F811
 
 
 def test_more_motors_than_the_core_holds() -> None:
-    arm, k = load("rover_arm"), 33
+    arm, k = load("rover_arm"), 65
     names = tuple(f"m{i}" for i in range(k))
     motors = Actuators(names, arm.joint_names, np.ones((k, 5)), np.zeros(k), ("rad",) * k, np.full(k, np.nan))
-    with pytest.raises(TwistarmError, match="the servo drives at most 32 joints or motors; this arm has 33"):
+    with pytest.raises(TwistarmError, match="the servo drives at most 64 joints or motors; this arm has 65"):
         cpp_header(replace(arm, actuators=motors))

@@ -52,7 +52,7 @@ class Arm(ArmData):
 
     @cached_property
     def compiled(self) -> engine.Chain | None:
-        """The arm in the compiled core; None without a core (`engine.why_not()`) or for more than 32 joints."""
+        """The arm in the compiled core; None without a core (`engine.why_not()`) or for more than 64 joints."""
         bounds = self.limits.lower, self.limits.upper
         numbers = self.screws, self.home, self.coupling.A
         return engine.chain_of(*numbers, bounds, self.sampling_bounds, self.reach)

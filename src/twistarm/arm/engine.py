@@ -20,13 +20,14 @@ if TYPE_CHECKING:
 INTERFACE = 25
 """Version of the compiled core that this Python needs. It rises with each change of a call."""
 
-MOST_JOINTS = 32
+MOST_JOINTS = 64
 """The most moving joints or coordinates of a chain in the core."""
 
 _PACKAGE = __package__.partition(".")[0]
 _LOG = logging.getLogger(_PACKAGE)
 
 _AGAIN = "pip install --force-reinstall --no-deps --no-cache-dir twistarm (in a checkout: make core)"
+_LOST = "takes milliseconds instead of microseconds and gives neither the nearest configuration nor the reason"
 
 
 class NumpyChain:
@@ -104,7 +105,7 @@ def chain_of(
         _say_once()
         return None
     if max(A.shape) > MOST_JOINTS:
-        _LOG.warning("%d joints are more than the compiled core holds (%d)", max(A.shape), MOST_JOINTS)
+        _LOG.warning("%d joints exceed the core's %d, so inverse kinematics %s", max(A.shape), MOST_JOINTS, _LOST)
         return None
     return module.Chain(screws, home, A, *limits, *starts, reach)
 
@@ -126,8 +127,7 @@ def gaps_of(*given: Any) -> Any:
 @cache
 def _say_once() -> None:
     """Log once that everything is slower without the core; the default log is stderr."""
-    lost = "takes milliseconds instead of microseconds and gives neither the nearest configuration nor the reason"
-    _LOG.warning("no compiled core, so inverse kinematics %s: %s", lost, why_not())
+    _LOG.warning("no compiled core, so inverse kinematics %s: %s", _LOST, why_not())
 
 
 @cache

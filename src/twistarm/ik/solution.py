@@ -56,7 +56,7 @@ class IKResult:
     """The answer to one target, which cannot be changed. It computes what costs time only when you ask for it."""
 
     _arm: Arm
-    _memory: Array | Record
+    _memory: bytearray | Record
     """What holds the record."""
     _target: AnyTarget | None = None
     _contacts: tuple[Contact, ...] = ()

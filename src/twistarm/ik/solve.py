@@ -42,11 +42,11 @@ def solve_ik(
 ) -> IKResult:
     """Inverse kinematics: joint coordinates inside the limits that bring the tool to `target`.
 
-    The first search begins at `theta0`, brought inside the limits. The starts of the others depend only on the seed
-    `rng` and their number. So the same call gives the same bits, unless `max_time` cuts it short. Continuous joints
-    come back as near to theta0 as the limits allow. A configuration within 0.2 rad (0.2 reaches) of theta0 that meets
-    the target is the answer, if a search finds one. Otherwise, for a target within 0.02 reaches and 3° of theta0's
-    pose, the nearest found is the answer. `notes` says so.
+    The first search begins at `theta0`, brought inside the limits. The starts of the others depend only on the target,
+    the seed `rng` and their number. So the same call gives the same bits, unless `max_time` cuts it short. Continuous
+    joints come back as near to theta0 as the limits allow. A configuration within 0.2 rad (0.2 reaches) of theta0 that
+    meets the target is the answer, if a search finds one. Otherwise, for a target within 0.02 reaches and 3° of
+    theta0's pose, the nearest found is the answer. `notes` says so.
 
     Every search aims at the target itself. A configuration that misses by no more than the tolerances is the answer
     where no search finds an exact one.

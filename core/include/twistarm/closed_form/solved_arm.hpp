@@ -18,7 +18,7 @@ template <class T, int N> struct solved_arm {
     closed_form::joint_axis<T> held_axes[capacity(N)];
     T rate[capacity(N)];
     frame<T> home;
-    std::uint32_t idle;  ///< coordinates, as bits, that any answer may move, because they were held though not given
+    std::uint64_t idle;  ///< coordinates, as bits, that any answer may move, because they were held though not given
 };
 
 namespace closed_form {

@@ -12,7 +12,7 @@ TWISTARM_BEGIN
 /// An answer: θ, its distance from the start, and, as bits, the coordinates that may change while the target stays met.
 template <class T, int N> struct configuration {
     T theta[capacity(N)];
-    std::uint32_t free;
+    std::uint64_t free;
     bool family;  ///< whether it may move for itself, not only for what was held
     T distance;
     bool inside;
@@ -134,7 +134,7 @@ public:
     /// target is met. singular: smaller singular values, as a part of the largest, are ignored. still: the coordinates,
     /// as bits, that stay.
     bool correct(T* theta, int patience = precision<T>::patience, T singular = precision<T>::singular,
-                 std::uint32_t still = 0) const {
+                 std::uint64_t still = 0) const {
         residual<T, N, rows> missed;
         T best = static_cast<T>(__builtin_inf());
         int in_vain = 0;
@@ -156,12 +156,12 @@ public:
     /// Whether the target can be met inside the limits with the coordinates that exceed a limit moved to it. θ is then
     /// that answer.
     bool meet_at_limits(const ranges<T, N>& range, T* theta) const {
-        std::uint32_t still = 0;
+        std::uint64_t still = 0;
         for (int pass = 0; pass <= arm_.coordinates(); ++pass) {
-            const std::uint32_t before = still;
+            const std::uint64_t before = still;
             for (int k = 0; k < arm_.coordinates(); ++k) {
                 const T there = clamped(theta[k], range.lower[k], range.upper[k]);
-                if (there < theta[k] || there > theta[k]) still |= std::uint32_t{1} << k;
+                if (there < theta[k] || there > theta[k]) still |= std::uint64_t{1} << k;
                 theta[k] = there;
             }
             if (meets(theta)) return true;
@@ -176,7 +176,7 @@ public:
     /// If the rows of the Jacobian are dependent, some direction moves nothing to first order. The code takes a step
     /// along it and corrects the result. If the result is a different answer that is as exact, both belong to a family.
     /// An answer also counts as exact if a whole turn along the direction stays within the tolerances.
-    std::uint32_t self_motion(const T* theta) const {
+    std::uint64_t self_motion(const T* theta) const {
         residual<T, N, rows> missed;
         six_rows<T, most_unknowns> columns;
         T X[6][6], size[6], beside[width];
@@ -184,19 +184,19 @@ public:
         const T most = decompose(missed, columns, X, size);
         const T alike = greatest(precision<T>::alike, least(T(2) * this->missed(theta), precision<T>::hardly));
         const T turned = T(0.5) * precision<T>::sidestep;
-        std::uint32_t moving = 0;
+        std::uint64_t moving = 0;
         for (int i = 0; i < count_; ++i) {
             if (size[i] > precision<T>::dependent * most) continue;
             for (int k = 0; k < arm_.coordinates(); ++k) beside[k] = theta[k];
             for (int j = 0; j < count_; ++j) beside[moving_[j]] += precision<T>::sidestep * X[j][i];
             if (!correct(beside, precision<T>::patience, precision<T>::dependent)) continue;
             if (this->missed(beside) > alike && !meets(beside, turned * position_, turned * chord_)) continue;
-            std::uint32_t changed = 0;
+            std::uint64_t changed = 0;
             T square = T(0);
             for (int j = 0; j < count_; ++j) {
                 const T away = absolute(beside[moving_[j]] - theta[moving_[j]]);
                 square += away * away;
-                if (away > precision<T>::moved) changed |= std::uint32_t{1} << moving_[j];
+                if (away > precision<T>::moved) changed |= std::uint64_t{1} << moving_[j];
             }
             if (sqrt(square) > T(0.5) * precision<T>::sidestep) moving |= changed;
         }

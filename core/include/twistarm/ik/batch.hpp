@@ -2,6 +2,7 @@
 #pragma once
 
 #include "searches.hpp"
+#include "starts.hpp"
 
 TWISTARM_BEGIN
 
@@ -27,6 +28,7 @@ struct batch_of_targets final : search_owner<V, T, N> {
     bool stopped = false;
     std::int64_t at_target[lane_count]{};
     int search[lane_count]{};
+    start_order order[lane_count]{};
     T least_error[lane_count]{};
     target<T> asked[lane_count]{};
     T theta0[lane_count][capacity(N)]{};
@@ -35,10 +37,16 @@ struct batch_of_targets final : search_owner<V, T, N> {
     batch_of_targets(const chain<T, N, M>& chain, const ranges<T, N>& within, const search_settings<T>& how, Job& work)
         : search_owner<V, T, N>(aim_in_every_lane<V>(aim<T>{})), arm(chain), range(within), settings(how), job(work) {}
 
+    int start_of(int i) {
+        if (Kind != target_kind::pose || job.seed(at_target[i]) != 0) return search[i];
+        if (search[i] == 1) order[i] = order_of_starts(range, asked[i].goal, settings.rotation_weight);
+        return order[i][search[i]];
+    }
+
     void put(lane_starts<T, N, lane_count>& starts, int i) {
         if (search[i] == 0)
             for (int k = 0; k < arm.coordinates(); ++k) starts.theta[k][i] = theta0[i][k];
-        else random_start(range, arm.coordinates(), job.seed(at_target[i]), search[i], &starts.theta[0][i], lane_count);
+        else random_start(range, arm.coordinates(), job.seed(at_target[i]), start_of(i), &starts.theta[0][i], lane_count);
         starts.waiting |= 1U << i;
     }
 
@@ -111,7 +119,7 @@ struct batch_of_targets final : search_owner<V, T, N> {
 
 /// Inverse kinematics of job.count() targets of one kind.
 ///
-/// Each target is searched from its θ₀, then from the random starts 1, 2, … of its seed. The first search in this order
+/// Each target is searched from its θ₀, then from random starts in the order of `solve`. The first search in this order
 /// that meets the target itself gives the answer. So the verdicts are those of `solve`, and an answer depends on its target alone. It
 /// may be another root than that of `solve`, which races whole rounds to finish sooner. If no search converges, the end
 /// with the least error is stored; `conclude` finds the nearest configuration and the reason from there.

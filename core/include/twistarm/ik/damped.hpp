@@ -84,18 +84,19 @@ TWISTARM_CALLED void free_step(const residual<V, N, K>& at, const V& lambda, int
     }
 }
 
-/// Takes coordinates that stand at a bound and are pulled outward (along −Jᵀe) out of the problem.
+/// Takes coordinates that stand at a bound and are pulled outward (along −Jᵀe) out of the problem. Most stand at none.
 template <class V, class T, int N, int K>
 TWISTARM_INLINE void freeze_outward(const ranges<T, N>& range, int n, const V* theta, residual<V, N, K>& at) {
     const V zero = V(T(0));
     TWISTARM_UNROLL
     for (int i = 0; i < n; ++i) {
         if (range.turns[i]) continue;
+        const auto above = theta[i] >= V(range.upper[i]), below = theta[i] <= V(range.lower[i]);
+        if (!any(above | below)) continue;
         V gradient = at.J[i][0] * at.e[0];
         TWISTARM_UNROLL
         for (int k = 1; k < K; ++k) gradient = gradient + at.J[i][k] * at.e[k];
-        const auto frozen = ((theta[i] >= V(range.upper[i])) & (gradient < zero)) |
-                            ((theta[i] <= V(range.lower[i])) & (gradient > zero));
+        const auto frozen = (above & (gradient < zero)) | (below & (gradient > zero));
         TWISTARM_UNROLL
         for (int k = 0; k < K; ++k) at.J[i][k] = select(frozen, zero, at.J[i][k]);
     }

@@ -54,6 +54,7 @@ bool bring_slides_near(const chain<T, N, M>& arm, const target<T>& asked, ranges
         range.start_lower[k] = greatest(theta[k] - half, range.lower[k]);
         range.start_upper[k] = least(theta[k] + half, range.upper[k]);
     }
+    if (moved) see_starts(arm, range);
     return moved;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "searches.hpp"
+#include "starts.hpp"
 
 TWISTARM_BEGIN
 
@@ -144,7 +145,7 @@ bool race_to(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_
 }  // namespace detail
 
 /// Inverse kinematics of one target of this kind, with at most settings.searches ≥ 1 searches. The first starts from
-/// `theta0` (n,) inside the limits, the others from random starts of `seed`. Equal calls give equal bits. `Lanes`
+/// `theta0` (n,) inside the limits, the others from random starts of `seed` (`start_order`). Equal calls give equal bits. `Lanes`
 /// searches run side by side, by default as many as a register holds; the number changes no answer.
 ///
 /// Each search aims at the target itself, and the answer is polished. If none meets it, `found` is the end with the
@@ -160,8 +161,10 @@ void solve_kind(const chain<T, N, M>& arm, const ranges<T, N>& range, const sear
     for (int k = 0; k < n; ++k) start[k] = found.theta[k] = theta0[k];
     bring_inside(range, n, start);
     const start_sequence<N> sequence = sequence_of<N>(seed, n);
+    const bool near_first = Kind == target_kind::pose && seed == 0;
+    const start_order order = near_first ? order_of_starts(range, asked.goal, settings.rotation_weight) : start_order{};
     const auto begins = [&](int search, T* theta, int stride) {
-        if (search > 0) return start_at(range, n, sequence, search, theta, stride);
+        if (search > 0) return start_at(range, n, sequence, near_first ? order[search] : search, theta, stride);
         for (int k = 0; k < n; ++k) theta[k * stride] = start[k];
     };
     if (detail::race_to<pack<T, lanes>, Kind>(arm, range, settings, asked, begins, start, ends, room, stopped, found))

@@ -1,10 +1,12 @@
 // Ranges of the coordinates: limits, coordinates that turn for ever, ranges of random starts.
 #pragma once
 
-#include "../kinematics/chain.hpp"
+#include "../kinematics/kinematics.hpp"
 #include "random.hpp"
 
 TWISTARM_BEGIN
+
+constexpr int seen_starts = 64;
 
 /// Limits (infinite without one), ranges of random starts (finite), and the periodic coordinates.
 ///
@@ -16,6 +18,7 @@ template <class T, int N> struct ranges {
     bool periodic[capacity(N)], turns[capacity(N)];
     bool all_turn;
     T most_speed, most_turning;  ///< bounds of the tool's velocities [m/s], [rad/s] while no coordinate is faster than 1
+    float seen[12][seen_starts];  ///< rows of the tool's poses (3, 4) at the starts 1, 2, … of seed 0
 };
 
 constexpr double whole_turn = 6.28318530717958647693;
@@ -76,6 +79,32 @@ template <class T, int N, int M> void find_most_velocity(const chain<T, N, M>& a
 }
 }  // namespace detail
 
+/// Start `restart` of a sequence, element k at theta[k · stride]: spread over the ranges of random starts.
+template <class T, int N>
+TWISTARM_INLINE void start_at(const ranges<T, N>& range, int coordinates, const start_sequence<N>& sequence, int restart,
+                              T* theta, int stride = 1) {
+    for (int k = 0; k < coordinates; ++k) {
+        const T part = spread<T>(sequence.shift[k], static_cast<std::uint64_t>(restart), range.start_stride[k]);
+        theta[k * stride] = range.start_lower[k] + part * (range.start_upper[k] - range.start_lower[k]);
+    }
+}
+
+/// Start `restart` of a seed.
+template <class T, int N>
+TWISTARM_INLINE void random_start(const ranges<T, N>& range, int coordinates, std::uint64_t seed, int restart, T* theta,
+                                  int stride = 1) {
+    start_at(range, coordinates, sequence_of<N>(seed, coordinates), restart, theta, stride);
+}
+
+template <class T, int N, int M> void see_starts(const chain<T, N, M>& arm, ranges<T, N>& found) {
+    for (int s = 0; s < seen_starts; ++s) {
+        T theta[capacity(N)], rows[16];
+        random_start(found, arm.coordinates(), 0, s + 1, theta);
+        frame_to_rows(forward(arm, theta), rows);
+        for (int r = 0; r < 12; ++r) found.seen[r][s] = static_cast<float>(rows[r]);
+    }
+}
+
 /// The ranges of a chain; each array (N,), random starts in [start_lower, start_upper].
 template <class T, int N, int M>
 ranges<T, N> ranges_of(const chain<T, N, M>& arm, const double* lower, const double* upper, const double* start_lower,
@@ -93,6 +122,7 @@ ranges<T, N> ranges_of(const chain<T, N, M>& arm, const double* lower, const dou
         found.all_turn = found.all_turn && found.turns[k];
     }
     detail::find_most_velocity(arm, found);
+    see_starts(arm, found);
     return found;
 }
 
@@ -117,23 +147,6 @@ template <class T, int N> inline void wrap_near(const ranges<T, N>& range, int c
         const T back = detail::turned_back(nearest, range.lower[k], range.upper[k]);
         theta[k] = clamped(back, range.lower[k], range.upper[k]);
     }
-}
-
-/// Start `restart` of a sequence, element k at theta[k · stride]: spread over the ranges of random starts.
-template <class T, int N>
-TWISTARM_INLINE void start_at(const ranges<T, N>& range, int coordinates, const start_sequence<N>& sequence, int restart,
-                              T* theta, int stride = 1) {
-    for (int k = 0; k < coordinates; ++k) {
-        const T part = spread<T>(sequence.shift[k], static_cast<std::uint64_t>(restart), range.start_stride[k]);
-        theta[k * stride] = range.start_lower[k] + part * (range.start_upper[k] - range.start_lower[k]);
-    }
-}
-
-/// Start `restart` of a seed.
-template <class T, int N>
-TWISTARM_INLINE void random_start(const ranges<T, N>& range, int coordinates, std::uint64_t seed, int restart, T* theta,
-                                  int stride = 1) {
-    start_at(range, coordinates, sequence_of<N>(seed, coordinates), restart, theta, stride);
 }
 
 /// Whether every coordinate is finite and within its limits.

@@ -9,7 +9,7 @@ TWISTARM_BEGIN
 /// Which of job.count() targets of one kind the arm meets, with at most settings.searches searches for each.
 ///
 /// The first search begins at the answer before, so targets that follow one another should be neighbours. The others
-/// begin at the random starts 1, 2, … of `seed`. θ₀ (n,) stands for the answer before the first. `Job` has
+/// begin at random starts in the order of `solve`. θ₀ (n,) stands for the answer before the first. `Job` has
 /// job.count(), job.asked(t), job.store(t, theta), with a null pointer where no search converges, and job(), which is
 /// called now and then; true ends the work.
 template <target_kind Kind, class T, int N, int M, class Job>
@@ -22,11 +22,13 @@ void find_reachable(const chain<T, N, M>& arm, const ranges<T, N>& range, const 
         const target<T> asked = job.asked(t);
         solution<T, N> found;
         search_all(arm, range, settings, of_kind(asked), before, seed, job, found);
-        ranges<T, N> there = range;
-        T start[capacity(N)];
-        for (int k = 0; k < arm.coordinates(); ++k) start[k] = before[k];
-        if (!found.converged && bring_slides_near(arm, asked, there, start))
-            search_all(arm, there, settings, of_kind(asked), start, seed, job, found);
+        if (!found.converged) {
+            ranges<T, N> there = range;
+            T start[capacity(N)];
+            for (int k = 0; k < arm.coordinates(); ++k) start[k] = before[k];
+            if (bring_slides_near(arm, asked, there, start))
+                search_all(arm, there, settings, of_kind(asked), start, seed, job, found);
+        }
         for (int k = 0; k < arm.coordinates() && found.converged; ++k) before[k] = found.theta[k];
         job.store(t, found.converged ? found.theta : nullptr);
     }

@@ -78,6 +78,7 @@ ranges<T, N> in_reaches(const reaches<T, N>& units, const chain<T, N, M>& scaled
     T* const every[] = {range.lower, range.upper, range.start_lower, range.start_upper};
     for (T* bounds : every) units.theta(bounds, bounds);
     detail::find_most_velocity(scaled, range);
+    see_starts(scaled, range);
     return range;
 }
 

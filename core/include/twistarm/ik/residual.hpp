@@ -116,11 +116,13 @@ TWISTARM_INLINE void residual_of(const frame<V>& g, const column<V>* columns, in
                                  scalar_of<V> rotation_scale, residual<V, N, rows_of(Kind)>& out) {
     using T = scalar_of<V>;
     const V zero = V(T(0));
+    TWISTARM_UNROLL
     for (int k = 0; k < 3; ++k) out.e[k] = g.p[k];
     if constexpr (Kind != target_kind::task) {
         out.position_squared = dot(g.p, g.p);
         TWISTARM_UNROLL
         for (int i = 0; i < n; ++i)
+            TWISTARM_UNROLL
             for (int k = 0; k < 3; ++k) out.J[i][k] = columns[i].v[k];
     }
     if constexpr (Kind == target_kind::position) out.rotation_squared = zero;
@@ -128,9 +130,11 @@ TWISTARM_INLINE void residual_of(const frame<V>& g, const column<V>* columns, in
         V chord[3];
         detail::chord_of(g, chord);
         out.rotation_squared = dot(chord, chord);
+        TWISTARM_UNROLL
         for (int k = 0; k < 3; ++k) out.e[k + 3] = rotation_scale * chord[k];
         TWISTARM_UNROLL
         for (int i = 0; i < n; ++i)
+            TWISTARM_UNROLL
             for (int k = 0; k < 3; ++k) out.J[i][k + 3] = rotation_scale * columns[i].w[k];
     }
     if constexpr (Kind == target_kind::approach) {

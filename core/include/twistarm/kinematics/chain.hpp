@@ -7,7 +7,7 @@ TWISTARM_BEGIN
 
 /// In place of a number of joints: known only when the program runs, at most `most_joints`.
 constexpr int dynamic = 0;
-constexpr int most_joints = 32;
+constexpr int most_joints = 64;
 
 constexpr int capacity(int size) { return size == dynamic ? most_joints : size; }
 

@@ -22,7 +22,9 @@ template <class A, class B> TWISTARM_INLINE void cross(const A a[3], const B b[3
 /// out = R v, R the rotation of g.
 template <class V, class A> TWISTARM_INLINE void rotate(const frame<V>& g, const A v[3], V out[3]) {
     V turned[3];
+    TWISTARM_UNROLL
     for (int k = 0; k < 3; ++k) turned[k] = g.x[k] * v[0] + g.y[k] * v[1] + g.z[k] * v[2];
+    TWISTARM_UNROLL
     for (int k = 0; k < 3; ++k) out[k] = turned[k];
 }
 
@@ -39,6 +41,7 @@ template <class V> TWISTARM_INLINE frame<V> product(const frame<V>& a, const fra
     rotate(a, b.y, c.y);
     rotate(a, b.z, c.z);
     rotate(a, b.p, c.p);
+    TWISTARM_UNROLL
     for (int k = 0; k < 3; ++k) c.p[k] = c.p[k] + a.p[k];
     return c;
 }

@@ -17,12 +17,14 @@ template <class V, class T> TWISTARM_INLINE void step_through(const link<T>& joi
     V s, c;
     sincos(joint.revolute ? x + joint.phase : x * joint.turn + joint.phase, s, c);
     if (!first)
+        TWISTARM_UNROLL
         for (int k = 0; k < 3; ++k) {
             g.p[k] = g.p[k] + (g.x[k] * joint.offset[0] + g.y[k] * joint.offset[1] + g.z[k] * joint.offset[2]);
             const V y = g.y[k] * joint.cos_alpha + g.z[k] * joint.sin_alpha;
             g.z[k] = g.z[k] * joint.cos_alpha - g.y[k] * joint.sin_alpha;
             g.y[k] = y;
         }
+    TWISTARM_UNROLL
     for (int k = 0; k < 3; ++k) {
         const V turned = c * g.x[k] + s * g.y[k];
         g.y[k] = c * g.y[k] - s * g.x[k];
@@ -30,6 +32,7 @@ template <class V, class T> TWISTARM_INLINE void step_through(const link<T>& joi
     }
     if (!joint.revolute) {
         const V along = x * joint.slide;
+        TWISTARM_UNROLL
         for (int k = 0; k < 3; ++k) g.p[k] = g.p[k] + g.z[k] * along;
     }
 }
@@ -54,8 +57,10 @@ template <class V, class T>
 TWISTARM_INLINE void joint_column(const link<T>& joint, const V p[3], const V z[3], const V o[3], column<V>& out) {
     const V arm[3] = {p[0] - o[0], p[1] - o[1], p[2] - o[2]};
     cross(z, arm, out.v);
+    TWISTARM_UNROLL
     for (int k = 0; k < 3; ++k) out.w[k] = z[k];
     if (!joint.revolute)
+        TWISTARM_UNROLL
         for (int k = 0; k < 3; ++k) {
             out.v[k] = out.v[k] * joint.turn + z[k] * joint.slide;
             out.w[k] = out.w[k] * joint.turn;
@@ -86,6 +91,7 @@ TWISTARM_CALLED void walk_with_joint_columns(const chain<T, N, M>& arm, const fr
     TWISTARM_UNROLL
     for (int i = 0; i < joints; ++i) {
         detail::step_through(arm.links[i], i == 0, x[i], g);
+        TWISTARM_UNROLL
         for (int k = 0; k < 3; ++k) {
             axis[i][k] = g.z[k];
             origin[i][k] = g.p[k];

@@ -122,7 +122,7 @@ def servo_step(
 
     Raises:
         InputError: The arm, the state, the settings or the scene are of another type, or the scene is of another arm.
-        TwistarmError: There is no compiled core, or the arm has more than 32 joints or motors.
+        TwistarmError: There is no compiled core, or the arm has more than 64 joints or motors.
     """
     require(state, ServoState, "state", "as ServoState.at(arm, theta) makes it")
     bounds = bounds_of(require_arm(arm), require(settings, ServoSettings, "settings", "as ServoSettings() is"))
