@@ -7,9 +7,10 @@ from typing import Any
 
 import twistarm
 from twistarm.description.catalog import robots_dir
+from twistarm.description.document import note_file, noted_files
 from twistarm.description.expansion.expand import Expanded, expand_xacro
 
-_EXPANDED: dict[str, Expanded] = {}
+_EXPANDED: dict[str, tuple[Expanded, set[Path]]] = {}
 _LOADED: dict[str, twistarm.Arm] = {}
 
 
@@ -26,5 +27,9 @@ def expanded_once(path: Path, packages: Any, *options: Any) -> Expanded:
         return expand_xacro(path, packages, *options)
     key = repr((path, options))
     if key not in _EXPANDED:
-        _EXPANDED[key] = expand_xacro(path, packages, *options)
-    return _EXPANDED[key]
+        with noted_files() as read:
+            _EXPANDED[key] = expand_xacro(path, packages, *options), read
+    expanded, read = _EXPANDED[key]
+    for file in read:
+        note_file(file)
+    return expanded
