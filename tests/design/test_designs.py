@@ -10,6 +10,7 @@ import pytest
 import twistarm
 from catalogue import load
 from twistarm import Position, arm_from_screws, compare_designs, joints
+from twistarm.arm.engine import MOST_JOINTS
 from twistarm.support.errors import InputError
 
 
@@ -66,7 +67,7 @@ def test_slides_sweep_their_box(sides) -> None:
 
 
 def test_an_arm_beyond_the_core_has_no_volume() -> None:
-    axes = [joints.revolute(np.eye(3)[i % 3], [0.02 * i, 0, 0]) for i in range(40)]
+    axes = [joints.revolute(np.eye(3)[i % 3], [0.02 * i, 0, 0]) for i in range(MOST_JOINTS + 1)]
     long, _ = compare_designs([arm_from_screws(np.hstack(axes), np.eye(4)), elbow(1.0)])
     assert np.isnan(long.volume)
     assert long.farthest > 0.0

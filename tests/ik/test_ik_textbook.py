@@ -11,6 +11,7 @@ from catalogue import load
 from ik_targets import KINDS, errors, judged, moved, pinocchio_fk, target_from
 from solvers import textbook_ik
 from twistarm import JointMove, LineMove, TwistarmError, load_arm, plan, plan_joint
+from twistarm.arm.engine import MOST_JOINTS
 from twistarm.export.cpp_header import cpp_header
 from twistarm.ik import Position, StopReason, solve_ik, solve_ik_all, solve_ik_all_batch, solve_ik_batch
 from twistarm.ik.ranges import joint_ranges
@@ -112,7 +113,7 @@ def test_some_motions_are_planned_without_a_core(bare):
 def test_more_joints_than_the_core_holds_are_solved_too():
     from twistarm import arm_from_screws, joints
 
-    links = [joints.revolute([0, 0, 1] if i % 2 else [0, 1, 0], [0.05 * i, 0, 0]) for i in range(33)]
+    links = [joints.revolute([0, 0, 1] if i % 2 else [0, 1, 0], [0.025 * i, 0, 0]) for i in range(MOST_JOINTS + 1)]
     arm = arm_from_screws(np.hstack(links), moved(np.eye(4), [1.7, 0, 0]))
     assert arm.compiled is None
     target = Position([0.9, 0.3, 0.4])
