@@ -161,9 +161,9 @@ class Problem:
         J.append(np.eye(P, len(q)) * self.usual[:, None])
         return np.concatenate(r), np.concatenate(J)
 
-    def residual(self, q: Array, weights: Array) -> Array:
-        """The stacked residual (N,) in standard deviations, rows weighted by (K,)."""
-        r = self.misses(q) * self._scale * np.sqrt(weights)[:, None]
+    def residual(self, q: Array, weights: Array, misses: Array | None = None) -> Array:
+        """The stacked residual (N,) in standard deviations, rows weighted by (K,). `misses`: those of q, if known."""
+        r = (self.misses(q) if misses is None else misses) * self._scale * np.sqrt(weights)[:, None]
         return np.concatenate([r[self.measured], self._beside(q)[0]])
 
     def slopes(self, q: Array, weights: Array, *, resting: bool = False) -> Array:
@@ -187,9 +187,9 @@ class Problem:
             group[group == group[j]] = group[i]
         return np.asarray(group[self.place + 1])
 
-    def loudness(self, q: Array) -> Array:
-        """The root mean square (K,) of each row's residuals in standard deviations."""
-        r = self.misses(q) * self._scale
+    def loudness(self, q: Array, misses: Array | None = None) -> Array:
+        """The root mean square (K,) of each row's residuals in standard deviations. `misses` as in `residual`."""
+        r = (self.misses(q) if misses is None else misses) * self._scale
         return np.asarray(np.sqrt((r * r).sum(axis=1) / np.maximum(self.measured.sum(axis=1), 1)))
 
     def of_rows(self, rows: Rows) -> Problem:
@@ -250,13 +250,13 @@ def descend(problem: Problem, q: Array, free: Bools, *, robust: bool = True) -> 
     Levenberg–Marquardt with columns of length 1. With `robust`, weights are Cauchy's 1/(1 + (r/3s)²), where s is the
     median noise found, at least what was stated.
     """
-    weights, damping = np.ones(len(problem.log.theta)), LEAST_DAMPING
-    r = problem.residual(q, weights)
+    weights, damping, misses = np.ones(len(problem.log.theta)), LEAST_DAMPING, problem.misses(q)
+    r = problem.residual(q, weights, misses)
     for _ in range(STEPS if free.any() else 0):
         if robust:
-            loud = problem.loudness(q)
+            loud = problem.loudness(q, misses)
             weights = 1.0 / (1.0 + (loud / (3.0 * max(1.0, float(np.median(loud))))) ** 2)
-            r = problem.residual(q, weights)
+            r = problem.residual(q, weights, misses)
         A = problem.slopes(q, weights)[:, free]
         size = np.linalg.norm(A, axis=0)
         size[size == 0] = np.inf
@@ -266,9 +266,10 @@ def descend(problem: Problem, q: Array, free: Bools, *, robust: bool = True) -> 
             step = -np.linalg.solve(A.T @ A + damping * np.eye(A.shape[1]), A.T @ r)
             tried = q.copy()
             tried[free] += step / size
-            after = problem.residual(tried, weights)
+            there = problem.misses(tried)
+            after = problem.residual(tried, weights, there)
             if float(after @ after) < before:
-                q, r, damping = tried, after, max(damping / 10, LEAST_DAMPING)
+                q, r, misses, damping = tried, after, there, max(damping / 10, LEAST_DAMPING)
                 break
             damping *= 10
         if float(r @ r) == before or float(np.sum((A @ step) ** 2)) < SETTLED * before / len(r):
