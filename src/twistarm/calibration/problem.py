@@ -112,9 +112,9 @@ class Problem:
         r, slope, own = np.zeros((K, 6)), np.zeros((K, 6, 6)), np.zeros((K, 6, len(q) - self.P))
         at, turned = log.located, self.measured[:, 3]
         r[at, :3], slope[at, :3, :3] = (p - log.position)[at], np.eye(3)
-        # (R_m)ᵀ R: its logarithm in the measured axes.
-        back = np.swapaxes(log.rotation[turned], 1, 2)
-        r[turned, 3:], slope[turned, 3:, 3:] = log_of(back @ g[turned, :3, :3]), back
+        if turned.any():  # (R_m)ᵀ R: its logarithm in the measured axes. Of no rows it would take a fifth of a fit.
+            back = np.swapaxes(log.rotation[turned], 1, 2)
+            r[turned, 3:], slope[turned, 3:, 3:] = log_of(back @ g[turned, :3, :3]), back
         for k, (kind, name) in enumerate(self.places):
             rows, c = np.flatnonzero(self.place == k), q[self.P + 3 * k : self.P + 3 * k + 3]
             columns = slice(3 * k, 3 * k + 3)
