@@ -162,7 +162,7 @@ nb::object Gaps::closest(nb::handle frames, nb::handle limits, nb::handle margin
     std::vector<Wrench> wrenches(found.size());
     for (std::size_t i = 0; i < found.size(); ++i) {
         auto& [distance, k] = found[i];
-        const bool near = rows.size() < count || room(found[i]) <= rows.back().first;
+        const bool near = rows.size() < count || (count > 0 && room(found[i]) <= rows.back().first);
         if (near) {
             wrenches[i] = wrench(k, bodies, measure);
             distance = wrenches[i][0] < most.data()[k] ? wrenches[i][0] : std::numeric_limits<double>::infinity();

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -49,6 +50,30 @@ def test_no_near_pair_is_left_out_and_approaches_are_derivatives(name: str) -> N
         assert differing.mean() < 0.1
         compared += apart.sum()
     assert compared > 60
+
+
+def test_triangles_approach_too() -> None:
+    arm = load_arm("ur5")
+    pairs, theta = Scene(arm, exact=True).near_pairs, np.array([0.3, -1.2, 1.4, -0.5, 0.8, 0.2])
+    kinds = np.array(["BVH" in type(body.shape).__name__ for body in pairs.bodies])
+    both = np.flatnonzero([kinds[i] and kinds[j] for i, j in pairs.pairs])
+    distances, approach = pairs.measured(theta, both)
+    beside = [pairs.measured(theta + step, both)[0] for step in STEP * np.vstack([np.eye(arm.n), -np.eye(arm.n)])]
+    slopes = (np.array(beside[: arm.n]) - beside[arm.n :]).T / (2.0 * STEP)
+    assert (distances > 0.001).sum() > 3
+    assert np.median(np.abs(approach + slopes)[distances > 0.001].max(axis=1)) < 1e-3
+
+
+def test_a_scene_without_bodies_is_free(tmp_path: Path) -> None:
+    file = tmp_path / "bare.urdf"
+    file.write_text(
+        '<robot name="bare"><link name="base"/><link name="tool"/><joint name="j" type="revolute"><parent link="base"/>'
+        '<child link="tool"/><axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="1" effort="1"/></joint></robot>'
+    )
+    scene = Scene(load_arm(file))
+    assert scene.distance([0.1]).metres == np.inf
+    assert not scene.collides([0.1])
+    assert scene.is_free([0.1], [0.2])
 
 
 def test_a_scene_without_pairs_bounds_nothing() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import inf, isfinite
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from .swept import ancestors, pair_speeds
 
 ENDLESS = 1e3  # Half the depth of a half-space [m].
 LOOK = 0.05  # Pairs nearer than this beyond their margin [m] are always near.
+UNIT = 1e-6  # The square of a direction differs from 1 by no more.
 ROUNDING = 1e-6  # What bounds may be too large by rounding, and distances too small by GJK's tolerance [m].
 
 Indices = NDArray[np.signedinteger[Any]]
@@ -85,6 +86,7 @@ class NearPairs(Checker):
         # A model with one joint has Jacobians of shape (6,).
         twists = [pin.getJointJacobian(model, data, j, own).reshape(6, -1)[:, j - 1] for j in joints]
         carried = np.array([[j in ancestors(self._model, body) for j in joints] for body in self.bodies], dtype=float)
+        carried = carried.reshape(-1, len(joints))
         return np.array(twists), carried[first] - carried[second], np.ascontiguousarray(self._model.dq_dtheta)
 
     def nearest(self, theta: Array) -> tuple[int, float, Array]:
@@ -155,8 +157,10 @@ class NearPairs(Checker):
         def measure(k: int) -> tuple[float, ...]:
             metres, found = self.measure(geometry, k)
             (a, b, c), (x, y, z) = found.normal.tolist(), found.getNearestPoint1().tolist()
-            if not isfinite(a + b + c + x + y + z):  # overlapping triangles have no depth and no direction
-                return metres, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            if not abs(a * a + b * b + c * c - 1.0) <= UNIT:  # between triangles and triangles Coal tells none
+                if not found.min_distance > 0.0:  # nor have they a depth where they overlap
+                    return metres, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+                a, b, c = ((found.getNearestPoint2() - (x, y, z)) / found.min_distance).tolist()
             if (metres < 0.0) != (found.min_distance < 0.0):
                 a, b, c = -a, -b, -c
             return metres, a, b, c, y * c - z * b, z * a - x * c, x * b - y * a

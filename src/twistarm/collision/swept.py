@@ -17,7 +17,7 @@ from ..support.errors import InputError
 FINE = 2.5e-4
 LEVELS = (0.0, *(FINE * 2.0**k for k in range(2, 9)))  # Clearances [m] that are checked: 0, 1, 2, 4, … 64 mm.
 FIRST = 3  # The level that is checked first.
-# A straight way is checked at places so far apart [rad, m] before it is proven, at most so many.
+# A straight way is checked at places so far apart [rad, m] before it is proven, at most twice so many.
 COARSE, MOST_COARSE = 0.1, 128
 PATIENCE = 8  # After so many intervals that pass, a longer one is tried at the latest.
 PARTS = 256  # How many parts a motion has at least, each with its own bound of the speeds.
@@ -30,7 +30,7 @@ class Sweep:
 
     An interval about its middle t is free if at theta(t) every pair has the clearance that its bodies can lose within
     the interval. The next interval is as long as a level of clearance allows. It is shorter where a check fails, and
-    longer after two that pass (Schwarzer, Saha & Latombe, Adaptive Dynamic Collision Checking, IEEE T-RO 21(3), 2005).
+    longer after some that pass (Schwarzer, Saha & Latombe, Adaptive Dynamic Collision Checking, IEEE T-RO 21(3), 2005).
     """
 
     def __init__(self, checker: Checker, model: PinocchioModel, most: Array) -> None:
@@ -126,7 +126,7 @@ def pair_speeds(model: PinocchioModel, bodies: Sequence[Body], pairs: Sequence[t
     """
     count, far = model.model.njoints, _farthest(model, most)
     speeds = np.array([_speeds(model, body, far) for body in bodies]).reshape(-1, count)
-    carried = np.array([[j in ancestors(model, body) for j in range(count)] for body in bodies])
+    carried = np.array([[j in ancestors(model, body) for j in range(count)] for body in bodies]).reshape(-1, count)
     first, second = np.array(pairs, dtype=int).reshape(-1, 2).T
     # A joint that carries both moves neither against the other.
     by_joint = np.where(carried[second], 0.0, speeds[first]) + np.where(carried[first], 0.0, speeds[second])

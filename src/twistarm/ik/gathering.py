@@ -259,13 +259,14 @@ class Gathering(Asked):
 
     def told(self, families: list[Members], copies: bool, tries: tuple[int, int], all_seen: bool) -> AllSolutions:
         """The answers inside the limits, nearest first, then those outside. Twins are one answer."""
-        arm, kept = self.arm, list[Entry]()
+        arm, kept, placed = self.arm, list[Entry](), np.empty((len(families), self.arm.n))
         entries = [self.entry(family) for family in families]
         pairs = zip(entries, families, strict=True)
         all_seen = all_seen and all(entry.inside or self.alone(family.roots[0]) for entry, family in pairs)
         for each in sorted(entries, key=lambda entry: (not entry.inside, entry.distance)):
-            i = self.twin(each.theta, [other.theta for other in kept])
+            i = self.twin(each.theta, placed[: len(kept)])
             if i is None:
+                placed[len(kept)] = each.theta
                 kept.append(each)
             else:
                 np.logical_or(kept[i].moving, each.moving, out=kept[i].moving)

@@ -38,14 +38,18 @@ class SelfMotions(Asked):
 
         Two families without a way between them stay apart; so do answers after the deadline.
         """
-        left = list(range(len(thetas)))
-        while left:
-            first = left.pop(0)
-            curve = self.curve(thetas[first])
-            rows = np.array([thetas[i] for i in left]).reshape(-1, self.arm.n)
-            found = self._on_curve(curve, rows) if len(curve) > 1 else self._beside(thetas[first], rows)
-            yield [first, *(left[i] for i in sorted(found))], curve
-            left = [i for k, i in enumerate(left) if k not in found]
+        every = np.array(thetas).reshape(-1, self.arm.n)
+        left = np.arange(len(every))
+        while left.size:
+            first, left = int(left[0]), left[1:]
+            if self.deadline.passed:
+                yield [first], every[[first]]
+                continue
+            curve, rows = self.curve(every[first]), every[left]
+            found = self._on_curve(curve, rows) if len(curve) > 1 else self._beside(every[first], rows)
+            of_it = np.isin(np.arange(len(left)), list(found))
+            yield [first, *left[of_it].tolist()], curve
+            left = left[~of_it]
 
     def curve(self, start: Array) -> Array:
         """The curve (k, n) through an answer, from one end to the other; the answer alone if it is no curve's."""

@@ -228,12 +228,9 @@ def _eigenpairs(powers: Array) -> tuple[Array, Array, bool]:
     try:
         last = np.linalg.solve(M[2], np.hstack([M[0], M[1]]))
         first = np.linalg.solve(M[0], np.hstack([M[1], M[2]]))
+        values, vectors = np.linalg.eig(np.vstack([UPPER, -last]))  # refuses what is not finite
     except np.linalg.LinAlgError:
         return np.empty(0), np.empty((0, 4, 3)), False
-    companion = np.vstack([UPPER, -last])
-    if not np.isfinite(companion).all():
-        return np.empty(0), np.empty((0, 4, 3)), False
-    values, vectors = np.linalg.eig(companion)
     off = np.abs(values.imag) / (1.0 + np.abs(values) ** 2)
     real = off <= REAL
     # The Frobenius norms of the companion and of its inverse, each with an identity in it.

@@ -141,11 +141,11 @@ class Asked:
                 return clipped
         return None
 
-    def twin(self, theta: Array, others: Sequence[Array]) -> int | None:
+    def twin(self, theta: Array, others: Array) -> int | None:
         """The place of another answer (n,) that is one with theta (n,), or None."""
         if not len(others):
             return None
-        left = apart(self.arm, np.array(others), theta)
+        left = apart(self.arm, others, theta)
         near = np.flatnonzero(np.abs(left).max(axis=1, initial=0.0) <= TWINS)
         return next((int(i) for i in near if self.met(theta + 0.5 * left[i])), None)
 
