@@ -23,6 +23,7 @@ from twistarm.viewer.parts.show import NO_DRIVE
 from viewer_page import WAIT, Page, until, visit
 
 SPEED = 0.05  # Of the twists that pages command here [m/s].
+JOURNEY = 6 * WAIT  # Longest time in which a drive reaches its end, on a busy machine too [s].
 
 
 @pytest.fixture(scope="module")
@@ -47,8 +48,8 @@ def switch(page: Page, on: bool) -> None:
 
 
 def push(page: Page, reached: Callable[[], bool], **command: Any) -> None:
-    """A command said again every 30 ms until something is reached."""
-    end = time.monotonic() + WAIT
+    """A command said again every 30 ms until something is reached, to which the arm drives at its own speed."""
+    end = time.monotonic() + JOURNEY
     while not reached():
         assert time.monotonic() < end
         page.ask(**command)
