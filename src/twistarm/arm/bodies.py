@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,6 +15,7 @@ from ..description.meshes import extreme_points, read_mesh
 from ..description.tree import Description, Geometry, Link
 from ..support.checks import Array
 from ..support.errors import InputError, TwistarmError
+from .cloud import Cloud
 from .solid import Solid
 
 # Radius of a link's capsule: in reaches of the arm, and at most in lengths of the link.
@@ -40,7 +41,7 @@ class Body:
     """A shape of the collision library, with its pose (4, 4) in the frame of the link `carrier`.
 
     `name` is the link's or the obstacle's. `kind` tells how the shape was made. An obstacle has the numbers of its size
-    [m], and a mesh its file or triangles.
+    [m], a mesh its file or triangles, and a cloud its file or points (N, 3).
     """
 
     name: str
@@ -50,10 +51,17 @@ class Body:
     kind: str
     obstacle: bool = False
     size: tuple[float, ...] = ()
-    mesh: Path | Triangles | None = None
+    mesh: Path | Triangles | Array | None = None
 
     def __post_init__(self) -> None:
-        self.shape.computeLocalAABB()  # GJK starts from its centre, and its radius bounds the speeds
+        if not isinstance(self.shape, Cloud):
+            self.shape.computeLocalAABB()  # GJK starts from its centre, and its radius bounds the speeds
+
+    @property
+    def tiles(self) -> tuple[Body, ...]:
+        """The bodies that are checked: one for each tile of a cloud, otherwise this one."""
+        cloud = isinstance(self.shape, Cloud)
+        return tuple(replace(self, shape=tile) for tile in self.shape.tiles) if cloud else (self,)
 
     @property
     def solid(self) -> Solid | None:
@@ -65,6 +73,8 @@ class Body:
         """A point (k, 3) of each connected part, in the frame of the shape; none of a plane."""
         if self.solid is not None:
             return self.solid.samples
+        if self.kind == "points":
+            return np.array(self.shape.toBoxes())[:, :3]
         if hasattr(self.shape, "points"):
             return np.array(self.shape.points()[:1])
         return np.zeros((0 if self.kind == "plane" else 1, 3))
@@ -116,6 +126,10 @@ class Shapes:
             with suppress(RuntimeError):  # a corner of the hull has over 255 neighbours, as the tip of a fine cone
                 return self._hull(points)
         return self._triangles(points, mesh.faces)
+
+    def cloud(self, points: Array, voxel: float) -> Cloud:
+        """The voxels of side `voxel` [m] that points (N, 3) occupy."""
+        return Cloud(self._coal, points, voxel)
 
     def _of(self, link: Link, shapes: tuple[Geometry, ...], kind: str) -> Iterator[Body]:
         for geometry in shapes:
@@ -195,8 +209,10 @@ def along(end: Array) -> Array:
 
 
 def outline(shape: Any) -> dict[str, Any]:
-    """The kind of a shape with its size [m], or with points (N, 3) and triangles (F, 3), for drawing."""
+    """The kind of a shape with its size [m], points (N, 3) and triangles (F, 3) where it has some, for drawing."""
     kind = type(shape).__name__.lower()
+    if kind == "cloud":
+        return {"kind": "points", "size": [shape.voxel], "points": shape.centres}
     if kind == "box":
         return {"kind": kind, "size": (2.0 * shape.halfSide).tolist()}
     if kind == "sphere":

@@ -52,13 +52,16 @@ class Checker:
         for first, second in self.pairs:
             self._geometry.addCollisionPair(self._pin.CollisionPair(first, second))
         both = ((k, *way) for k, (i, j) in enumerate(self.pairs) for way in ((i, j), (j, i)))
-        found = ((k, i, j, self.bodies[i].solid, self.bodies[j].samples) for k, i, j in both)
-        self._solids = [(k, i, j, solid, samples) for k, i, j, solid, samples in found if solid and solid.closed]
-        self._kept = [any(self.bodies[i].solid for i in pair) for pair in self.pairs]
+        found = ((k, i, j, solid) for k, i, j in both if (solid := self.bodies[i].solid))
+        self._solids = [(k, i, j, solid, self.bodies[j].samples) for k, i, j, solid in found if solid.closed]
+        self._kept = [any(self.bodies[i].solid or self.bodies[i].kind == "points" for i in pair) for pair in self.pairs]
         self._shared, self._local = threading.local(), threading.local()
 
     def with_margins(self, margins: Sequence[float] | Array) -> Checker:
-        """The same bodies and pairs with other margins [m]. Those of kept triangles are not negative: Coal has none."""
+        """The same bodies and pairs with other margins [m].
+
+        Those of kept triangles and voxels are not negative: Coal has none.
+        """
         other = copy(self)
         other.margins = tuple(np.maximum(margins, np.where(self._kept, 0.0, -np.inf)).tolist())
         other._local = threading.local()
@@ -187,7 +190,7 @@ class Checker:
         in 10,000, and the answer depends on the questions before. The usual tolerance reports gaps of 1e-7 m.
         """
         coal, requests = self._pin.coal, []
-        # A kept triangle has no centre to start from.
+        # Kept triangles and voxels have no centre to start from.
         for guess in (coal.GJKInitialGuess.BoundingVolumeGuess, coal.GJKInitialGuess.DefaultGuess):
             requests.append((coal.CollisionRequest(), coal.DistanceRequest()))
             for request in requests[-1]:

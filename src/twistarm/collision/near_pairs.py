@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arm.bodies import Body
-from ..arm.checker import Checker
+from ..arm.checker import TOLERANCE, Checker
 from ..arm.engine import gaps_of
 from ..arm.pinocchio_model import PinocchioModel
 from ..support.checks import Array
@@ -25,7 +25,9 @@ Indices = NDArray[np.signedinteger[Any]]
 
 
 class NearPairs(Checker):
-    """Finds the near pairs of a scene. `speeds` (pairs, n) bounds how fast each coordinate brings a pair closer.
+    """Finds the near pairs of a scene. `speeds` (k, n) bounds how fast each coordinate brings a pair closer.
+
+    Each part of a cloud's tile counts as a body: `body_pairs` (k,) are these pairs, as places among `bodies`.
 
     A distance is at least that of the ball round the smaller body and the rounded box round the larger one. For the
     pairs `exact`, spheres against spheres, capsules, boxes and half-spaces, it is just that.
@@ -40,15 +42,39 @@ class NearPairs(Checker):
         most: Array,
     ) -> None:
         super().__init__(model, bodies, pairs, margins)
-        self.least = np.array(self.margins)
+        parts = [getattr(body.shape, "parts", None) or [body.shape] for body in self.bodies]
+        shapes, ends = [part for each in parts for part in each], np.cumsum([0, *map(len, parts)]).tolist()
+        body_of = np.repeat(np.arange(len(parts)), [len(each) for each in parts])
+        # The pair of bodies, and the two shapes, of each pair of parts.
+        self._owner, first, second = (
+            np.array(
+                [
+                    (k, a, b)
+                    for k, (i, j) in enumerate(self.pairs)
+                    for a in range(ends[i], ends[i + 1])
+                    for b in range(ends[j], ends[j + 1])
+                ],
+                dtype=int,
+            )
+            .reshape(-1, 3)
+            .T
+        )
+        self.body_pairs = np.column_stack([body_of[first], body_of[second]])
+        # What is measured by Coal itself: pairs with a part of a body.
+        single = np.array([len(each) == 1 for each in parts], dtype=bool)
+        self._parted = {
+            int(k): (shapes[first[k]], shapes[second[k]]) for k in np.flatnonzero(~single[self.body_pairs].all(axis=1))
+        }
+        self._request = self._pin.coal.DistanceRequest()
+        self._request.gjk_tolerance = TOLERANCE
+        self.least = np.array(self.margins)[self._owner]
         self._looked = self.least + LOOK
         self._cover(most)
-        self._slides = bool((pair_speeds(model, bodies, pairs, 2.0 * most + 1.0) > self.speeds).any())
+        self._slides = bool((pair_speeds(model, bodies, pairs, 2.0 * most + 1.0)[self._owner] > self.speeds).any())
         self._last = 0  # the nearest pair of the last question, likely that of the next
-        first, second = np.array(self.pairs, dtype=int).reshape(-1, 2).T
-        objects = list(self._geometry.geometryObjects)
-        kinds = np.array([type(body.shape).__name__ for body in self.bodies], dtype=str)
-        boxes = [body.shape.aabb_local for body in self.bodies]
+        objects = [self._geometry.geometryObjects[i] for i in body_of.tolist()]
+        kinds = np.array([type(shape).__name__ for shape in shapes], dtype=str)
+        boxes = [shape.aabb_local for shape in shapes]
         low = np.array([box.min_ for box in boxes]).reshape(-1, 3)
         high = np.array([box.max_ for box in boxes]).reshape(-1, 3)
         flat, balls = kinds == "Halfspace", kinds == "Sphere"
@@ -69,14 +95,15 @@ class NearPairs(Checker):
         joints, around = [each.parentJoint for each in objects], radius[ball] + edge[box]
         around[~self.exact] += ROUNDING
         sizes = np.column_stack([(half - edge[:, None])[box], around, self.exact])
-        self._gaps = gaps_of(joints, at, ball.tolist(), box.tolist(), sizes, *self._motion(first, second))
+        motion = self._motion(*self.body_pairs.T)
+        self._gaps = gaps_of(joints, at, ball.tolist(), box.tolist(), sizes, *motion)
         self.exact &= self._gaps is not None
         self._all_exact = bool(self.exact.all())
 
     def _cover(self, most: Array) -> None:
         """Take speeds that hold while |theta| is at most `most` (n,)."""
         self._most = most
-        self.speeds = pair_speeds(self._model, self.bodies, self.pairs, most)
+        self.speeds = pair_speeds(self._model, self.bodies, self.pairs, most)[self._owner]
 
     def _motion(self, first: Indices, second: Indices) -> tuple[Array, Array, Array]:
         """Each joint's twist (m, 6) in its own frame, which bodies of pairs it carries (k, m), and dq/dtheta (m, n)."""
@@ -92,13 +119,16 @@ class NearPairs(Checker):
     def nearest(self, theta: Array) -> tuple[int, float, Array]:
         """The nearest pair at theta (n,), its distance [m], and its nearest points (2, 3) in Pinocchio's world."""
         q = self._model.q(theta)
+        geometry = self.place(q)
         if self._gaps is None:
-            best = int(self.distances(q).argmin())
-            metres, found = self.measure(self._own().geometry, best)
+            best = int(np.argmin([self.measure(geometry, k)[0] for k in range(len(self.body_pairs))]))
+            metres, found = self.measure(geometry, best)
         else:
-            frames, geometry = self._model.joint_frames(q), self.place(q)
+            frames = self._model.joint_frames(q)
             best, metres = self._gaps.nearest(frames, self._last, ROUNDING, lambda k: self.measure(geometry, k)[0])
-            self._last, found = best, geometry.distanceResults[best]
+            self._last = best
+            parted = best in self._parted
+            found = self.measure(geometry, best)[1] if parted else geometry.distanceResults[int(self._owner[best])]
         return best, metres, np.array([found.getNearestPoint1(), found.getNearestPoint2()])
 
     def near(self, theta: Array, reach: Array, count: int) -> Near:
@@ -139,7 +169,7 @@ class NearPairs(Checker):
         Source: Faverjon and Tournassoud, A local based approach for path planning of manipulators with a high number of
         degrees of freedom, ICRA 1987.
         """
-        limits = np.full(len(self.pairs), -np.inf)
+        limits = np.full(len(self.body_pairs), -np.inf)
         limits[pairs] = np.inf
         found = self._near(self._model.q(theta), limits, len(pairs))
         rows = {k: row for row, k in enumerate(found.pairs[found.closest].tolist())}
@@ -169,18 +199,31 @@ class NearPairs(Checker):
 
     def place(self, q: Array) -> Any:
         """The geometry of this thread with all bodies where they are at q (nq,)."""
-        own = self._own()
-        self._pin.updateGeometryPlacements(self._model.model, own.data, self._geometry, own.geometry, q)
-        return own.geometry
+        try:
+            data, geometry = self._local.placed
+        except AttributeError:  # it needs no broad phase
+            data, geometry = self._local.placed = self._model.data, self._geometry.createData()
+            self._ask(geometry, range(len(self.pairs)))
+        self._pin.updateGeometryPlacements(self._model.model, data, self._geometry, geometry, q)
+        return geometry
 
     def measure(self, geometry: Any, k: int) -> tuple[float, Any]:
         """The distance [m] of pair k where `geometry` has it, negative by the depth of an overlap, and all of it.
 
         The latter is the geometry's, which the next measure of the pair replaces.
         """
-        found = self._pin.computeDistance(self._geometry, geometry, k)
+        owner = int(self._owner[k])
+        if k in self._parted:
+            coal, sides = self._pin.coal, []
+            for body, shape in zip(self.pairs[owner], self._parted[k], strict=True):
+                g = geometry.oMg[body]
+                sides += [shape, coal.Transform3s(g.rotation, g.translation)]
+            found = coal.DistanceResult()
+            coal.distance(*sides, self._request, found)
+        else:
+            found = self._pin.computeDistance(self._geometry, geometry, owner)
         metres: float = found.min_distance
-        if self._solids and any(True for _ in self.enclosed(geometry, (k,))):
+        if self._solids and any(True for _ in self.enclosed(geometry, (owner,))):
             metres = -abs(metres)
         return metres, found
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
+from copy import copy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,22 +15,39 @@ from numpy.typing import ArrayLike
 from ..arm.arm import Arm, require_arm
 from ..arm.bodies import Body, Pair, Shapes, Triangles, sorted_pair
 from ..arm.pinocchio_model import import_pinocchio
-from ..support.checks import Array, Given, Row, as_flag, as_number, as_pose, as_positive, as_vector, require_names
+from ..support.checks import (
+    Array,
+    Given,
+    Row,
+    as_flag,
+    as_number,
+    as_pose,
+    as_positive,
+    as_reals,
+    as_vector,
+    require_names,
+)
 from ..support.errors import InputError, listed, shown, unknown_name
 from ..support.files import as_path
 from ..support.units import TURN
+from .cloud_files import read_points
 
 Placed = tuple[Mapping[str, Body], Mapping[str, frozenset[str]]]
 """Obstacles by name, and what those that a link holds may touch."""
 
+Mesh = Path | Triangles | Array | None  # Of an obstacle: a file, triangles, or points (N, 3).
 DOUBLE = np.dtype(np.float64)
 PLAIN = (2.0 * TURN) ** 2  # Angles that look like degrees are beyond two turns. NaN is no less.
 
 # How many numbers the size of an obstacle has.
-NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh": 3}
+NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh": 3, "points": 1}
 LARGEST = 100.0  # The largest size of an obstacle [m]; a larger one is in millimetres, or a plane.
 # The most obstacles. The time to make a checker grows with the cube of their number: 2,000 take 1 s.
 MOST_OBSTACLES = 2000
+VOXEL = 0.02  # Side of the voxels of a cloud [m], the noise of a depth camera at 2 m.
+# Points so near [m] to the arm's shapes, as its camera saw them, are the arm's own.
+OWN = 0.02
+FARTHEST = 200.0  # Points farther from a cloud's origin [m] are in millimetres, or no obstacles.
 
 
 class Obstacles:
@@ -43,6 +61,7 @@ class Obstacles:
         self._shape = (arm.n,)
         self._description, self._model = description, arm.pinocchio
         self.exact = as_flag(exact, "exact")
+        self._links: tuple[Body, ...] = ()
         self._obstacles: dict[str, Body] = {}
         self._touching: dict[str, frozenset[str]] = {}
         self._allowed_too: dict[Pair, str] = {}
@@ -118,6 +137,60 @@ class Obstacles:
         """
         factors = [as_number(scale, "scale")] * 3 if np.ndim(scale) == 0 else as_vector(scale, "scale")
         self._add(name, "mesh", factors, pose, as_path(path))
+
+    def add_points(
+        self,
+        name: str,
+        points: Given | str | os.PathLike[str],
+        voxel: float = VOXEL,
+        pose: Given | None = None,
+        *,
+        without_arm: bool = False,
+        theta: ArrayLike | None = None,
+    ) -> None:
+        """Add a point cloud: every voxel that holds a point is an obstacle, whole.
+
+        Voxels are cubes along the axes of the cloud's frame. Two bodies that overlap have the depth of one voxel.
+
+        Args:
+            name: A name that no link and no obstacle has.
+            points: Points (N, 3) [m] in the frame of the cloud, or a .ply, .pcd, .npy, .xyz, .txt or .csv file.
+            voxel: Side of the voxels [m].
+            pose: Pose (4, 4) or position (3,) of the cloud's frame in the base frame; by default its origin.
+            without_arm: Leave out points within 20 mm of the arm's shapes at `theta`.
+            theta: The configuration (n,) in which the arm stood; by default its ready pose.
+        """
+        place = _as_place(pose)
+        given: Path | Array = as_path(points) if isinstance(points, (str, os.PathLike)) else _as_points(points)
+        if as_flag(without_arm, "without_arm"):
+            given = self._beside_arm(_as_points(given), place, self.arm.ready if theta is None else theta)
+        elif theta is not None:
+            raise InputError("theta is where the arm stood for without_arm=True; give both, or none of them")
+        self._add(name, "points", [voxel], place, given)
+
+    def replace_points(
+        self, name: str, points: Given, *, without_arm: bool = False, theta: ArrayLike | None = None
+    ) -> None:
+        """Replace the points of a cloud at once, also while another thread plans or a servo runs.
+
+        The scene changes when all that its questions need is made. Only then do they see the new points.
+
+        Args:
+            name: A cloud that was added.
+            points: As for `add_points`.
+            without_arm: As for `add_points`.
+            theta: As for `add_points`.
+        """
+        body = self._require_obstacle(name)
+        if body.kind != "points":
+            raise InputError(f"{name!r} is a {body.kind}, no cloud; remove it, then add_points")
+        other = copy(self)
+        other._obstacles, other._made = dict(self._obstacles), {}
+        del other._obstacles[name]
+        other.add_points(name, points, body.size[0], body.pose, without_arm=without_arm, theta=theta)
+        other._obstacles[name] = replace(other._obstacles[name], carrier=body.carrier)
+        other._prepare()
+        self._obstacles, self._made = other._obstacles, other._made
 
     def allow(self, first: str, second: str, reason: str = "User") -> None:
         """Do not check a pair of links or obstacles any more.
@@ -204,9 +277,7 @@ class Obstacles:
         self._touching.pop(name, None)
         self._changed()
 
-    def _add(
-        self, name: str, kind: str, size: Row, pose: Given | None, mesh: Path | Triangles | None = None, frame: str = ""
-    ) -> None:
+    def _add(self, name: str, kind: str, size: Row, pose: Given | None, mesh: Mesh = None, frame: str = "") -> None:
         if not isinstance(name, str) or not name or not name.isprintable():
             raise InputError(f"name must be a text on one line that is not empty; got {shown(name)}")
         if len(self._obstacles) >= MOST_OBSTACLES:
@@ -221,9 +292,9 @@ class Obstacles:
         self._known_obstacles.add(name)
         self._changed()
 
-    def _shaped(self, kind: str, size: Row, mesh: Path | Triangles | None) -> tuple[Any, tuple[float, ...]]:
+    def _shaped(self, kind: str, size: Row, mesh: Mesh) -> tuple[Any, tuple[float, ...]]:
         """The shape of an obstacle, and the numbers of its size."""
-        what = "scale" if kind == "mesh" else "size"
+        what = {"mesh": "scale", "points": "voxel"}.get(kind, "size")
         numbers = as_vector(size, what, NUMBERS[kind])
         if numbers.ndim != 1:
             raise InputError(f"{what} must be {NUMBERS[kind]} numbers in a row; got shape {numbers.shape}")
@@ -235,12 +306,14 @@ class Obstacles:
             return shapes.half_space(), sizes
         if isinstance(mesh, Triangles):
             return shapes.solid(mesh, sizes), sizes
+        if kind == "points" or isinstance(mesh, np.ndarray):
+            return shapes.cloud(_as_points(mesh) if isinstance(mesh, Path) else np.asarray(mesh), *sizes), sizes
         return (shapes.primitive(kind, sizes) if mesh is None else shapes.mesh(mesh, sizes)), sizes
 
     def _hold(self, name: str, carrier: str, pose: Array, touching: Iterable[str]) -> None:
         """Put an obstacle on a link, at `pose` (4, 4) in its frame."""
-        if self._obstacles[name].kind == "plane":
-            raise InputError(f"{name!r} is a plane without end, which no link can carry; attach a box instead")
+        if (kind := self._obstacles[name].kind) in ("plane", "points"):
+            raise InputError(f"no link can carry the {kind} {name!r}; attach a box or a mesh instead")
         touched = require_names(touching, "touching")
         for other in touched:
             self._description.require_link(other, "touching")
@@ -252,6 +325,23 @@ class Obstacles:
         )
         self._touching[name] = frozenset({*body, *beyond, *touched})
         self._changed()
+
+    def _beside_arm(self, points: Array, place: Array, theta: ArrayLike) -> Array:
+        """The points (k, 3), in the frame at `place`, that are not the arm's own at theta (n,)."""
+        coal = import_pinocchio().coal
+        own, x = np.zeros(len(points), dtype=bool), self._one(theta)
+        request, ball = coal.CollisionRequest(), coal.Sphere(OWN)
+        for body in self._links:
+            to_body = np.linalg.inv(self._relative(x, self.arm.base, body.carrier) @ body.pose) @ place
+            there = points @ to_body[:3, :3].T + to_body[:3, 3]
+            box = body.shape.aabb_local
+            for i in np.flatnonzero(((there > box.min_ - OWN) & (there < box.max_ + OWN)).all(axis=1) & ~own):
+                at = coal.Transform3s(np.eye(3), there[i])
+                own[i] = coal.collide(body.shape, coal.Transform3s(), ball, at, request, coal.CollisionResult())
+        return points[~own]
+
+    def _prepare(self) -> None:
+        """Make what questions need of the present bodies."""
 
     def _changed(self) -> None:
         # Another thread may still be making a checker of the bodies before: it goes into the mapping before.
@@ -284,6 +374,24 @@ class Obstacles:
     def _joint_of(self, link: str) -> int:
         """The joint that carries a link, by Pinocchio's number; 0 for the world."""
         return int(self._model.model.frames[self._model.frame_id(link)].parentJoint)
+
+
+def _as_points(points: Any) -> Array:
+    """Points (N, 3) from numbers or a file."""
+    from_file = isinstance(points, Path)
+    array, what = (read_points(points), str(points)) if from_file else (as_reals(points, "points"), "points")
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise InputError(f"{what} must be (N, 3); got {array.shape}")
+    if not len(array):
+        raise InputError(f"{what}: there are no points")
+    bad = int((~np.isfinite(array).all(axis=1)).sum())
+    if bad:
+        raise InputError(f"{what}: {bad:,} of {len(array):,} points are not finite; leave them out")
+    if (far := np.abs(array).max()) > FARTHEST:
+        raise InputError(
+            f"{what}: a point is {far:.4g} m from the origin; at most {FARTHEST:g} m are taken: are these millimetres?"
+        )
+    return array
 
 
 def _as_place(pose: Given | None) -> Array:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import os
+import re
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from itertools import combinations
@@ -123,7 +125,8 @@ class Scene(Obstacles):
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the obstacles, margins and pairs that may touch as a scene.toml, whole or not at all.
 
-        Comments of a file that is replaced are lost. Meshes are named relative to the file.
+        Comments of a file that is replaced are lost. Meshes are named relative to the file. The points of a cloud that
+        comes from no file go into a .npy file beside it.
 
         Args:
             path: A file that ends in .toml. An existing one must be a scene.toml.
@@ -142,7 +145,10 @@ class Scene(Obstacles):
                 read_scene(target)
             except TwistarmError as error:
                 raise InputError(f"cannot write {target}: no scene.toml is there; give another name") from error
-        self.file = write_whole(target, scene_text(self.content(), target.parent), over_description=True)
+        content = self.content()
+        entries = tuple(_with_file(entry, target) for entry in content.entries)
+        text = scene_text(replace(content, entries=entries), target.parent)
+        self.file = write_whole(target, text, over_description=True)
         return self.file
 
     def content(self) -> SceneFile:
@@ -201,7 +207,7 @@ class Scene(Obstacles):
         for why, names in self._unreadable.items():
             remedy = "mend the file, or give the link a box or cylinder as collision shape"
             found.append(finding("mesh-unreadable", place, f"{why}; left out of {listed(names)}", remedy))
-        bodies = (*self._links, *self._obstacles.values())
+        bodies = (*self._links, *(body for body in self._obstacles.values() if body.kind != "points"))
         open_ones = dict.fromkeys(body.name for body in bodies if body.solid is not None and not body.solid.closed)
         if open_ones:
             what = f"the triangles are not closed, so what is wholly inside counts as free: {listed(open_ones)}"
@@ -259,11 +265,11 @@ class Scene(Obstacles):
     def distance(self, theta: ArrayLike) -> Distance:
         """The nearest pair at theta (n,), margins not counted."""
         x, near = self._one(theta), self.near_pairs
-        if not near.pairs:
+        if not len(near.body_pairs):
             return Distance(np.inf, (), np.empty((0, 3)))
         k, metres, points = near.nearest(x)
         base = self._base(x)
-        return Distance(metres, _names(near, k), (points - base[:3, 3]) @ base[:3, :3])
+        return Distance(metres, _names(near.bodies, near.body_pairs[k]), (points - base[:3, 3]) @ base[:3, :3])
 
     def contacts(self, theta: ArrayLike) -> tuple[Contact, ...]:
         """The pairs that collide at theta (n,), the deepest first."""
@@ -274,7 +280,7 @@ class Scene(Obstacles):
         metres = checker.distances(q)
         worst: dict[tuple[str, str], Contact] = {}
         for k in sorted(hit, key=lambda k: metres[k]):
-            first, second = _names(checker, k)
+            first, second = _names(checker.bodies, checker.pairs[k])
             worst.setdefault((first, second), Contact((first, second), float(metres[k]), checker.margins[k]))
         return tuple(worst.values())
 
@@ -304,7 +310,7 @@ class Scene(Obstacles):
         """
         near, best, time, theta = self.near_pairs, np.inf, 0.0, self.arm.ready
         times, pieces = self._pieces(breakpoints, coefficients)
-        every, halves = np.arange(len(near.pairs)), (0.5 * np.diff(times)).tolist()
+        every, halves = np.arange(len(near.body_pairs)), (0.5 * np.diff(times)).tolist()
         waiting = deque((times[k], pieces[:, k], half, half, every) for k, half in enumerate(halves))
         while waiting:
             begin, piece, middle, half, pairs = waiting.popleft()
@@ -344,7 +350,7 @@ class Scene(Obstacles):
     def leaving(self, theta: Array) -> Scene:
         """The scene for a motion from theta (n,): bodies that collide there count only if they come 0.5 mm nearer.
 
-        It is the same scene if nothing collides there. Kept triangles have no depth, so they cannot be left.
+        It is the same scene if nothing collides there. Kept triangles and voxels have no depth, so they cannot be left.
         """
         q, checker = self._model.q(theta), self._checker
         hit = checker.overlapping(q)
@@ -429,12 +435,17 @@ class Scene(Obstacles):
         moved = self._kept("moved", lambda: bool(self._joint_of(self.arm.base)))
         return there() if moved else self._kept("base", there)
 
+    def _prepare(self) -> None:
+        self.collides(self.arm.ready)
+        self.distance(self.arm.ready)
+        self._sweep.checker(0.0)
+
     @property
     def _checker(self) -> Checker:
         return self._kept("checker", self._make_checker)
 
     def _make_checker(self) -> Checker:
-        bodies = (*self._links, *self._obstacles.values())
+        bodies = (*self._links, *(tile for body in self._obstacles.values() for tile in body.tiles))
         for name in () if isinstance(self._margin, float) else self._margin:
             if name not in self._known_obstacles:
                 self._description.require_link(name, "margin")
@@ -470,9 +481,8 @@ class Scene(Obstacles):
         return 1.1 * np.abs(self.arm.sampling_bounds).max(axis=0)
 
 
-def _names(checker: Checker, k: int) -> tuple[str, str]:
-    i, j = checker.pairs[k]
-    return checker.bodies[i].name, checker.bodies[j].name
+def _names(bodies: Sequence[Body], pair: tuple[int, int]) -> tuple[str, str]:
+    return bodies[pair[0]].name, bodies[pair[1]].name
 
 
 def _made(
@@ -484,6 +494,16 @@ def _made(
     scene._fill(content)
     scene._found_pairs = scene._found_pairs if pairs is None else pairs
     return scene
+
+
+def _with_file(entry: Entry, scene: Path) -> Entry:
+    """The entry; points that are in no file are written into one beside that of the scene."""
+    if not isinstance(entry.mesh, np.ndarray):
+        return entry
+    buffer = io.BytesIO()
+    np.save(buffer, entry.mesh)
+    name = re.sub(r"[^A-Za-z0-9_-]+", "_", entry.name).strip("_")
+    return replace(entry, mesh=write_whole(scene.with_name(f"{scene.stem}_{name}.npy"), buffer.getvalue()))
 
 
 def require_scene(scene: Any, arm: Arm) -> Scene:

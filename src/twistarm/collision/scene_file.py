@@ -21,6 +21,7 @@ from ..support.errors import InputError, TwistarmError, listed, shown
 from ..support.fields import Check, anything, fields, inside, list_of, table_of, text, vector, word
 from ..support.files import read_bounded
 from ..theory.rotations import from_quaternion_wxyz, from_rpy, from_xyzw, to_rpy
+from .cloud_files import octomap_points
 
 MOST_BYTES = 4_000_000
 """The largest planning scene."""
@@ -34,7 +35,8 @@ SIZES: dict[str, dict[str, Check]] = {
 }
 """The entries that give each solid its size [m]."""
 
-FILE: dict[str, Check] = {"file": word}
+FILES: dict[str, dict[str, Check]] = {"mesh": {"file": word}, "points": {"file": word, "voxel": as_number}}
+"""The entries of what is in a file."""
 
 
 def _array(value: Any, name: str) -> Array:
@@ -55,7 +57,7 @@ TOP: dict[str, Check] = {
     "margin": lambda value, name: (table_of(as_number) if isinstance(value, dict) else as_number)(value, name),
     "allow": list_of(list_of(text, 2, 2)),
     "allow_only": as_flag,
-    **dict.fromkeys((*SIZES, "mesh"), anything),
+    **dict.fromkeys((*SIZES, *FILES), anything),
 }
 """The entries of a scene.toml and of the place of an object in it."""
 
@@ -64,6 +66,8 @@ TOP: dict[str, Check] = {
 class Entry:
     """An obstacle of a file: its kind, its size [m] or mesh with scale, its pose (4, 4) on the link `on`.
 
+    `mesh` is also the file of a cloud, or its points (N, 3).
+
     Otherwise the pose is in `frame`: None for the base, "" for the root.
     """
 
@@ -71,7 +75,7 @@ class Entry:
     kind: str
     size: tuple[float, ...]
     pose: Array
-    mesh: Path | Triangles | None = None
+    mesh: Path | Triangles | Array | None = None
     on: str = ""
     frame: str | None = None
     touching: tuple[str, ...] = ()
@@ -118,7 +122,7 @@ def _toml(path: Path) -> SceneFile:
         content = fields(parse_toml(path, "a scene.toml"), "", {}, TOP)
     angle = np.pi / 180.0 if content.get("degrees") else 1.0
     entries = [Entry("ground", "plane", (), np.eye(4))] if content.get("ground") else []
-    for kind in (*SIZES, "mesh"):
+    for kind in (*SIZES, *FILES):
         tables = content.get(kind, [])
         for i, table in enumerate(tables if isinstance(tables, list) else [tables]):
             with inside(path, f"{kind} {i + 1}"):
@@ -129,13 +133,15 @@ def _toml(path: Path) -> SceneFile:
 
 
 def _entry(kind: str, value: Any, angle: float, folder: Path) -> Entry:
-    own = FILE if kind == "mesh" else SIZES[kind]
+    own = FILES.get(kind) or SIZES[kind]
     if kind == "mesh" and isinstance(value, Mapping) and "vertices" in value:
         own = {"vertices": _array, "triangles": _array}
     scale: Check = lambda value, name: vector(value if isinstance(value, list) else [value] * 3, name)  # noqa: E731
     table = fields(value, "", {"name": word, **own}, {**PLACE, "scale": scale} if kind == "mesh" else PLACE)
     mesh: Path | Triangles | None = None
-    if kind == "mesh":
+    if kind == "points":
+        mesh, size = folder / table["file"], (table["voxel"],)
+    elif kind == "mesh":
         mesh = folder / table["file"] if "file" in table else _triangles(table["vertices"], table["triangles"])
         size = tuple(table.get("scale", np.ones(3)).tolist())
     else:
@@ -172,10 +178,12 @@ def scene_text(content: SceneFile, folder: Path) -> str:
         own: dict[str, Any] = {"name": entry.name}
         if isinstance(entry.mesh, Triangles):
             own |= {"vertices": entry.mesh.points, "triangles": entry.mesh.faces}
-        elif entry.mesh is not None:
+        elif isinstance(entry.mesh, Path):
             own["file"] = Path(os.path.relpath(entry.mesh, folder)).as_posix()
         if entry.kind in ("mesh", "box"):
             own["scale" if entry.kind == "mesh" else "size"] = entry.size
+        elif entry.kind == "points":
+            own["voxel"] = entry.size[0]
         else:
             own |= zip(SIZES[entry.kind], entry.size, strict=True)
         own |= {"xyz": entry.pose[:3, 3], "rpy": np.degrees(to_rpy(entry.pose[:3, :3]))}
@@ -245,9 +253,6 @@ def _planning_scene(path: Path, links: Iterable[str]) -> SceneFile:
         if not {"world", "robot_state", "allowed_collision_matrix"} & set(scene):
             raise InputError("it has no world, robot_state or allowed_collision_matrix: is it a planning scene?")
         world, state, matrix = (scene.get(name) or {} for name in ("world", "robot_state", "allowed_collision_matrix"))
-        octomap = world.get("octomap") or {}
-        if (octomap.get("octomap") or octomap).get("data"):
-            raise InputError("it has an octomap, which is not read: write its occupied parts as boxes")
         unread = [*_unread("planning scene", scene), *_unread("world", world), *_unread("robot_state", state)]
         unread += _unread("allowed_collision_matrix", matrix)
         free = [
@@ -259,8 +264,9 @@ def _planning_scene(path: Path, links: Iterable[str]) -> SceneFile:
             for i, each in enumerate(state.get("attached_collision_objects") or ())
         ]
     objects = [(place, item) for each in (free, held) for item, place in _left(path, each)]
-    entries: list[Entry] = []
-    parts: dict[str, list[str]] = {}
+    with _at(path, "octomap"):
+        entries = _octomap(world.get("octomap") or {})
+    parts = {entry.name: [entry.name] for entry in entries}
     for place, item in objects:
         with _at(path, place):
             found, name = list(_objects(item["object"])), str(item["object"]["id"])
@@ -278,6 +284,21 @@ def _planning_scene(path: Path, links: Iterable[str]) -> SceneFile:
         pairs = tuple(_matrix_pairs(matrix, parts, links))
     named = bool(matrix.get("entry_names"))  # a matrix without names leaves the robot's own pairs
     return SceneFile("", tuple(entries), pairs, matrix=named, foreign=True, unread=tuple(dict.fromkeys(unread)))
+
+
+OCTOMAP = "<octomap>"
+"""The name of the octomap in MoveIt's allowed collision matrix."""
+
+
+def _octomap(given: Mapping[str, Any]) -> list[Entry]:
+    """The occupied voxels of an octomap_msgs/OctomapWithPose, if it has some."""
+    octomap = given.get("octomap") or {}
+    if not octomap.get("data"):
+        return []
+    points, voxel = octomap_points(octomap)
+    frame = str((given.get("header") or {}).get("frame_id", "")).removeprefix("/")
+    pose = _message_pose(given.get("origin") or {})
+    return [Entry(OCTOMAP, "points", (voxel,), pose, points, frame=frame)] if len(points) else []
 
 
 OPERATIONS = "ADD", "REMOVE", "APPEND", "MOVE"
@@ -380,7 +401,8 @@ def _matrix_pairs(
         raise InputError(f"allowed_collision_matrix has {len(default_of)} default names for {len(default)} values")
     defaults = dict(zip(default_of, default, strict=True))
     row_of = {name: i for i, name in enumerate(names)}
-    every = dict.fromkeys(name for name in (*names, *links, *parts, *defaults) if name != "<octomap>")
+    absent = {OCTOMAP} - parts.keys()
+    every = dict.fromkeys(name for name in (*names, *links, *parts, *defaults) if name not in absent)
     for one, other in combinations(every, 2):
         if one in row_of and other in row_of:
             allowed = rows[row_of[one]][row_of[other]]

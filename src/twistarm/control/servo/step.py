@@ -288,7 +288,7 @@ def avoid_collisions(
     from ...collision import Contact  # late, because it imports much
 
     k = owner[answer.row]
-    first, second = (pairs.bodies[body].name for body in pairs.pairs[near.pairs[k]])
+    first, second = (pairs.bodies[body].name for body in pairs.body_pairs[near.pairs[k]])
     return answer, Contact((first, second), float(near.distances[k]), float(margins[k]))
 
 
