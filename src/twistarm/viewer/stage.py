@@ -206,13 +206,14 @@ class Stage(Show):
         ]
 
     def frame(self) -> Message:
-        """The current frame: the pose of every node, time and whether a motion runs."""
+        """The current frame: the pose of every node, time, whether a motion runs, and its rates."""
         placed = self._placement.at(self.theta, self.others)
         return {
             "type": "frame",
             **placed,
             "time": 0.0 if self.playback is None else self.playback.time,
             "running": self.running,
+            "rates": self.rates,
         }
 
     def servo(self) -> Message:

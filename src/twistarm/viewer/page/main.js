@@ -94,7 +94,7 @@ const collision = new Collision(page);
 const parts = {
   tabs: new Tabs(),
   sight: new Sight((on) => ask({ type: "exact", on })),
-  links: new LinkTree(view, (on) => layers.want("collision", on)),
+  links: new LinkTree(view, (on) => layers.lookAtCollisions(on)),
   linkNames: new LinkNames(view),
   beside: new Beside(page),
   notice: new Notice(),
