@@ -15,8 +15,9 @@ const WITHIN = { tool: CONE.from, base: 0.85 * RING.radius }; // px: how long a 
 const NAMED = { pose: [0, 1, 2], approach: [2], position: [] }; // the axes of which a target speaks
 
 export class Ghost {
-  constructor(view) {
+  constructor({ view, links }) {
     this.view = view;
+    this.links = links;
     this.late = null;
     this.frame = new THREE.Group();
     this.arm = new ArmCopy(view, "--warn", ARM);
@@ -47,7 +48,7 @@ export class Ghost {
     if (this.late) return;
     const { given, met, ghost } = message;
     if (ghost === null) this.arm.clear();
-    else this.arm.stand(ghost);
+    else this.arm.stand(this.links(ghost));
     dispose(this.frame);
     if (given !== null) this.drawFrame(given, met);
     this.view.viewer.set_dirty();
