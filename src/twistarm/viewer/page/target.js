@@ -21,7 +21,7 @@ const MANY = "This arm has more joints than a page solves for: move it by its sl
 const FIRST = "Drag an arrow or a ring at the tool; G hides them.";
 const DRAGGED = "twistarm dragged"; // whether somebody has, on any page
 const PARALLEL = 0.999; // cosine from which a ring is about the axis that an approach points
-const SEARCHES = { dragged: 4, resting: 64 }; // at most: what is met takes one, and what is missed all of them
+const DRAGGED_SEARCHES = 1; // from where the arm stands: what is near it is met so, and what is missed takes no more time
 /** @type {any} */
 const NONE = { given: null, met: null, words: "", ghost: null };
 
@@ -46,7 +46,7 @@ export class Target {
     });
     page.view.handles = this.gizmo;
     this.boxes = new PoseBoxes(page.panel.tool, {
-      send: (pose) => this.ask(pose),
+      send: (pose) => this.solve(pose),
       complain: (text, box) => page.panel.complain(text, box),
       settle: (box) => page.panel.settle(box),
     });
@@ -125,14 +125,14 @@ export class Target {
 
   move(pose) {
     this.held = pose;
-    this.solve(pose, SEARCHES.dragged);
+    this.solve(pose, DRAGGED_SEARCHES);
   }
 
   // What was missed in passing is looked for once more.
   end() {
     const { held } = this;
     this.settle();
-    if (held && this.given?.met === false) this.solve(held, SEARCHES.resting);
+    if (held && this.given?.met === false) this.solve(held);
   }
 
   settle() {
@@ -163,13 +163,10 @@ export class Target {
 
   // The target that is given, asked for once more.
   again() {
-    if (this.given && !this.shut) this.ask(standing(this.given, this.tool));
+    if (this.given && !this.shut) this.solve(standing(this.given, this.tool));
   }
 
-  ask(pose) {
-    this.solve(pose, SEARCHES.resting);
-  }
-
+  // `searches`: at most so many; usually as many as solve_ik takes.
   solve({ position, quaternion }, searches) {
     const { core, state } = this.page;
     const given = { kind: this.kind, position: position.toArray(), xyzw: quaternion.toArray() };
