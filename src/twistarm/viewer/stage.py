@@ -38,6 +38,7 @@ from .parts.reach import Reach
 from .parts.show import NO_REPORT, Part, Route, Show
 from .parts.target import Choices, Solutions, TargetPart
 from .parts.theory import Theory
+from .scene.core_numbers import core_numbers
 from .scene.kinematics import kinematics
 
 
@@ -248,4 +249,4 @@ def _move_joint(show: Show, now: float, name: str, value: float) -> None:
 
 
 def _described(arm: Arm, others: list[str]) -> dict[str, Any]:
-    return {"arm": describe_arm(arm), "kinematics": kinematics(arm, others)}
+    return {"arm": describe_arm(arm), "kinematics": kinematics(arm, others), "core": core_numbers(arm)}
