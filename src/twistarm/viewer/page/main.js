@@ -50,7 +50,7 @@ const SILENCE = "The process has ended or does not answer. You can use the panel
 const STRANGER = "The view was started anew: open the address that it printed.";
 const AHEAD = ["target", "frame"]; // what is told here before the process tells it
 
-const [schema, module] = await Promise.all([fetch("schema.json").then((file) => file.json()), loaded()]);
+const [schema, module] = await Promise.all([fetch("schema.json").then((file) => file.json()), loaded().catch(unsupported)]);
 const view = new View($("pane"));
 easeSoftware(view);
 /** @type {{hello: any, frame: any, fitted: boolean}} */
@@ -151,6 +151,12 @@ function look() {
   if (state.fitted || !state.frame) return;
   if (view.radius === undefined || (parts.progress.complete && !view.turned)) view.fit();
   state.fitted = parts.progress.complete;
+}
+
+// Without the compiled core there are no poses.
+function unsupported(error) {
+  Object.assign($("error"), { hidden: false, textContent: `This browser does not run WebAssembly, which this page computes with: ${error.message}` });
+  throw error;
 }
 
 // Whether it is asked.

@@ -170,10 +170,15 @@ export class Target {
   solve({ position, quaternion }, searches) {
     const { core, state } = this.page;
     const given = { kind: this.kind, position: position.toArray(), xyzw: quaternion.toArray() };
-    const tolerances = { position: this.tolerances.position, orientation: this.tolerances.orientation };
-    const found = core.solve(given, state.frame.theta, { tolerances, searches, posture: state.frame.theta });
-    const words = inWords(state.hello, core, given, found, tolerances);
-    this.send(found.theta, { given, met: found.met, words, ghost: found.unlimited });
+    const { theta } = state.frame;
+    let found;
+    try {
+      found = core.solve(given, theta, { tolerances: this.tolerances, searches, posture: theta });
+    } catch (error) {
+      return this.page.panel.showError(error.message); // this can be no target
+    }
+    const words = inWords(state.hello, core, given, found, this.tolerances);
+    return this.send(found.theta, { given, met: found.met, words, ghost: found.unlimited });
   }
 
   // Nothing moves where nobody is asked.

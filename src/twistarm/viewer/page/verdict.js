@@ -1,7 +1,7 @@
 // Whether the target is met, in a word and a colour, with the reason; the details are folded.
 
+import { DEFAULTS } from "./core.js";
 import { $, element } from "./element.js";
-import { USUAL } from "./tolerances.js";
 import { tell } from "./words.js";
 
 const DEGREES = 180 / Math.PI;
@@ -45,15 +45,16 @@ export function inWords({ arm, core: { reasons } }, core, given, solution, toler
   }
   const bounds = theta.flatMap((value, i) => within(arm.joints[i], value, AT_BOUND));
   if (bounds.length > 0) lines.push(`at its limit: ${bounds.join(", ")}`);
-  return lines.join("\n").slice(0, LONGEST);
+  if (solution.certain) lines.push("the arm's closed form has no answer inside the limits: that is certain");
+  return lines.join("\n").slice(0, LONGEST).replace(/[\ud800-\udbff]$/, "");
 }
 
 // The two errors.
 function missed({ kind }, { positionError, orientationError }, { position, orientation }) {
-  const parts = [positionError > (position || USUAL.position) ? `position ${length(positionError)} off` : "position met"];
+  const parts = [positionError > (position || DEFAULTS.position) ? `position ${length(positionError)} off` : "position met"];
   if (kind === "position") return parts[0];
   const what = kind === "approach" ? "direction" : "orientation";
-  parts.push(orientationError > (orientation || USUAL.orientation) ? `${what} ${angle(orientationError)} off` : `${what} met`);
+  parts.push(orientationError > (orientation || DEFAULTS.orientation) ? `${what} ${angle(orientationError)} off` : `${what} met`);
   return parts.join(", ");
 }
 

@@ -13,12 +13,11 @@ from ...support.checks import Array
 from ...theory.screws import transform_twist
 from .drawing import link_path, rod_path, screw_path
 
-
 TOOL = "/frames/tool"
 
 
 def kinematics(arm: Arm, others: Sequence[str]) -> dict[str, Any]:
-    """Joints and nodes in base coordinates at theta = 0, for kinematics.js and carriers.js.
+    """Joints and nodes in base coordinates at theta = 0, for core.js and carriers.js.
 
     Coordinates x are theta, then the joints beside the chain named `others`. Joint j has the next joint toward the root
     as `parent` (or null). It maps to space E_j = E_parent · exp(ξ_j c·x). `terms` [i, c_i] hold the nonzero c, and the
