@@ -98,7 +98,7 @@ def told(arm: Arm) -> Iterator[dict[str, Any]]:
     yield {"type": "notice", "words": "loaded again", "wrong": False}
     yield from ({"type": "done", "number": 1}, {"type": "work", "jobs": [{"key": "plan", "share": 0.5}]})
     yield from stage.messages()
-    stage.needed = frozenset({"theory", "collision", "reach"})
+    stage.needed = frozenset({"collision", "reach"})
     done(stage.reach.due(stage))
     done(stage.collisions.due(stage))
     for name, theta in (("a", THETA), ("b", (0.0, 0.1, 0.05))):

@@ -26,7 +26,7 @@ from .messages import Message
 from .parts.arm_data import PENDING, check_trajectory, describe_arm, doctor_findings, named_poses, tool_path
 from .parts.player import plots
 from .parts.show import Playback
-from .parts.theory import axes, most_moved, numbers
+from .parts.theory import axes
 from .scene.arm_drawing import Drawing
 from .scene.kinematics import kinematics
 from .stage import Stage
@@ -36,11 +36,6 @@ SAME = 1e-9  # An arm within this [rad, m] of a trajectory's theta is on the tra
 SAMPLE_TIME = 1.0 / 30.0  # Time between samples [s]. The page interpolates between them.
 MOST_SAMPLES = 2000  # Most samples of a motion, which keep the file within a megabyte.
 DECIMALS = 9  # Decimals of values in rad and m.
-MOST_NUMBERS = 250  # Most samples with numbers of the theory: some 600 kB for seven joints.
-
-NUMBERS_PER_SECOND = 15.0
-
-NUMBER_DECIMALS = 6
 
 
 @dataclass(frozen=True)
@@ -87,7 +82,7 @@ class SceneSnapshot:
         # A user may have moved the arm away from its motion.
         on_motion = at is not None and (at.running or bool(np.abs(at.theta() - self.theta).max() < SAME))
         skipped = drawing.live | {b""}
-        still = {"times": [0.0], "theta": [self.theta.tolist()]}
+        still = {"times": [0.0], "theta": [self.theta.tolist()], "rates": [[0.0] * self.arm.n]}
         return {
             "arm": describe_arm(self.arm),
             "links": drawing.links,
@@ -106,7 +101,7 @@ class SceneSnapshot:
             "reach": self.reach,
             "drawings": self.drawings,
             "notes": drawing.notes,
-            "theory": sampled_theory(self.arm, self.theta, None if at is None else at.trajectory),
+            "axes": axes(self.arm),
             "findings": doctor_findings(self.arm) if self.findings is None else self.findings,
         }
 
@@ -150,37 +145,12 @@ def on_show(stage: Stage, drawing: Drawing) -> SceneSnapshot:
 
 
 def _moving(trajectory: Trajectory) -> dict[str, Any]:
-    """times (k,) [s] and theta (k, n): `trajectory` from its start to its end."""
+    """times (k,) [s], theta (k, n) and its rates: `trajectory` from its start to its end."""
     duration = float(trajectory.duration)
     count = min(MOST_SAMPLES, max(2, 1 + int(np.ceil(duration / SAMPLE_TIME))))
     times = np.linspace(0.0, duration, count if duration > 0.0 else 1)
-    return {"times": times.tolist(), "theta": np.round(trajectory(times), DECIMALS).tolist()}
-
-
-def sampled_theory(arm: Arm, theta: Array, trajectory: Trajectory | None) -> dict[str, Any]:
-    """The axes, times (k,) [s], the numbers at each, and `aside`, those at the shown theta (n,).
-
-    `moved`: the joint that is fastest at that moment, metres measured in the reach.
-    """
-    there = _rounded({"moved": 0, **numbers(arm, theta)})
-    if trajectory is None:
-        return {"axes": axes(arm), "times": [0.0], "numbers": [there], "aside": there}
-    duration = float(trajectory.duration)
-    times = np.linspace(0.0, duration, min(MOST_NUMBERS, 2 + int(duration * NUMBERS_PER_SECOND)))
-    found = []
-    for at, rates in zip(trajectory(times), trajectory(times, 1), strict=True):
-        found.append(_rounded({"moved": most_moved(arm, rates), **numbers(arm, at, rates)}))
-    return {"axes": axes(arm), "times": _rounded(times.tolist()), "numbers": found, "aside": there}
-
-
-def _rounded(value: Any) -> Any:
-    """`value` with every float in it to `NUMBER_DECIMALS`; what is whole is written so."""
-    if isinstance(value, float):
-        near = round(value, NUMBER_DECIMALS)
-        return int(near) if near.is_integer() else near
-    if isinstance(value, dict):
-        return {name: _rounded(each) for name, each in value.items()}
-    return [_rounded(each) for each in value] if isinstance(value, list) else value
+    theta, rates = (np.round(trajectory(times, order), DECIMALS).tolist() for order in (0, 1))
+    return {"times": times.tolist(), "theta": theta, "rates": rates}
 
 
 # the page --------------------------------------------------------------------------------------------

@@ -205,13 +205,14 @@ class Stage(Show):
         ]
 
     def frame(self) -> Message:
-        """The current frame: joint values [rad, m], time [s] and whether a motion runs. The pages compute the poses."""
+        """The current frame: joint values [rad, m], time [s], whether a motion runs, and its rates."""
         return {
             "type": "frame",
             "theta": self.theta.tolist(),
             "others": self.others,
             "time": 0.0 if self.playback is None else self.playback.time,
             "running": self.running,
+            "rates": self.rates,
         }
 
     def servo(self) -> Message:

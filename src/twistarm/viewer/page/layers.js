@@ -4,7 +4,6 @@ import { keep, kept } from "./storage.js";
 
 const FIRST = { screws: true, frames: true, path: true, collision: false, reach: false };
 const DRAWN = ["screws", "frames", "path", "collision"]; // nodes of the scene
-const NUMBERS = ["screw", "spatial_columns", "body_columns", "linear_ellipsoid", "angular_ellipsoid"];
 const KEPT = "twistarm layers";
 
 export class Layers {
@@ -12,7 +11,7 @@ export class Layers {
   constructor(view, act) {
     this.view = view;
     this.act = act;
-    this.wanted = { theory: false, collision: false }; // beside what the layers need
+    this.looked = false; // at collisions, beside what the layers need
     this.needed = "";
     this.on = FIRST;
     this.told = {}; // by the program: [on, how often it has switched it]
@@ -40,15 +39,14 @@ export class Layers {
     this.ask();
   }
 
-  want(name, on) {
-    this.wanted[name] = on;
+  lookAtCollisions(on) {
+    this.looked = on;
     this.ask();
   }
 
   ask() {
     const { on } = this;
-    const theory = this.wanted.theory || NUMBERS.some((layer) => on[layer]);
-    const needed = { theory, collision: this.wanted.collision || on.collision, reach: on.reach };
+    const needed = { collision: this.looked || on.collision, reach: on.reach };
     if (JSON.stringify(needed) === this.needed) return;
     this.needed = JSON.stringify(needed);
     this.act.need?.(needed);

@@ -99,7 +99,7 @@ const collision = new Collision(page);
 const parts = {
   tabs: new Tabs(),
   sight: new Sight((on) => ask({ type: "exact", on })),
-  links: new LinkTree(view, (on) => layers.want("collision", on)),
+  links: new LinkTree(view, (on) => layers.lookAtCollisions(on)),
   linkNames: new LinkNames(view),
   beside: new Beside(page),
   notice: new Notice(),
@@ -177,7 +177,7 @@ function seek(time) {
 function move(to, target) {
   ahead = true;
   if (target) tell({ type: "target", ...target });
-  tell({ ...state.frame, ...to, running: state.frame.running && !to.theta });
+  tell({ ...state.frame, ...(to.theta && { running: false, rates: null }), ...to });
 }
 
 // A value beyond a limit is left to the process, which refuses it with the reason.

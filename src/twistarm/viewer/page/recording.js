@@ -1,16 +1,17 @@
 // Samples of a motion, and its values at any moment between them.
 
 export class Recording {
-  // `samples`: times [s] and theta at each.
-  constructor({ times, theta }) {
+  // `samples`: times [s], theta and its rates at each.
+  constructor({ times, theta, rates }) {
     this.times = times;
     this.duration = times.at(-1);
-    this.joints = theta[0].map((_, joint) => theta.map((each) => each[joint]));
+    [this.theta, this.rates] = [theta, rates].map((rows) => rows[0].map((_, joint) => rows.map((each) => each[joint])));
   }
 
-  // Theta at `time`.
+  // Theta at `time`, and its rates.
   at(time) {
-    return this.joints.map((values) => interpolated(this.times, values, time));
+    const [theta, rates] = [this.theta, this.rates].map((joints) => joints.map((values) => interpolated(this.times, values, time)));
+    return { theta, rates };
   }
 }
 

@@ -24,7 +24,7 @@ import { Recording } from "./recording.js";
 import { Share } from "./share.js";
 import { Sight } from "./sight.js";
 import { Tabs } from "./tabs.js";
-import { TheoryRecord } from "./theory_record.js";
+import { Theory } from "./theory.js";
 import { View } from "./view.js";
 
 const STANDS = { time: 0, running: false, speed: 1, loop: false };
@@ -48,11 +48,11 @@ const path = new Path({ view, links: (theta) => arm.kinematics.transforms([...th
 const layers = new Layers(view, {
   shown(on) {
     panel.showVisible(on);
-    theory.theory.layered(on);
+    theory.layered(on);
     $("show-collision").checked = on.collision;
   },
 });
-const theory = new TheoryRecord(view, layers, data);
+const theory = new Theory({ view, state: { hello: data }, layers });
 const recording = new Recording(data.samples);
 const playback = new Playback(recording.duration, data.player ?? STANDS);
 /** @type {{frame: any}} */
@@ -99,7 +99,7 @@ const player = new Player({
   },
 });
 const plots = new Plots(seek);
-new LinkDrag({ view, panel, findings, names: linkNames, theory: theory.theory });
+new LinkDrag({ view, panel, findings, names: linkNames, theory });
 const history = new History({ undo: () => arm.back("undo"), redo: () => arm.back("redo") });
 
 function seek(time) {
@@ -111,8 +111,8 @@ function seek(time) {
 }
 
 function show() {
-  const frame = arm.frame(aside ? arm.theta : recording.at(playback.time));
-  state.frame = { ...frame, time: playback.time, running: playback.running, aside };
+  const at = aside ? { theta: arm.theta, rates: null } : recording.at(playback.time);
+  state.frame = { ...arm.frame(at.theta), rates: at.rates, time: playback.time, running: playback.running, aside };
   view.place(state.frame.transforms);
   stand(bodies, state.frame);
   highlight.follow();
@@ -162,6 +162,9 @@ for (const object of data.objects ?? globalThis.twistarmObjects) view.draw(bytes
 path.show(data.path);
 const drawings = new Drawings(view);
 for (const drawn of data.drawings) drawings.show(drawn);
+theory.build(data.axes);
+if (data.reach) theory.reach.draw(data.reach);
+theory.switches.boxes.get("reach").hidden = !data.reach; // there is nobody to map it
 layers.show(data.visible);
 show();
 view.fit();
@@ -175,8 +178,8 @@ collision.parentElement.hidden = shapes.length === 0;
 collision.parentElement.title = "The shapes that are checked";
 collision.addEventListener("change", () => layers.show({ collision: collision.checked }));
 show();
-restore({ view, layers, links, tabs, panel, plots, theory: theory.theory }, JSON.parse($("state").textContent));
+restore({ view, layers, links, tabs, panel, plots, theory }, JSON.parse($("state").textContent));
 document.body.dataset.drawn = "";
 if (playback.running) tick();
 
-globalThis.twistarm = { presets, cube, sight, links, linkNames, tabs, view, panel, arm, history, findings, highlight, share, playback, player, plots, state, data, theory: theory.theory, obstacles, shapes, drawings };
+globalThis.twistarm = { presets, cube, sight, links, linkNames, tabs, view, panel, arm, history, findings, highlight, share, playback, player, plots, state, data, theory, obstacles, shapes, drawings };
