@@ -92,7 +92,7 @@ const layers = new Layers(view, {
 });
 
 const keepers = () => ({ ...parts, view, panel }); // of how the page stands
-const links = (theta) => page.core.links(theta, state.frame?.others ?? {}); // where they would stand
+const links = (theta) => (state.frame ? page.core.links(theta, state.frame.others) : {}); // where they would stand
 /** @type {any} */
 const page = { view, panel, jog, layers, state, module, core: null, links, ask, move, seek, keepers };
 const collision = new Collision(page);
@@ -224,12 +224,14 @@ const receive = {
   },
   frame(message) {
     const frame = { ...message, ...page.core.place(message.theta, message.others) };
+    const first = state.frame === null;
     state.frame = frame;
     view.place(frame.transforms);
     highlight.follow();
     panel.show(frame);
     look();
     for (const part of allParts()) part.placed?.(frame);
+    if (first) for (const act of view.onDrawn) act(); // copies of the arm stand beside it
   },
   path({ points, ideal, stopped }) {
     panel.showPath(points.length + ideal.length > 0);
