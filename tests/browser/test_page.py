@@ -134,7 +134,9 @@ def test_the_tool_s_path_is_a_line_along_its_way(shown: Shown, arm: Arm) -> None
 
 
 SHOWN = """(links) => {
-  const { shared, arm: { theta, others } } = twistarm.parts.beside;
+  const { shared, names, values, core } = twistarm.parts.beside;
+  const theta = names.map((name) => values[name]);
+  const others = Object.fromEntries(core.arm.others.map(({ name }) => [name, values[name]]));
   const paths = ["", ...links.map((name) => `/arm/link:${name}`)];
   const [back, ...drawn] = paths.map((path) => twistarm.view.drawn(`/beside${path}`));
   return [theta, others, [...shared.keys()], back, drawn];

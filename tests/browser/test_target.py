@@ -11,9 +11,11 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from arms import ARMS, DRAWN, assert_drawn
+from recorded_poses import said
 from twistarm import Approach, solve_ik, solve_ik_all
+from twistarm.ik.solution import at_bounds
 from twistarm.viewer import Viewer
-from waiting import after_frames, settled, until
+from waiting import after_frames, idle, settled, until
 
 pytestmark = pytest.mark.browser
 
@@ -45,7 +47,6 @@ class Desk:
         self.page.mouse.move(330, 500)
         start = self.arm.ready if theta is None else theta
         self.viewer.show(start)
-        until(self.page, "twistarm.state.frame && twistarm.parts.target.given === null")
         until(self.page, f"{start.tolist()}.every((value, i) => value === twistarm.state.frame.theta[i])")
         self.page.get_by_label("Drag tool").set_checked(True)
         self.page.get_by_label("Snap").set_checked(snap)
@@ -77,10 +78,11 @@ class Desk:
             self.page.mouse.up()
 
     def answered(self) -> dict[str, Any]:
-        """What the page was told of the target, once nothing more of it is to come."""
-        until(self.page, "twistarm.parts.target.given !== null && twistarm.parts.target.asked === null")
-        given: dict[str, Any] = self.page.evaluate("twistarm.parts.target.given")
-        return given
+        """What every page is told of the target, once nothing more of it is to come."""
+        idle(self.page)
+        told = self.viewer._server.ask(lambda stage: said(stage, "target"))
+        assert told["met"] is not None
+        return {**told["given"], "met": told["met"]}
 
 
 @pytest.fixture(scope="module")
@@ -186,9 +188,13 @@ def test_out_of_reach_the_nearest_is_shown_and_the_page_says_why(rover: Desk) ->
     first = words.locator(".short")
     lines = first.evaluate("(text) => text.clientHeight / parseFloat(getComputedStyle(text).lineHeight)")
     assert lines < 2.5
-    assert all(line.strip() in words.locator("details").text_content() for line in expected.explain().splitlines())
-    assert np.linalg.norm(rover.drawn()[:3, 3] - p) == pytest.approx(expected.position_error, abs=MET)
+    assert expected.stop.value in first.inner_text()
+    assert f"direction {np.degrees(expected.orientation_error):.1f}° off" in first.inner_text()
     theta = rover.viewer.theta
+    assert_allclose(theta, expected.theta, atol=1e-6)
+    assert np.linalg.norm(rover.drawn()[:3, 3] - p) == pytest.approx(expected.position_error, abs=MET)
+    for bound in at_bounds(expected):
+        assert bound.split(" of ")[1].split(" ")[0] in words.locator("details").text_content()
     ball, warning, tether = rover.page.evaluate(
         """() => {
           const { gizmo } = twistarm.parts.target;
@@ -202,7 +208,7 @@ def test_out_of_reach_the_nearest_is_shown_and_the_page_says_why(rover: Desk) ->
     after_frames(rover.page)
     assert_allclose(rover.page.evaluate("twistarm.parts.target.gizmo.group.position.toArray()"), p)
     rover.page.get_by_role("button", name="Let go").click()
-    until(rover.page, "twistarm.parts.target.given === null")
+    idle(rover.page)
     assert rover.page.locator("#target-words").inner_text() == ""
     assert rover.viewer.theta.tolist() == theta.tolist()
 
@@ -211,12 +217,13 @@ def test_escape_puts_the_arm_back(rover: Desk) -> None:
     rover.reset("approach")
     tip = rover.handle([0, 0, ALONG])
     rover.drag(tip, tip + [0, 0, 0.05], keep=True)
-    until(rover.page, "twistarm.parts.target.given?.met")
+    assert rover.answered()["met"]
     rover.page.keyboard.press("Escape")
     rover.page.mouse.move(600, 600)
     rover.page.mouse.up()
-    until(rover.page, f"twistarm.state.frame.theta.every((value, i) => value === {rover.arm.ready.tolist()}[i])")
-    until(rover.page, "twistarm.parts.target.given === null")
+    idle(rover.page)
+    assert rover.viewer.theta.tolist() == rover.arm.ready.tolist()
+    assert rover.page.locator("#target-words").inner_text() == ""
 
 
 def test_a_pose_is_typed_in_numbers(desks: Callable[[str], Desk]) -> None:

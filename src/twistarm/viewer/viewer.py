@@ -266,8 +266,7 @@ class Viewer(Closeable):
         arm = self.arm
         if solutions is not None and require(solutions, AllSolutions, "solutions", "of solve_ik_all").arm is not arm:
             raise InputError("these are configurations of another arm: solve_ik_all(viewer.arm, …) gives this one's")
-        others = self._server.ask(lambda stage: dict(stage.others))
-        choices = None if solutions is None else choices_of(solutions, others)
+        choices = None if solutions is None else choices_of(solutions)
         self._server.driver.drop(MOVED)
         self._post("show", arm, lambda stage: stage.show_solutions(choices))
 

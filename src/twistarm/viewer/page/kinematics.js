@@ -49,20 +49,3 @@ export function told(g) {
   const [c, s] = [Math.cos(yaw), Math.sin(yaw)];
   return { position: g.slice(12, 15), rpy: [Math.atan2(s * r02 - c * r12, c * r11 - s * r01), Math.atan2(-r20, radius), yaw] };
 }
-
-const POLE = 1e-5; // cosine of the pitch below which roll and yaw turn about one axis
-const TOUCHED = 0.5; // rad by which roll and yaw change at most where they stay
-
-// Of the two ways to say a rotation by roll, pitch and yaw the one in which roll and yaw stay near the `last`; at a
-// pitch of ±90°, where one of them is free, the yaw stays.
-export function steady([roll, pitch, yaw], last) {
-  if (!last) return [roll, pitch, yaw];
-  if (Math.cos(pitch) < POLE) return [wrapped(roll + Math.sign(pitch) * (last[2] - yaw)), pitch, last[2]];
-  const other = [roll + Math.PI, Math.PI - pitch, yaw + Math.PI].map(wrapped);
-  const stays = (angles) => [0, 2].every((i) => Math.abs(wrapped(angles[i] - last[i])) < TOUCHED);
-  return stays(other) && !stays([roll, pitch, yaw]) ? other : [roll, pitch, yaw];
-}
-
-function wrapped(angle) {
-  return angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
-}

@@ -8,6 +8,7 @@ import { Beside } from "./beside.js";
 import { Collision } from "./collision.js";
 import { Controls } from "./controls.js";
 import { copyTheta } from "./copying.js";
+import { Core, loaded } from "./core.js";
 import { Cube } from "./cube.js";
 import { Drawings } from "./drawings.js";
 import { $, $$ } from "./element.js";
@@ -47,8 +48,9 @@ import { Work } from "./work.js";
 const QUIET = ["jog", "jog_joints", "needs"]; // asked again and again, or unseen: an error stays to be read
 const SILENCE = "The process has ended or does not answer. You can use the panel again when it answers.";
 const STRANGER = "The view was started anew: open the address that it printed.";
+const AHEAD = ["target", "frame"]; // what is told here before the process tells it
 
-const schema = await (await fetch("schema.json")).json();
+const [schema, module] = await Promise.all([fetch("schema.json").then((file) => file.json()), loaded().catch(unsupported)]);
 const view = new View($("pane"));
 easeSoftware(view);
 /** @type {{hello: any, frame: any, fitted: boolean}} */
@@ -56,9 +58,10 @@ const state = { hello: null, frame: null, fitted: false };
 const said = {}; // the last message of each type
 let silence = SILENCE; // why nothing can be asked
 let refusal = ""; // of a motion, while the mark stands where it stops
+let ahead = false; // whether the page shows what it has asked for, until the process has answered
 
 const panel = new Panel({
-  joint: (name, value) => ask({ type: "joint", name, value }),
+  joint: moveJoint,
   pose: (name) => ask({ type: "pose", name, ease: eases() }),
   random: () => ask({ type: "random", ease: eases() }),
   copy: () => copyTheta(state.frame.theta),
@@ -89,7 +92,9 @@ const layers = new Layers(view, {
 });
 
 const keepers = () => ({ ...parts, view, panel }); // of how the page stands
-const page = { view, panel, jog, layers, state, ask, seek, keepers };
+const links = (theta) => (state.frame ? page.core.links(theta, state.frame.others) : {}); // where they would stand
+/** @type {any} */
+const page = { view, panel, jog, layers, state, module, core: null, links, ask, move, seek, keepers };
 const collision = new Collision(page);
 const parts = {
   tabs: new Tabs(),
@@ -101,8 +106,8 @@ const parts = {
   jogging: new JogPanel(page),
   target: new Target(page),
   solutions: new Solutions(page, () => parts.target.wanted()),
-  ghost: new Ghost(view),
-  path: new Path(view),
+  ghost: new Ghost(page),
+  path: new Path(page),
   program: new Program(page),
   keeping: new Keeping(page),
   player: new Player({
@@ -148,6 +153,12 @@ function look() {
   state.fitted = parts.progress.complete;
 }
 
+// Without the compiled core there are no poses.
+function unsupported(error) {
+  Object.assign($("error"), { hidden: false, textContent: `This browser does not run WebAssembly, which this page computes with: ${error.message}` });
+  throw error;
+}
+
 // Whether it is asked.
 function ask(request) {
   const wrong = violation(schema.requests, request);
@@ -162,6 +173,22 @@ function seek(time) {
   return ask({ type: "seek", time });
 }
 
+// Show at once what was asked for: theta or others, and the target that the arm is moved to.
+function move(to, target) {
+  ahead = true;
+  if (target) tell({ type: "target", ...target });
+  tell({ ...state.frame, ...(to.theta && { running: false, rates: null }), ...to });
+}
+
+// A value beyond a limit is left to the process, which refuses it with the reason.
+function moveJoint(name, value) {
+  const [lower, upper] = panel.rows.get(name).joint.limits;
+  if (!ask({ type: "joint", name, value }) || value < (lower ?? -Infinity) || value > (upper ?? Infinity)) return;
+  const i = panel.names.indexOf(name);
+  const { theta, others } = state.frame;
+  move(i < 0 ? { others: { ...others, [name]: value } } : { theta: theta.with(i, value) });
+}
+
 // Nobody was asked: all stands as the process left it.
 function takeBack() {
   show({ type: "error", message: silence });
@@ -174,6 +201,10 @@ function putBack() {
   panel.release();
   parts.controls.release();
   if (!state.frame) return;
+  if (ahead) {
+    ahead = false;
+    for (const type of AHEAD) tell(said[type]);
+  }
   parts.scene.release();
   panel.show(state.frame);
   parts.player.release();
@@ -182,6 +213,8 @@ function putBack() {
 const receive = {
   hello(message) {
     Object.assign(state, { hello: message, frame: null });
+    page.core = new Core(module, message);
+    ahead = false;
     findings.choose(null);
     view.clear();
     panel.showError("");
@@ -190,12 +223,15 @@ const receive = {
     for (const part of allParts()) part.hello?.(message);
   },
   frame(message) {
-    state.frame = message;
-    view.place(message.transforms);
+    const frame = { ...message, ...page.core.place(message.theta, message.others) };
+    const first = state.frame === null;
+    state.frame = frame;
+    view.place(frame.transforms);
     highlight.follow();
-    panel.show(message);
+    panel.show(frame);
     look();
-    for (const part of allParts()) part.placed?.(message);
+    for (const part of allParts()) part.placed?.(frame);
+    if (first) for (const act of view.onDrawn) act(); // copies of the arm stand beside it
   },
   path({ points, ideal, stopped }) {
     panel.showPath(points.length + ideal.length > 0);
@@ -215,6 +251,10 @@ function show(message) {
   const wrong = violation(schema.messages, message);
   if (wrong) return panel.showError(`this page does not understand the process: ${wrong}; load it again`);
   said[message.type] = message;
+  if (!ahead || !AHEAD.includes(message.type)) tell(message);
+}
+
+function tell(message) {
   receive[message.type]?.(message);
   for (const part of allParts()) part.messages?.[message.type]?.(message);
 }
@@ -232,6 +272,7 @@ const link = new Link({
     if (!gone) silence = SILENCE;
     panel.showError(gone ? silence : "");
     if (!gone) return;
+    if (ahead) putBack();
     jog.lose();
     for (const part of allParts()) part.offline?.();
   },

@@ -44,7 +44,7 @@ const findings = new Findings((node, name) => {
   panel.mark(name);
 });
 const share = new Share({ view, seek });
-const path = new Path(view);
+const path = new Path({ view, links: (theta) => arm.kinematics.transforms([...theta, ...arm.arm.others.map(({ name }) => arm.others[name])]) });
 const layers = new Layers(view, {
   shown(on) {
     panel.showVisible(on);
