@@ -13,16 +13,15 @@ const SLIGHT = 0.05; // a part of a unit direction below this is not mentioned
 // linear, angular: the ellipsoids {J θ̇ : ‖θ̇‖ ≤ 1 rad/s} in base axes, where a slide counts the reach per second (Yoshikawa
 // 1985). motion: Vˢ = Jˢ θ̇ for the frame's rates as twist and screw, and the tool origin's velocity; null at rest.
 export function numbers({ arm, kinematics }, { joints, length, below }, { transforms, rates }) {
-  const g = transforms[TOOL];
-  const p = g.slice(12, 15);
-  const toTool = (xi) => [0, 3].flatMap((half) => [0, 4, 8].map((axis) => dot(g.slice(axis, axis + 3), xi.slice(half, half + 3))));
+  const [x, y, z, p] = parts(transforms[TOOL]);
+  const toTool = (xi) => halves(xi).flatMap((half) => [x, y, z].map((axis) => dot(axis, half)));
   const atTool = ([v, w]) => [...plus(v, cross(w, p)), ...w];
   const moving = joints.map(({ node }) => {
     const { screw, terms } = kinematics.joints[kinematics.nodes[node].joint];
     return { twist: carried(transforms[node], screw), terms };
   });
-  const spatial = arm.joints.map((_, i) => moving.reduce((sum, { twist, terms }) =>
-    terms.reduce((all, [k, factor]) => (k === i ? plus(all, twist, factor) : all), sum), new Array(6).fill(0)));
+  const spatial = arm.joints.map(() => new Array(6).fill(0));
+  for (const { twist, terms } of moving) for (const [i, factor] of terms) spatial[i] = plus(spatial[i], twist, factor);
   const hybrid = spatial.map((xi) => atTool(halves(xi)));
   const body = hybrid.map(toTool);
   const radian = arm.joints.map(({ unit }) => (unit === "m" ? length : 1)); // a coordinate's rate that counts 1 rad/s
@@ -41,24 +40,19 @@ export function numbers({ arm, kinematics }, { joints, length, below }, { transf
 
   const found = singularValues(rows(body.map(scaled)), Math.min(6, body.length), slopes);
   const { values, rank } = found;
+  const twist = rates?.some(Boolean) ? combined(rates, spatial) : null;
   const [linear, angular] = [0, 3].map((half) => {
     const part = singularValues(rows(hybrid.map((xi, i) => times(xi, radian[i]))).slice(half, half + 3), 3);
     return { semi_axes: part.values, directions: rows(part.axes, 3) };
   });
   return {
-    g: rows([0, 4, 8, 12].map((first) => g.slice(first, first + 4)), 4),
-    spatial: rows(spatial), body: rows(body), hybrid: rows(hybrid),
+    g: [...rows([x, y, z, p], 3), [0, 0, 0, 1]], spatial: rows(spatial), body: rows(body), hybrid: rows(hybrid),
     columns: spatial.map(toScrew), axes: moving.map(({ twist }) => toScrew(twist)),
-    singular_values: values, rank, condition: 0 < rank && rank === values.length ? values[0] / values.at(-1) : null,
-    yoshikawa: values.reduce((product, value) => product * value, 1), smallest: values.at(-1) ?? 0, below,
-    standing: inWords(found, below),
-    linear, angular,
-    motion: rates?.some(Boolean) ? motion(combined(rates, spatial), combined(rates, hybrid)) : null,
+    singular_values: values, rank, condition: rank === values.length ? values[0] / values.at(-1) : null,
+    yoshikawa: values.reduce((product, value) => product * value, 1), smallest: values.at(-1), below,
+    standing: inWords(found, below), linear, angular,
+    motion: twist && { twist, screw: toScrew(twist), velocity: combined(rates, hybrid).slice(0, 3) },
   };
-}
-
-function motion(twist, hybrid) {
-  return { twist, screw: toScrew(twist), velocity: hybrid.slice(0, 3) };
 }
 
 // Axis, point nearest to the origin [m], pitch [m/rad] and magnitude of a twist. A translation has the pitch null, which
@@ -73,14 +67,16 @@ export function toScrew(xi) {
 
 // Ad_g ξ, g by columns.
 function carried(g, xi) {
-  const [v, w] = halves(xi).map((half) => combined(half, [0, 4, 8].map((axis) => g.slice(axis, axis + 3))));
-  return [...plus(v, cross(g.slice(12, 15), w)), ...w];
+  const [x, y, z, p] = parts(g);
+  const [v, w] = halves(xi).map((half) => combined(half, [x, y, z]));
+  return [...plus(v, cross(p, w)), ...w];
 }
 
 function bracket([va, wa], [vb, wb]) {
   return [...plus(cross(wa, vb), cross(wb, va), -1), ...cross(wa, wb)];
 }
 
+const parts = (g) => [0, 4, 8, 12].map((first) => g.slice(first, first + 3)); // the axes and the origin
 const halves = (xi) => [xi.slice(0, 3), xi.slice(3)];
 const cross = ([a, b, c], [x, y, z]) => [b * z - c * y, c * x - a * z, a * y - b * x];
 
@@ -90,7 +86,6 @@ function rows(columns, count = 6) {
 
 // The rank, and the directions, in tool axes, of singular values under `below`.
 function inWords({ values, axes, rank }, below) {
-  if (values.length === 0) return "No joint moves the tool.";
   const weak = axes.filter((_, i) => values[i] < below).map(directionInWords);
   const hard = weak.slice(0, Math.max(0, weak.length - (values.length - rank)));
   const lost = weak.slice(hard.length);
