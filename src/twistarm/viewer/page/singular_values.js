@@ -33,34 +33,39 @@ export function singularValues(J, count, slopes = () => []) {
 // Uᵀ J = Σ Vᵀ by rotations of pairs of rows until all are orthogonal (Hestenes 1958), so small values keep their
 // digits. axes: the columns of U, all of them. rows: of Σ Vᵀ.
 function decomposed(J) {
-  const rows = [...J];
-  const axes = J.map((_, i) => J.map((__, j) => Number(i === j)));
-  const nothing = ROUNDING * norm(J.flat());
+  const rows = J.map((row) => [...row]);
+  const axes = identity(J.length);
+  const nothing = (ROUNDING * norm(J.flat())) ** 2;
   for (let sweep = 0, turned = true; turned && sweep < MOST_SWEEPS; sweep += 1) {
     turned = false;
     for (let i = 1; i < rows.length; i += 1) {
       for (let j = 0; j < i; j += 1) {
         const [a, b, c] = [dot(rows[i], rows[i]), dot(rows[j], rows[j]), dot(rows[i], rows[j])];
-        if (Math.abs(c) <= ROUNDING * Math.sqrt(a * b) || Math.sqrt(Math.min(a, b)) <= nothing) continue;
+        if (Math.abs(c) <= ROUNDING * Math.sqrt(a * b) || Math.min(a, b) <= nothing) continue;
         turned = true;
         const slope = (b - a) / (2 * c);
         const tangent = (slope < 0 ? -1 : 1) / (Math.abs(slope) + Math.hypot(1, slope));
-        const cosine = 1 / Math.hypot(1, tangent);
-        for (const each of [rows, axes]) {
-          const [one, other] = [each[i], each[j]];
-          each[i] = times(plus(one, other, -tangent), cosine);
-          each[j] = times(plus(other, one, tangent), cosine);
-        }
+        for (const each of [rows, axes]) rotate(each[i], each[j], tangent);
       }
     }
   }
-  const order = rows.map((row, i) => ({ value: norm(row), row, axis: axes[i] })).sort((one, other) => other.value - one.value);
-  return { values: order.map(({ value }) => value), axes: order.map(({ axis }) => axis), rows: order.map(({ row }) => row) };
+  const found = rows.map((row, i) => ({ value: norm(row), row, axis: axes[i] })).sort((one, other) => other.value - one.value);
+  return { values: found.map(({ value }) => value), axes: found.map(({ axis }) => axis), rows: found.map(({ row }) => row) };
+}
+
+// In place, as it is done a hundred times for every frame.
+function rotate(one, other, tangent) {
+  const cosine = 1 / Math.hypot(1, tangent);
+  for (let k = 0; k < one.length; k += 1) {
+    const [a, b] = [one[k], other[k]];
+    one[k] = cosine * (a - tangent * b);
+    other[k] = cosine * (b + tangent * a);
+  }
 }
 
 // Unit vectors across `axes`: first those in which `slopes` move the tool by coordinates that now do not (across `rows`).
 function lacking(axes, rows, slopes, size) {
-  const across = projector(axes, size).map((row, i) => row.map((value, j) => Number(i === j) - value));
+  const across = identity(size).map((row, i) => plus(row, projector(axes, size)[i], -1));
   const moved = rows.map((row) => times(row, 1 / norm(row)));
   const free = slopes.map((slope) => slope.map((row) => moved.reduce((left, v) => plus(left, v, -dot(left, v)), row)));
   const { values, axes: all } = decomposed(across.map((weights) => free.flatMap((slope) => combined(weights, slope))));
@@ -75,8 +80,10 @@ export function combined(weights, rows) {
   return rows.slice(1).reduce((sum, row, i) => plus(sum, row, weights[i + 1]), times(rows[0], weights[0]));
 }
 
+const identity = (size) => Array.from({ length: size }, (_, i) => Array.from({ length: size }, (__, j) => Number(i === j)));
+
 function projector(axes, size) {
-  return Array.from({ length: size }, (_, i) => Array.from({ length: size }, (__, j) => axes.reduce((sum, u) => sum + u[i] * u[j], 0)));
+  return identity(size).map((row, i) => row.map((_, j) => axes.reduce((sum, u) => sum + u[i] * u[j], 0)));
 }
 
 // Orthonormal vectors in the range of a projector: first the coordinate axis nearest to it, seen in it.
