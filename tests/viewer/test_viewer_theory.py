@@ -23,13 +23,6 @@ def test_a_thread_made_of_two_joints_has_two_axes(tmp_path: Path) -> None:
     assert axes(by_hand(chain, home))["joints"][1]["pitch"] == pytest.approx(0.005, rel=1e-9)
 
 
-def test_the_axes_are_made_once() -> None:
-    stage = Stage(load_arm("rover_arm"))
-    first, again = (next(each for each in stage.messages() if each["type"] == "axes") for _ in range(2))
-    assert first is again
-    assert first["below"] == 0.04
-
-
 def test_the_rates_of_a_motion() -> None:
     arm = load_arm("panda")
     stage = Stage(arm)

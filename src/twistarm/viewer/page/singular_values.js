@@ -11,30 +11,32 @@ export const norm = (a) => Math.sqrt(dot(a, a));
 export const times = (a, factor) => a.map((value) => value * factor);
 export const plus = (a, b, factor = 1) => a.map((value, i) => value + factor * b[i]);
 
+// The sum of `rows`, each times its weight.
+export const combined = (weights, rows) => rows.reduce((sum, row, i) => plus(sum, row, weights[i]), times(rows[0], 0));
+
 // Of J: the `count` largest singular values, descending, a unit vector `axes` of each, and the rank. The largest
 // component of an axis is positive, the first of equal ones. Equal values have the axes that are nearest to the
 // coordinates. The axes of a value 0 begin with the motions that configurations beside this one have: `slopes()` gives
 // the derivative of J by each coordinate. As twistarm.Manipulability has them.
 export function singularValues(J, count, slopes = () => []) {
-  const { values, axes, rows } = decomposed(J);
+  const parts = decomposed(J);
+  const values = parts.slice(0, count).map(({ value }) => value);
+  const all = parts.map(({ axis }) => axis);
   const none = NONE * values[0];
-  const found = [];
-  for (let last = 0; last < count; last += 1) {
-    const next = last + 1 < count ? values[last + 1] : 0;
-    const equal = axes.slice(found.length, last + 1);
-    if (values[last] - next > none) found.push(...nearestAxes(projector(equal, J.length), equal.length));
-  }
-  const lost = count - found.length;
-  if (lost > 0) found.push(...lacking(found, rows.slice(0, found.length), slopes(), J.length).slice(0, lost));
-  const kept = values.slice(0, count);
-  return { values: kept, axes: found, rank: kept.filter((value) => value > none).length };
+  const axes = [];
+  values.forEach((value, i) => {
+    if (value - (values[i + 1] ?? 0) > none) axes.push(...nearestAxes(all.slice(axes.length, i + 1)));
+  });
+  const lost = count - axes.length;
+  if (lost > 0) axes.push(...lacking(all.slice(axes.length), parts.slice(0, axes.length), slopes()).slice(0, lost));
+  return { values, axes, rank: values.filter((value) => value > none).length };
 }
 
 // Uᵀ J = Σ Vᵀ by rotations of pairs of rows until all are orthogonal (Hestenes 1958), so small values keep their
-// digits. axes: the columns of U, all of them. rows: of Σ Vᵀ.
+// digits. Of each value the axis, a column of U, and the row of Σ Vᵀ; values that must be 0 are there too.
 function decomposed(J) {
   const rows = J.map((row) => [...row]);
-  const axes = identity(J.length);
+  const axes = J.map((_, i) => J.map((__, j) => Number(i === j)));
   const nothing = (ROUNDING * norm(J.flat())) ** 2;
   for (let sweep = 0, turned = true; turned && sweep < MOST_SWEEPS; sweep += 1) {
     turned = false;
@@ -49,8 +51,7 @@ function decomposed(J) {
       }
     }
   }
-  const found = rows.map((row, i) => ({ value: norm(row), row, axis: axes[i] })).sort((one, other) => other.value - one.value);
-  return { values: found.map(({ value }) => value), axes: found.map(({ axis }) => axis), rows: found.map(({ row }) => row) };
+  return rows.map((row, i) => ({ value: norm(row), row, axis: axes[i] })).sort((one, other) => other.value - one.value);
 }
 
 // In place, as it is done a hundred times for every frame.
@@ -63,39 +64,26 @@ function rotate(one, other, tangent) {
   }
 }
 
-// Unit vectors across `axes`: first those in which `slopes` move the tool by coordinates that now do not (across `rows`).
-function lacking(axes, rows, slopes, size) {
-  const across = identity(size).map((row, i) => plus(row, projector(axes, size)[i], -1));
-  const moved = rows.map((row) => times(row, 1 / norm(row)));
-  const free = slopes.map((slope) => slope.map((row) => moved.reduce((left, v) => plus(left, v, -dot(left, v)), row)));
-  const { values, axes: all } = decomposed(across.map((weights) => free.flatMap((slope) => combined(weights, slope))));
-  const seen = all.filter((_, i) => values[i] > SEEN);
-  const beside = projector(seen, size);
-  const never = across.map((row, i) => plus(row, beside[i], -1));
-  return [...nearestAxes(beside, seen.length), ...nearestAxes(never, size - axes.length - seen.length)];
+// Axes in the range of `left`: first those in which `slopes` move the tool by coordinates that do not move it now.
+function lacking(left, moving, slopes) {
+  const moved = moving.map(({ row, value }) => times(row, 1 / value));
+  const free = slopes.map((slope) => slope.map((row) => moved.reduce((rest, v) => plus(rest, v, -dot(rest, v)), row)));
+  const parts = decomposed(left.map((axis) => free.flatMap((slope) => combined(axis, slope))));
+  return [true, false].flatMap((seen) =>
+    nearestAxes(parts.filter(({ value }) => value > SEEN === seen).map(({ axis }) => combined(axis, left))));
 }
 
-// The sum of `rows`, each times its weight.
-export function combined(weights, rows) {
-  return rows.slice(1).reduce((sum, row, i) => plus(sum, row, weights[i + 1]), times(rows[0], weights[0]));
-}
-
-const identity = (size) => Array.from({ length: size }, (_, i) => Array.from({ length: size }, (__, j) => Number(i === j)));
-
-function projector(axes, size) {
-  return identity(size).map((row, i) => row.map((_, j) => axes.reduce((sum, u) => sum + u[i] * u[j], 0)));
-}
-
-// Orthonormal vectors in the range of a projector: first the coordinate axis nearest to it, seen in it.
-function nearestAxes(projected, count) {
+// Of orthonormal vectors others with the same range: first the coordinate axis nearest to it, seen in it.
+function nearestAxes(vectors) {
   const found = [];
-  for (let left = projected; found.length < count;) {
-    const sizes = left.map((row, i) => row[i]);
+  let projector = vectors[0]?.map((_, i) => vectors.reduce((sum, u) => plus(sum, u, u[i]), times(vectors[0], 0)));
+  while (found.length < vectors.length) {
+    const sizes = projector.map((row, i) => row[i]);
     const longest = Math.max(...sizes);
-    const toward = left[sizes.findIndex((size) => size >= longest - EQUAL)];
+    const toward = projector[sizes.findIndex((size) => size >= longest - EQUAL)];
     const axis = times(toward, 1 / norm(toward));
     found.push(axis);
-    left = left.map((row, i) => plus(row, axis, -axis[i]));
+    projector = projector.map((row, i) => plus(row, axis, -axis[i]));
   }
   return found;
 }
