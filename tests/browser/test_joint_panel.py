@@ -123,13 +123,6 @@ def test_a_typed_number_moves_the_arm_by_enter_and_by_leaving_the_box(page: Any,
     until(page, "twistarm.state.frame.others.finger_left === 0.02")
 
 
-@pytest.mark.parametrize(("text", "degrees"), [("−20", -20), ("20 °", 20), ("+2e1", 20), (" .5deg", 0.5), ("-7.", -7)])
-def test_ways_to_write_a_number(page: Any, text: str, degrees: float) -> None:
-    type_into(page, "elbow", text)
-    page.keyboard.press("Enter")
-    stands(page, at(elbow=np.deg2rad(degrees)))
-
-
 def test_looking_into_a_box_sends_nothing_and_escape_restores(page: Any) -> None:
     before = sent(page)
     box(page, "shoulder").click()

@@ -17,11 +17,14 @@ const ROUNDING = 1e-6; // rad, m: a value may lie this far beyond a limit
 const BEHIND = 2; // units of depth: where both arms are, you see the first
 
 export class Beside {
-  /** @type {Core | null} of the second arm, or null */ core;
+  /** @type {any} of the second arm, or null */ core;
   /** @type {Map<string, any>} its joints that have a name of the first arm's */ shared;
 
   constructor({ view, panel, state, module }) {
-    Object.assign(this, { view, panel, state, module });
+    this.view = view;
+    this.panel = panel;
+    this.state = state;
+    this.module = module;
     this.core = null;
     this.values = {}; // of its joints by name, and of those beside its chain
     this.rows = new Map();

@@ -2,6 +2,7 @@
 
 import { DEFAULTS } from "./core.js";
 import { $, element } from "./element.js";
+import { shown } from "./units.js";
 import { tell } from "./words.js";
 
 const DEGREES = 180 / Math.PI;
@@ -63,16 +64,12 @@ function within({ name, unit, limits: [lower, upper] }, value, near) {
   const turns = unit === "rad" && (upper ?? Infinity) - (lower ?? -Infinity) > 2 * Math.PI - AT_BOUND;
   const [side, limit] = lower !== null && value < lower + near ? ["lower", lower] : ["upper", upper];
   if (turns || limit === null || (side === "upper" && value <= upper - near)) return [];
-  return [near > 0 ? `${name} (${figured(limit, unit)})` : `${name} ${figured(value, unit)} (${side} limit ${figured(limit, unit)})`];
+  return [near > 0 ? `${name} (${shown(limit, unit)})` : `${name} ${shown(value, unit)} (${side} limit ${shown(limit, unit)})`];
 }
 
 function named(axis) {
   const i = [0, 1, 2].find((each) => Math.abs(axis[each]) >= ALONG);
   return i === undefined ? `(${axis.map((value) => value.toFixed(2)).join(", ")}) in its axes` : `its ${"xyz"[i]} axis`;
-}
-
-function figured(value, unit) {
-  return unit === "m" ? length(value) : angle(value);
 }
 
 function length(metres) {
