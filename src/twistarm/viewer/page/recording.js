@@ -5,7 +5,9 @@ export class Recording {
   constructor({ times, theta, rates }) {
     this.times = times;
     this.duration = times.at(-1);
-    [this.theta, this.rates] = [theta, rates].map((rows) => rows[0].map((_, joint) => rows.map((each) => each[joint])));
+    const ofJoints = (rows) => rows[0].map((_, joint) => rows.map((each) => each[joint]));
+    this.theta = ofJoints(theta);
+    this.rates = ofJoints(rates);
   }
 
   // Theta at `time`, and its rates.

@@ -17,7 +17,8 @@ export class Theory {
   constructor({ view, state, layers }) {
     this.view = view;
     this.state = state;
-    this.axes = this.frame = this.numbers = null;
+    this.axes = this.frame = null;
+    /** @type {any} */ this.numbers = null;
     this.moved = 0;
     this.visible = layers.on;
     this.looking = false;

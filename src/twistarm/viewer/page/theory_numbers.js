@@ -15,21 +15,21 @@ const SLIGHT = 0.05; // a part of a unit direction below this is not mentioned
 export function numbers({ arm, kinematics }, { joints, length, below }, { transforms, rates }) {
   const [x, y, z, p] = parts(transforms[TOOL]);
   const toTool = (xi) => halves(xi).flatMap((half) => [x, y, z].map((axis) => dot(axis, half)));
-  const atTool = ([v, w]) => [...plus(v, cross(w, p)), ...w];
+  const atTool = (xi) => plus(xi, [...cross(xi.slice(3), p), 0, 0, 0]);
   const moving = joints.map(({ node }) => {
     const { screw, terms } = kinematics.joints[kinematics.nodes[node].joint];
     return { twist: carried(transforms[node], screw), terms };
   });
   const spatial = arm.joints.map(() => new Array(6).fill(0));
   for (const { twist, terms } of moving) for (const [i, factor] of terms) spatial[i] = plus(spatial[i], twist, factor);
-  const hybrid = spatial.map((xi) => atTool(halves(xi)));
+  const hybrid = spatial.map(atTool);
   const body = hybrid.map(toTool);
   const radian = arm.joints.map(({ unit }) => (unit === "m" ? length : 1)); // a coordinate's rate that counts 1 rad/s
   const scaled = (xi, i) => xi.map((value, k) => (value * radian[i]) / (k < 3 ? length : 1));
 
   // The derivatives of J^b: of joint j before l, ∂b_j/∂q_l = [b_j, b_l].
   function slopes() {
-    const bodies = moving.map(({ twist }) => halves(toTool(atTool(halves(twist)))));
+    const bodies = moving.map(({ twist }) => halves(toTool(atTool(twist))));
     const all = body.map(() => body.map(() => new Array(6).fill(0)));
     moving.forEach((one, j) => moving.slice(j + 1).forEach((other, l) => {
       const change = bracket(bodies[j], bodies[j + 1 + l]);
@@ -47,7 +47,7 @@ export function numbers({ arm, kinematics }, { joints, length, below }, { transf
   });
   return {
     g: [...rows([x, y, z, p], 3), [0, 0, 0, 1]], spatial: rows(spatial), body: rows(body), hybrid: rows(hybrid),
-    columns: spatial.map(toScrew), axes: moving.map(({ twist }) => toScrew(twist)),
+    columns: spatial.map(toScrew), axes: moving.map((joint) => toScrew(joint.twist)),
     singular_values: values, rank, condition: rank === values.length ? values[0] / values.at(-1) : null,
     yoshikawa: values.reduce((product, value) => product * value, 1), smallest: values.at(-1), below,
     standing: inWords(found, below), linear, angular,
