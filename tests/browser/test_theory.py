@@ -477,10 +477,13 @@ def test_the_reach(page: Any, viewer: Viewer, tmp_path: Path, open_page: Opened)
     until(page, f"document.getElementById('reach-legend').hidden && !{reach}.group.visible")
     with open_page() as opened:
         opened.goto(saved.as_uri())
-        until(opened, "globalThis.twistarm?.theory.reach.group.visible && twistarm.theory.reach.map.voxel === 0.15")
+        until(
+            opened,
+            "globalThis.twistarm?.parts.theory.reach.group.visible && twistarm.parts.theory.reach.map.voxel === 0.15",
+        )
         opened.get_by_role("tab", name="Theory").click()
         switch(opened, "Reach", on=False)
-        until(opened, "document.getElementById('reach-legend').hidden && !twistarm.theory.reach.group.visible")
+        until(opened, f"document.getElementById('reach-legend').hidden && !{reach}.group.visible")
 
 
 def test_the_saved_page(open_page: Opened, tmp_path: Path) -> None:
@@ -493,7 +496,7 @@ def test_the_saved_page(open_page: Opened, tmp_path: Path) -> None:
         for _ in range(4):
             time.press("PageDown")
         show_theory(opened)
-        assert opened.locator("#theory-layers").get_by_label("Reach").is_hidden()
+        assert opened.locator("#theory-layers").get_by_label("Reach").is_disabled()
         t = float(time.input_value()) * motion.duration
         assert_allclose(copied(opened, "Jᵇ"), ARM.body_jacobian(motion(t)), atol=1e-3)  # between two samples
         twist = copied(opened, "Instantaneous screw")["twist"]

@@ -54,7 +54,7 @@ class Viewer(Closeable):
     Without one, the pages make a scene when the layer Collision is first switched on.
 
     beside: another arm to compare. Each page draws it as a ghost or side by side and moves it by its own sliders. Its
-    joints can follow those of `arm` with the same name. `load` removes it, and saved pages leave it out.
+    joints can follow those of `arm` with the same name. `load` removes it.
 
     The view is a context manager. Every method may be called from any thread. Methods that move or show something
     return at once. `theta` and `recorded` wait at most a frame. `save_html`, `save_png` and `inline(static=True)` wait

@@ -7,7 +7,7 @@ const DRAWN = ["screws", "frames", "path", "collision"]; // nodes of the scene
 const KEPT = "twistarm layers";
 
 export class Layers {
-  // `act` holds shown(layers) for each change and, where there is a process, need(what) of what it makes for them.
+  // `act` holds shown(layers) for each change and need(what) of what the process makes for them.
   constructor(view, act) {
     this.view = view;
     this.act = act;
@@ -15,7 +15,7 @@ export class Layers {
     this.needed = "";
     this.on = FIRST;
     this.told = {}; // by the program: [on, how often it has switched it]
-    if (act.need) Object.assign(this, JSON.parse(kept(KEPT, { session: true }) ?? "{}"));
+    Object.assign(this, JSON.parse(kept(KEPT, { session: true }) ?? "{}"));
     this.messages = { visible: ({ type, ...told }) => this.take(told) };
   }
 
@@ -33,7 +33,7 @@ export class Layers {
 
   show(changed) {
     this.on = { ...this.on, ...changed };
-    if (this.act.need) keep(KEPT, JSON.stringify({ on: this.on, told: this.told }), { session: true });
+    keep(KEPT, JSON.stringify({ on: this.on, told: this.told }), { session: true });
     for (const layer of DRAWN) this.view.setVisible(layer, Boolean(this.on[layer]));
     this.act.shown(this.on);
     this.ask();
@@ -49,7 +49,7 @@ export class Layers {
     const needed = { collision: this.looked || on.collision, reach: on.reach };
     if (JSON.stringify(needed) === this.needed) return;
     this.needed = JSON.stringify(needed);
-    this.act.need?.(needed);
+    this.act.need(needed);
   }
 
   remembered() {

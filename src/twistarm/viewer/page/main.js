@@ -1,4 +1,4 @@
-// The live page: what the process says is shown, what the person does is asked for.
+// The page: what the process says is shown, what the person does is asked for. A saved page has a process inside.
 //
 // The page is made of parts. Each is given `page` and is a Part: it may have messages {type: function} that it shows,
 // hello(message) for an arm that is new to the page, layered(layers) after a layer was switched, placed(frame) after the
@@ -26,11 +26,13 @@ import { LinkDrag } from "./link_drag.js";
 import { LinkNames } from "./link_names.js";
 import { LinkTree } from "./link_tree.js";
 import { Notice } from "./notice.js";
+import { restore } from "./page_state.js";
 import { Panel } from "./panel.js";
 import { Path } from "./path.js";
 import { Player } from "./player.js";
 import { Plots } from "./plots.js";
 import { Presets } from "./presets.js";
+import { Process } from "./process.js";
 import { Program } from "./program.js";
 import { Progress } from "./progress.js";
 import { violation } from "./schema.js";
@@ -48,9 +50,12 @@ import { Work } from "./work.js";
 const QUIET = ["jog", "jog_joints", "needs"]; // asked again and again, or unseen: an error stays to be read
 const SILENCE = "The process has ended or does not answer. You can use the panel again when it answers.";
 const STRANGER = "The view was started anew: open the address that it printed.";
+const LACKING = "This browser cannot run the page, which needs WebAssembly and DecompressionStream. Open it with Firefox 115, Chrome or Edge 115, Safari 16.4, or a later one.";
 const AHEAD = ["target", "frame"]; // what is told here before the process tells it
 
-const [schema, module] = await Promise.all([fetch("schema.json").then((file) => file.json()), loaded().catch(unsupported)]);
+const saved = $("data") && JSON.parse($("data").textContent); // where this is a saved page
+const described = globalThis.twistarmSchema ?? fetch("schema.json").then((file) => file.json());
+const [schema, module] = await Promise.all([described, loaded().catch(unsupported)]);
 const view = new View($("pane"));
 easeSoftware(view);
 /** @type {{hello: any, frame: any, fitted: boolean}} */
@@ -128,7 +133,7 @@ const parts = {
   drawings: new Drawings(view),
   share: new Share(page),
   work: new Work(),
-  progress: new Progress((text) => panel.showStatus(text), look),
+  progress: new Progress((text) => panel.showStatus(text ?? link.kind), look),
 };
 Object.assign(parts, { drag: new LinkDrag({ view, panel, findings, names: parts.linkNames, theory: parts.theory }), layers });
 
@@ -155,7 +160,7 @@ function look() {
 
 // Without the compiled core there are no poses.
 function unsupported(error) {
-  Object.assign($("error"), { hidden: false, textContent: `This browser does not run WebAssembly, which this page computes with: ${error.message}` });
+  Object.assign($("error"), { hidden: false, textContent: `${LACKING} (${error.message})` });
   throw error;
 }
 
@@ -259,7 +264,7 @@ function tell(message) {
   for (const part of allParts()) part.messages?.[message.type]?.(message);
 }
 
-const link = new Link({
+const on = {
   message: show,
   object(bytes) {
     view.draw(bytes);
@@ -281,6 +286,13 @@ const link = new Link({
     silence = STRANGER;
     panel.showError(STRANGER);
   },
-});
+};
+/** @type {any} */
+const link = saved ? new Process(saved, module, on) : new Link(on);
+if (saved) {
+  await link.begin();
+  restore(keepers(), link.remembered(JSON.parse($("state").textContent)));
+  document.body.dataset.drawn = "";
+}
 
 globalThis.twistarm = { presets, cube, view, panel, collision, findings, highlight, jog, link, state, parts };

@@ -34,7 +34,7 @@ def describe_arm(arm: Arm) -> dict[str, Any]:
         "tool_axis": arm.tool_axis.tolist(),
         "joints": [_describe(*joint) for joint in joints],
         "others": [_describe(*joint) for joint in others],
-        "poses": list(named_poses(arm)),
+        "poses": {name: theta.tolist() for name, theta in named_poses(arm).items()},
         "screws": sorted(set(screw_kinds(arm))),
     }
 
