@@ -219,6 +219,9 @@ def test_an_unmet_target_is_drawn_with_the_arm_that_would_meet_it(page: Any) -> 
     theta, copies, parts, place = page.evaluate(GHOST)
     poses = ARM.poses(theta)
     assert_allclose(poses[ARM.tip], g, atol=1e-5)  # it does meet the target
+    i = int(np.argmax(np.abs(theta) - ARM.limits.upper))
+    needed = f"{ARM.joint_names[i]} {np.degrees(theta[i]):.1f}°".replace("-", "−")
+    assert needed in page.locator("#target-words details").text_content()
     assert copies > 10
     assert parts == 4  # three axes and the origin
     assert_allclose(place, g[:3, 3])

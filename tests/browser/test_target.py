@@ -12,8 +12,9 @@ from scipy.spatial.transform import Rotation
 
 from arms import ARMS, DRAWN, assert_drawn
 from recorded_poses import said
-from twistarm import Approach, solve_ik, solve_ik_all
-from twistarm.ik.solution import at_bounds
+from twistarm import Approach, Pose, solve_ik, solve_ik_all
+from twistarm.ik.answer import StopReason
+from twistarm.ik.solution import at_bounds, split_rotation
 from twistarm.viewer import Viewer
 from waiting import after_frames, idle, settled, until
 
@@ -45,7 +46,7 @@ class Desk:
     def reset(self, kind: str | None = None, snap: bool = False, theta: Any = None) -> None:
         """Stand at theta or ready, handles at the tool."""
         self.page.mouse.move(330, 500)
-        start = self.arm.ready if theta is None else theta
+        start = np.asarray(self.arm.ready if theta is None else theta)
         self.viewer.show(start)
         until(self.page, f"{start.tolist()}.every((value, i) => value === twistarm.state.frame.theta[i])")
         self.page.get_by_label("Drag tool").set_checked(True)
@@ -211,6 +212,25 @@ def test_out_of_reach_the_nearest_is_shown_and_the_page_says_why(rover: Desk) ->
     idle(rover.page)
     assert rover.page.locator("#target-words").inner_text() == ""
     assert rover.viewer.theta.tolist() == theta.tolist()
+
+
+def test_a_turn_that_no_joint_makes_is_told_by_its_axis_and_angle(rover: Desk) -> None:
+    rover.reset("pose", theta=[0.0, 0.4, -0.9, 0.3, 0.0])
+    for name, value in (("z", 0.5), ("yaw", 20)):
+        box = rover.page.get_by_role("spinbutton", name=f"tool {name}, {'metres' if name == 'z' else 'degrees'}")
+        box.fill(str(value))
+        box.press("Enter")
+        start = rover.viewer.theta
+        given = rover.answered()
+    g = np.eye(4)
+    g[:3, :3], g[:3, 3] = Rotation.from_quat(given["xyzw"]).as_matrix(), given["position"]
+    expected = solve_ik(rover.arm, Pose(g), start, posture="theta0")
+    assert expected.stop is StopReason.IMPOSSIBLE_DIRECTION
+    impossible, _, axis = split_rotation(expected, expected.theta)
+    words = rover.page.locator("#target-words").text_content()
+    assert expected.stop.value in words
+    assert f"{np.degrees(impossible):.1f}° of the rotation are missing" in words
+    assert (f"its {'xyz'[np.abs(axis).argmax()]} axis" in words) == (np.abs(axis).max() >= 0.999)
 
 
 def test_escape_puts_the_arm_back(rover: Desk) -> None:

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 from joint_arms import Joint, by_hand, from_urdf, random_chain
 from recorded_poses import ask
-from twistarm import load_arm, plan_joint
+from twistarm import ArmBuilder, load_arm, plan_joint
 from twistarm.viewer.parts.theory import axes
 from twistarm.viewer.stage import Stage
 
@@ -21,6 +21,13 @@ def test_a_thread_made_of_two_joints_has_two_axes(tmp_path: Path) -> None:
     chain[1] = Joint("helical", chain[1].R, chain[1].point, 0.005)
     assert [axis["pitch"] for axis in axes(from_urdf(chain, home, tmp_path))["joints"]] == [0, 0, None]
     assert axes(by_hand(chain, home))["joints"][1]["pitch"] == pytest.approx(0.005, rel=1e-9)
+
+
+def test_an_arm_in_wrong_units_is_shown() -> None:
+    far = np.eye(4)
+    far[0, 3] = 4.5e6
+    stage = Stage(ArmBuilder("far").revolute("a", [0, 0, 1], [0, 0, 0]).tool(far).build())
+    assert stage.hello({})["core"]["forms"] == {}
 
 
 def test_the_rates_of_a_motion() -> None:
