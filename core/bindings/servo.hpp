@@ -2,9 +2,7 @@
 #pragma once
 
 #include "arrays.hpp"
-
-#include "twistarm/kinematics/conversion.hpp"
-#include "twistarm/servo/servo.hpp"
+#include "servo_numbers.hpp"
 
 namespace bindings {
 
@@ -22,17 +20,12 @@ public:
                     nb::handle numbers, double dt, double period, nb::handle near) const;
 
 private:
-    using State = twistarm::servo_state<double, twistarm::dynamic>;
-    using Command = twistarm::servo_command<double, twistarm::dynamic>;
     using Near = twistarm::near_pairs<double, twistarm::dynamic>;
 
-    bool read(nb::handle theta, nb::handle theta_dot, nb::handle held, State& state) const;
-    bool read(int kind, unsigned flags, nb::handle numbers, Command& command) const;
     bool read(nb::handle near, Near& pairs) const;
     nb::object row(const double* values, std::size_t count) const;
 
-    twistarm::chain<double, twistarm::dynamic, twistarm::dynamic> chain_;
-    twistarm::servo_bounds<double, twistarm::dynamic> bounds_;
+    ArmServo servo_;
     std::size_t n_;
     nb::object theta_shape_, six_, pose_;
 };

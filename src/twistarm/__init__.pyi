@@ -96,6 +96,7 @@ from .theory.manipulability import Manipulability as Manipulability
 from .viewer import Viewer as Viewer
 from .viewer import save_html as save_html
 from .viewer import save_png as save_png
+from .viewer import save_site as save_site
 
 __version__: str
 __all__: list[str]

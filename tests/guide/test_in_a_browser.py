@@ -16,6 +16,7 @@ import scipy.linalg
 from scipy.spatial.transform import Rotation
 
 from small_course import LESSON, ROVER
+from twistarm import load_arm, save_site
 from twistarm.guide.building.building import Built, build
 from twistarm.guide.building.pages import SCRIPTS, site_file
 from twistarm.guide.teaching import output
@@ -57,6 +58,12 @@ def course(tmp_path_factory: pytest.TempPathFactory) -> Built:
     return made
 
 
+@pytest.fixture(scope="module")
+def arms(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The index of a site of two arms."""
+    return save_site([load_arm("rr_planar"), load_arm("scara")], tmp_path_factory.mktemp("arms") / "site")
+
+
 def watched(page: Any) -> list[str]:
     """What goes wrong in a page, and what it asks for that is no file beside it."""
     seen: list[str] = []
@@ -70,11 +77,11 @@ def watched(page: Any) -> list[str]:
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [1280, 390])
-def test_every_page_reads_without_a_fault(course: Built, browser: Any, scheme: str, width: int) -> None:
+def test_every_page_reads_without_a_fault(course: Built, arms: Path, browser: Any, scheme: str, width: int) -> None:
     if not AXE.is_file():
         absent("axe-core is not installed: make lint-page")
     context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme, bypass_csp=True)
-    for file in sorted(course.folder.glob("*.html")):
+    for file in [*sorted(course.folder.glob("*.html")), arms]:
         page = context.new_page()
         seen = watched(page)
         page.route("**/scene_*", lambda route: route.fulfill(body="<title>a scene</title>"))  # a test of its own
@@ -101,6 +108,18 @@ def test_the_scene_is_drawn_from_disk(built: Built, browser: Any) -> None:
     frame.scroll_into_view_if_needed()
     page.frame_locator("iframe").locator("body[data-drawn]").wait_for(timeout=60_000)
     assert page.frame_locator("iframe").locator("#name").inner_text() == "rover_arm"
+    assert seen == []
+    page.close()
+
+
+def test_the_site_of_arms_leads_to_a_page_of_each(arms: Path, browser: Any) -> None:
+    page = browser.new_page()
+    seen = watched(page)
+    page.goto(arms.as_uri())
+    assert page.evaluate("[...document.images].every((each) => each.complete && each.naturalWidth > 0)")
+    page.get_by_role("link", name="scara").click()
+    page.locator("body[data-drawn]").wait_for(timeout=60_000)
+    assert page.get_by_role("heading", name="scara").is_visible()
     assert seen == []
     page.close()
 

@@ -146,6 +146,7 @@ def test_the_command_line_prints_in_one_module() -> None:
 VIEWER_FLOORS = (
     ("viewer",),
     ("server",),
+    ("site",),
     ("screenshot",),
     ("saved_page",),
     ("stage",),

@@ -221,7 +221,7 @@ UNCHECKED = {
 }  # fmt: skip
 """Results, which functions make, and calls for inner loops, whose callers have checked."""
 
-SLOW = {"save_png", "Viewer.save_png", "Viewer"}  # A browser or a server for each call.
+SLOW = {"save_png", "save_site", "Viewer.save_png", "Viewer"}  # A browser or a server for each call.
 
 
 NOT_CALLED = (BaseException, enum.Enum)

@@ -23,7 +23,7 @@ from rich.progress import Progress
 from ..arm.arm import Arm
 from ..description.findings import Finding
 from ..support.errors import InputError, printable, without_places
-from ..support.files import writable, write_whole
+from ..support.files import writable, write_folder, write_whole
 from ..support.messages import Text
 from .tables import Table
 from .wording import words
@@ -33,7 +33,10 @@ PIPED_WIDTH = 160  # Columns without a terminal.
 STDOUT = "-"
 
 Kinds = Mapping[str, tuple[str, ...]]  # The kinds of files that a command can write, with their endings.
-Contents = Mapping[str, Callable[[], str | bytes]]  # What makes the content of a file, by its kind.
+FOLDER = "/"  # The ending of a folder.
+
+# What makes the content of a file, or of the files in a folder, by its kind.
+Contents = Mapping[str, Callable[[], str | bytes | Mapping[str, str | bytes]]]
 
 
 def say(*lines: object, file: TextIO | None = None) -> None:
@@ -126,20 +129,27 @@ class Outputs:
             raise InputError(f"--format is one of {', '.join(self.kinds)}; got {self.form!r}")
         if names.count(STDOUT) + self.json > 1:
             raise InputError("-o - gives standard output to one file: leave out --json or the other -o -")
-        for name in names:
-            target = None if name == STDOUT else writable(name, over_description=self.over_description)
-            if target is not None and target.exists() and not self.force:
-                raise InputError(f"{name} exists; --force replaces it, another name keeps it")
-        return replace(self, files=tuple((self._kind(name), name) for name in names))
+        files = tuple((self._kind(name), name) for name in names)
+        for kind, name in files:
+            if name == STDOUT:
+                continue
+            folder = FOLDER in self.kinds.get(kind, ())
+            target = writable(name, over_description=self.over_description, folder=folder)
+            kept = any(target.iterdir()) if target.is_dir() else target.exists()
+            if kept and not self.force:
+                replaced = "files of the same names" if folder else "it"
+                raise InputError(f"{name} exists; --force replaces {replaced}, another name keeps it")
+        return replace(self, files=files)
 
     def _kind(self, name: str) -> str:
         kinds, form = self.kinds, self.form
-        named = next((kind for kind, endings in kinds.items() if name.lower().endswith(endings)), None)
+        ending = f"{name}{FOLDER}" if os.path.isdir(name) and any(FOLDER in each for each in kinds.values()) else name
+        named = next((kind for kind, endings in kinds.items() if ending.lower().endswith(endings)), None)
         if named and form and named != form:
             raise InputError(f"{name} is named like a file of kind {named}, and --format says {form}")
         kind = named or form or (next(iter(kinds)) if name == STDOUT or len(kinds) == 1 else None)
         if kind is None:
-            endings = " or ".join(f"*{endings[0]}" for endings in kinds.values())
+            endings = " or ".join("FOLDER/" if FOLDER in each else f"*{each[0]}" for each in kinds.values())
             option = f", or --format {'|'.join(kinds)}," if form is None else ""
             raise InputError(f"-o takes {endings}; got {name}: another name{option} says the kind")
         return kind
@@ -188,7 +198,9 @@ class Outputs:
         """Write every file with the result of the function of its kind. Return the names."""
         made = [(name, contents[kind]()) for kind, name in self.files]
         for name, content in made:
-            if name != STDOUT:
+            if isinstance(content, Mapping):
+                write_folder(name, content)
+            elif name != STDOUT:
                 write_whole(name, content, over_description=self.over_description)
             elif isinstance(content, str) and sys.stdout.isatty():
                 say(*content.splitlines())

@@ -156,8 +156,40 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes | Path, *, ov
     return target
 
 
-def writable(path: str | os.PathLike[str], *, over_description: bool = False) -> Path:
-    """The file of `path`, links followed. Raises InputError if it cannot be replaced as a whole."""
+def write_folder(folder: str | os.PathLike[str], contents: Mapping[str, str | bytes]) -> Path:
+    """Write files by name into `folder`, all of them or none. A new folder appears whole.
+
+    Files of the same names are replaced, each in one step in the order given. Others stay. Returns the folder, links
+    followed. Raises InputError as `write_whole`.
+    """
+    target = writable(folder, folder=True)
+    new = not target.exists()
+    temporary = (target.parent if new else target) / f".{target.name[:40]}.{os.urandom(6).hex()}{TEMPORARY}"
+    try:
+        for name in () if new else contents:
+            writable(target / name)
+        temporary.mkdir()
+        for name, content in contents.items():
+            write_whole(temporary / name, content)
+        if new:
+            temporary.rename(target)
+        else:
+            for name in contents:
+                os.replace(temporary / name, target / name)
+            temporary.rmdir()
+    except BaseException as error:
+        shutil.rmtree(temporary, ignore_errors=True)
+        if isinstance(error, OSError):
+            raise InputError(f"cannot write into {target}: {error.strerror or error}") from error
+        raise
+    return target
+
+
+def writable(path: str | os.PathLike[str], *, over_description: bool = False, folder: bool = False) -> Path:
+    """The file of `path`, links followed. Raises InputError if it cannot be replaced as a whole.
+
+    With `folder` it is a folder to write into, which need not exist.
+    """
     try:
         target = Path(os.path.realpath(os.fspath(path)))
         exists = target.exists()
@@ -165,13 +197,15 @@ def writable(path: str | os.PathLike[str], *, over_description: bool = False) ->
         raise InputError(f"the path of a file to write must be a string or a Path; got {shown(path)}") from error
     except OSError as error:
         raise InputError(f"cannot write {str(path)[:60]}…: {error.strerror or error}") from error
-    folder, why = target.parent, ""
-    if not folder.is_dir():
+    above, why = target.parent, ""
+    if not above.is_dir():
         why = (
-            f"{folder} is a file; give a folder"
-            if folder.is_file()
-            else f"the folder {folder} does not exist; create it first"
+            f"{above} is a file; give a folder"
+            if above.is_file()
+            else f"the folder {above} does not exist; create it first"
         )
+    elif folder:
+        why = "it is a file; give a folder" if exists and not target.is_dir() else ""
     elif exists and not target.is_file():
         why = "it is a folder" if target.is_dir() else "it is not a regular file and cannot be replaced as a whole"
     elif exists and not over_description and _is_description(target):

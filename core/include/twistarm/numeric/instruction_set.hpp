@@ -20,14 +20,21 @@
 #define TWISTARM_END } }
 
 // Small kernels, and those of one place. A call would put every pack through memory.
+// WebAssembly is small before it is fast: there the compiler decides.
+#if defined(__wasm__)
+#define TWISTARM_INLINE inline
+#else
 #define TWISTARM_INLINE inline __attribute__((always_inline))
+#endif
 
 // Large kernels that several loops share. A call costs no time that shows, and saves a third of the compilation.
 #define TWISTARM_CALLED __attribute__((noinline))
 
 // Loops over joints and rows are short; unrolled, their arrays become registers. The pragma has a count instead of
 // "full", because Clang then warns, in the user's file, of each loop with a run-time length.
-#if defined(__clang__)
+#if defined(__wasm__)
+#define TWISTARM_UNROLL
+#elif defined(__clang__)
 #define TWISTARM_UNROLL _Pragma("clang loop unroll_count(8)")
 #else
 #define TWISTARM_UNROLL _Pragma("GCC unroll 8")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,12 +15,13 @@ import numpy as np
 from ...arm.arm import Arm
 from ...collision import Scene
 from ...support.checks import Array
-from ...support.errors import InputError
+from ...support.errors import InputError, TwistarmError
 from ...sweeps import ReachMap
 from ...viewer import Viewer, page_html
 from ...viewer.saved_page import of_arm
 from ...viewer.screenshot import png_of
 from ...viewer.server.watching import load_with_files
+from ...viewer.site import site_of
 from ..command import Shared
 from ..numbers import JointValues, argument, option, switch, whole
 from ..options import ArmArgument, SceneFile, Source, Theta, answers
@@ -30,7 +32,7 @@ from .checking import check
 from .kinematics import fk, ik, jacobian
 from .motion import MOTION_KINDS, motion_of_file, plan
 
-VIEW_KINDS = {"html": (".html", ".htm"), "png": (".png",)}
+VIEW_KINDS = {"html": (".html", ".htm"), "png": (".png",), "site": ("/",)}
 
 FILE_INSTEAD = ", or use -o FILE.html for a page that needs no server"
 
@@ -75,14 +77,17 @@ PageOptions = Annotated[Page, Shared(Page)]
 Play = Annotated[Path | None, option("FILE", "Play a motion that `twistarm plan` wrote, or that of a motion.toml.")]
 Reach = Annotated[Path | None, option("FILE.npz", "Draw a map that `twistarm reach` wrote.")]
 Watch = Annotated[bool, switch("Load the arm again whenever one of its files changes.", "--watch")]
-Beside = Annotated[Source | None, argument("[ARM]", "Another arm to compare with it.", parser=Source)]
+More = Annotated[
+    list[Source] | None, argument("[ARM]…", "A second arm to compare with it, or more arms of a site.", parser=Source)
+]
 Size = Annotated[str | None, option("WxH", "Pixels of the picture; 1280x720.")]
 Written = Annotated[
     Outputs,
     answers(
         "output form force rad json",
         VIEW_KINDS,
-        output="Write a stand-alone page (*.html) or a picture (*.png) instead; - is standard output; repeat it.",
+        output="Write a stand-alone page (*.html), a picture (*.png), or a site of all ARM (FOLDER/) instead; - is "
+        "standard output; repeat it.",
     ),
 ]
 
@@ -91,7 +96,7 @@ def view(
     source: ArmArgument,
     page: PageOptions,
     out: Written,
-    beside: Beside = None,
+    more: More = None,
     theta: Theta = None,
     play: Play = None,
     scene: SceneFile = None,
@@ -104,11 +109,21 @@ def view(
         raise InputError("--size goes with -o FILE.png")
     if out.json and not out.files:
         raise InputError("--json goes with -o FILE")
-    served = {"--scene": scene, "--reach": reach, "--watch": watch or None, "a second ARM": beside}
+    kinds, others = {kind for kind, _ in out.files}, more or []
+    served = {"--scene": scene, "--reach": reach, "--watch": watch or None}
     for name, given in served.items():
         if out.files and given is not None:
             raise InputError(f"{name} is for a page that is served: it does not go with -o FILE")
-    if beside is not None and watch:
+    if kinds == {"site"}:
+        if theta is not None or play is not None:
+            raise InputError("--theta and --play are for a page of one arm: they do not go with -o FOLDER/")
+        _write_site([source, *others], out)
+        return
+    if others and out.files:
+        raise InputError("a second ARM goes with -o FOLDER/ alone, which makes a site of all")
+    if len(others) > 1:
+        raise InputError("a page has at most two ARM; -o FOLDER/ makes a site of more")
+    if others and watch:
         raise InputError("--watch is for one arm: leave out the second ARM")
     sides = re.fullmatch(r"\s*(\d{1,6})\s*[xX×]\s*(\d{1,6})\s*", size or "1280x720")
     if sides is None:
@@ -130,7 +145,7 @@ def view(
     reached = None if reach is None else ReachMap.load(reach).require(arm)
     obstacles = None if scene is None else Scene.load(arm, scene)
     with ExitStack() as stack:
-        viewer = stack.enter_context(page.viewer(arm, x, obstacles, None if beside is None else beside.load()))
+        viewer = stack.enter_context(page.viewer(arm, x, obstacles, others[0].load() if others else None))
         if motion is not None:
             viewer.show_path(motion)
             viewer.play(motion)
@@ -140,6 +155,21 @@ def view(
             viewer.watch(source.load, files, lambda words: say(words, file=sys.stderr))
         page.show_address(viewer, instead=FILE_INSTEAD)
         viewer.wait()
+
+
+def _write_site(sources: Sequence[Source], out: Outputs) -> None:
+    """A site of the arms, once all of them are loaded."""
+    arms, failed = [], []
+    for source in sources:
+        try:
+            arms.append(source.load())
+        except TwistarmError as error:  # noqa: PERF203, all that fail are named
+            failed.append(str(error) if source.name in str(error) else f"{source.name}: {error}")
+    if failed:
+        what = f"nothing is written, since {len(failed)} of {len(sources)} ARM cannot be loaded"
+        raise InputError(f"{what}; leave them out, or mend them by twistarm doctor: {'; '.join(failed)}")
+    cards, files = site_of(arms, lambda words: say(words, file=out.words))
+    out.show({"arms": cards, "files": list(files)}, files={"site": lambda: files})
 
 
 Show = Annotated[bool, switch("Open the view, or write demo.html; demo.csv is written.", "--view/--no-view")]

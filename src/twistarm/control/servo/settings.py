@@ -99,16 +99,25 @@ def bounds_of(arm: Arm, settings: ServoSettings) -> ServoBounds:
     return found
 
 
-def _made(arm: Arm, settings: ServoSettings) -> ServoBounds:
+Numbers = tuple[float, float, float]
+
+
+def servo_numbers(arm: Arm, settings: ServoSettings) -> tuple[MotionLimits, tuple[Array, ...], Numbers]:
+    """The limits of motors and joints, and what the core's servo takes: arrays, and length, threshold and damping."""
     length = arm.reach if settings.length is None else settings.length
-    unit = frozen(np.where(np.array(arm.units) == "m", length, 1.0))
-    motion, stops = _motion(arm, settings.position_margin), settings.on_unreachable == STOP
-    numbers = length, settings.singularity_threshold, settings.damping
+    unit = np.where(np.array(arm.units) == "m", length, 1.0)
+    motion = _motion(arm, settings.position_margin)
     motors, limits = len(motion.names) - arm.n, motion.limits
     rows = (limits.lower, limits.upper, limits.velocity, limits.acceleration)
     arrays = (arm.screws, arm.home, arm.coupling.A, motion.C[:motors], motion.c[:motors], *rows, unit, arm.ready)
     doubles = tuple(np.ascontiguousarray(array, dtype=np.float64) for array in arrays)
-    return ServoBounds(motion, unit, arm.ready, *numbers, stops, engine.servo_of(doubles, *numbers, stops))
+    return motion, doubles, (length, settings.singularity_threshold, settings.damping)
+
+
+def _made(arm: Arm, settings: ServoSettings) -> ServoBounds:
+    (motion, arrays, numbers), stops = servo_numbers(arm, settings), settings.on_unreachable == STOP
+    compiled = engine.servo_of(arrays, *numbers, stops)
+    return ServoBounds(motion, frozen(arrays[-2]), arm.ready, *numbers, stops, compiled)
 
 
 def _motion(arm: Arm, margin: float) -> MotionLimits:

@@ -104,17 +104,20 @@ TYPES = {
     "css": "text/css; charset=utf-8",
     "js": "text/javascript; charset=utf-8",
     "json": "application/json",
+    "wasm": "application/wasm",
 }
 
 # Headers of every answer, refusals included.
 HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
 
 POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
+    "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data: blob:; "
     "connect-src 'self' ws://{host} wss://{host}; base-uri 'none'; form-action 'none'; "
     "frame-ancestors http://localhost:* http://127.0.0.1:*"
 )
-"""No script but our own files, and no eval; Meshcat's bundle writes style attributes, hence inline styles.
+"""No script but our own files, and no eval but of WebAssembly. Meshcat's bundle writes style attributes, hence inline
+styles.
 
 A frame may hold the page where all that surrounds it comes from this machine, by http or https on any port: Jupyter
 does. Whoever would have hands click on it unseen must have a server here, and know the token. ([::1] cannot be said.)

@@ -1,0 +1,70 @@
+"""The numbers of an arm for the core in the page: core.js hands them to core/wasm/module.cpp in this order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from ...arm.arm import Arm
+from ...arm.engine import MOST_JOINTS
+from ...arm.usual_limits import usually_limited
+from ...control.servo import ServoSettings
+from ...control.servo.output import REASON_OF_CAUSE
+from ...control.servo.settings import servo_numbers
+from ...ik.answer import STOPS
+from ...ik.closed_form.methods import family_for, family_method
+from ...ik.targets import FARTHEST, AnyTarget, Approach, Pose, Position
+from ..messages import packed
+
+MOST_SOLVED = 7  # Joints. A position leaves all but three of them free, and each way to hold these is tried.
+
+
+@lru_cache(maxsize=2)
+def core_numbers(arm: Arm) -> dict[str, Any] | None:
+    """What the core in the page takes, packed float64: the `arm`, its `servo` with the usual limits, its `forms`.
+
+    `forms` has the closed form for each kind of target that has one. `rows` names the rows of the servo's limits,
+    `causes` are its reasons [name, status, words], and `reasons` those of a solver, {name: words}, both in the core's
+    order. None for an arm that the core does not hold.
+    """
+    if max(arm.coupling.A.shape) > MOST_JOINTS:
+        return None
+    A, limits = arm.coupling.A, arm.limits
+    bounds = limits.lower, limits.upper, *arm.sampling_bounds
+    motion, arrays, numbers = servo_numbers(usually_limited(arm), ServoSettings())
+    motors = len(motion.names) - arm.n
+    return {
+        "arm": _packed(*A.shape, arm.screws, arm.home, A, *bounds, arm.reach),
+        "servo": None if motors > MOST_JOINTS else _packed(*A.shape, motors, *numbers, *arrays),
+        "rows": list(motion.names),
+        "causes": [[reason.name, reason.status, reason.words] for reason in REASON_OF_CAUSE],
+        "forms": dict(_forms(arm)),
+        "reasons": {stop.name: stop.value for stop in STOPS},
+    }
+
+
+def _forms(arm: Arm) -> Iterator[tuple[str, str]]:
+    g = arm.home
+    beyond = np.abs(g[:3, 3]).max() > FARTHEST  # of targets; such an arm is in wrong units, and is shown to tell that
+    if beyond or np.count_nonzero(arm.limits.lower != arm.limits.upper) > MOST_SOLVED:
+        return
+    p, axis = g[:3, 3], g[:3, :3] @ arm.tool_axis
+    targets: tuple[AnyTarget, ...] = (Pose(g), Position(p), Approach(p, axis, arm.tool_axis))
+    for target in targets:
+        method = family_method(arm, target)
+        if method.numbers is None:
+            continue
+        # A page holds swept joints where the arm stands: only idle ones may move for themselves.
+        idle = [float(i in method.idle) for i in range(arm.n)]
+        first, last, keeps, axes, joint, kept, held, held_axes, rate, home, _ = method.numbers
+        yield type(target).__name__.lower(), _packed(
+            family_for(arm, target) is not None, method.exact, method.swept[0] if method.swept else -1, target.kind,
+            len(axes), first, last, keeps, len(held), axes, kept, joint, held, held_axes, rate, home, idle,
+        )  # fmt: skip
+
+
+def _packed(*values: Any) -> str:
+    return packed(np.concatenate([np.ravel(each) for each in values]), "<f8")
