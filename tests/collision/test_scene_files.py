@@ -165,7 +165,7 @@ def test_meshes_and_planes_of_moveit_scenes_are_read_and_saved(
         ("scene.yaml", "world: {collision_objects: [{id: a, meshes: [1]}]}", "collision object 1"),
         ("scene.yaml", "world: {collision_objects: [{id: a, planes: [{coef: [0, 0, 0, 1]}]}]}", "coef"),
         ("scene.yaml", MESHES_YAML.replace("frame_id: hand", "frame_id: base"), "its link 'hand'"),
-        ("scene.yaml", "world: {octomap: {octomap: {data: [1]}}}", "octomap"),
+        ("scene.yaml", "world: {octomap: {octomap: {binary: true, resolution: 0.1, data: [3]}}}", "octomap"),
         ("scene.yaml", "world: {collision_objects: [{id: a, primitives: [{type: cone, dimensions: [1]}]}]}", "cone"),
         ("a.scene", MESHES_TEXT.replace("4 4", "4 7"), ".scene"),
         ("a.scene", TEXT[:-2], "'.'"),

@@ -115,6 +115,7 @@ export class Collision {
 
 // A body as it is drawn: a shape that is checked, faintly, or an obstacle. `radius` is the arm's.
 export function made(body, faint, radius) {
+  if (body.kind === "points") return cloud(body);
   const material = new THREE.MeshLambertMaterial({ color: faint ? SHADE : WOOD, transparent: true, opacity: faint ? SHAPE : OBSTACLE, side: THREE.DoubleSide, depthWrite: !faint });
   Object.assign(material, { polygonOffset: faint, polygonOffsetFactor: -1, polygonOffsetUnits: -1 });
   if (body.kind === "plane") material.opacity = 0.6 * SHAPE;
@@ -123,6 +124,15 @@ export function made(body, faint, radius) {
   const color = material.color.clone().multiplyScalar(0.6);
   if (edges.attributes.position.count > 0) mesh.add(new THREE.LineSegments(edges, new THREE.LineBasicMaterial({ color, transparent: true, opacity: 0.5 })));
   return Object.assign(mesh, { matrixAutoUpdate: false });
+}
+
+const LENS = 1 / Math.tan((16 * Math.PI) / 180); // three.js sizes points for a view of 90°; ours has 32°
+
+// A cloud of 100,000 voxels as boxes would take a picture too long: a square stands for each.
+function cloud({ points, size: [voxel] }) {
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(bytes(points).buffer), 3));
+  return Object.assign(new THREE.Points(geometry, new THREE.PointsMaterial({ color: WOOD, size: LENS * voxel })), { matrixAutoUpdate: false });
 }
 
 export function hang(view, bodies, layer) {
@@ -142,7 +152,7 @@ export function standing({ node, matrix }, frame) {
 
 // What must be drawn anew if it changes.
 function keyOf({ kind, size, points }) {
-  return `${kind} ${size.join()} ${points?.length}`;
+  return `${kind} ${size.join()} ${points}`;
 }
 
 function tint(material, colour) {

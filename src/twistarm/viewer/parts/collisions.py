@@ -162,7 +162,9 @@ def _colliding(
 def drawing(body: Body) -> dict[str, Any]:
     """A body as the page draws it: kind, size, the node of its link, its matrix there, and packed triangles."""
     made = outline(body.shape)
-    if made["kind"] == "mesh":
+    if made["kind"] == "points":
+        made["points"] = packed(made["points"], "<f4")
+    elif made["kind"] == "mesh":
         made |= {"points": packed(made["points"], "<f4"), "faces": packed(made["faces"], "<u4")}
         made["size"] = list(body.size)
     return {**made, "node": link_path(body.carrier), "matrix": columns(body.pose)}
