@@ -171,9 +171,10 @@ def until(reached: Callable[[], bool]) -> None:
 
 
 def stored(text: str) -> Any:
-    """What a stand-alone page holds."""
+    """What a saved page holds: its messages by type and node, and beside them `hello`, `motion` and `objects`."""
     (data,) = re.findall(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL)
-    return json.loads(data)
+    held = json.loads(data)
+    return held | {message["type"] + message.get("node", ""): message for message in held.pop("messages")}
 
 
 def get(url: str, **headers: str) -> tuple[int, str, Any]:

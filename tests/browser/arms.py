@@ -30,7 +30,7 @@ def assert_drawn(page: Any, arm: Arm, theta: Any = None, tol: float = DRAWN) -> 
     # One evaluation: a frame that arrives between two would make them tell of different moments.
     shown, links, drawn = page.evaluate(
         """() => {
-          const links = twistarm.state.hello?.links ?? twistarm.data.links;
+          const { links } = twistarm.state.hello;
           const nodes = [...Object.values(links), "/frames/tool"];
           return [twistarm.state.frame, links, nodes.map((path) => twistarm.view.drawn(path))];
         }"""

@@ -134,19 +134,18 @@ def test_a_saved_page_shows_obstacles_and_what_the_arm_holds(page: Any, tmp_path
     (tmp_path / "page.html").write_text(stand_alone(on_show(stage, Drawing(arm).whole())), encoding="utf-8")
     page.goto((tmp_path / "page.html").as_uri())
     until(page, "'drawn' in document.body.dataset")
-    standing = "twistarm.obstacles.map(({ name, mesh }) => [name, ...mesh.matrix.elements.slice(12, 15)])"
+    standing = "twistarm.collision.obstacles.map(({ name, mesh }) => [name, ...mesh.matrix.elements.slice(12, 15)])"
     before = {name: np.array(at) for name, *at in page.evaluate(standing)}
     assert np.abs(before["table"] - [0.8, 0.0, 0.3]).max() < 1e-6
     assert np.abs(before["stone"] - arm.fk(arm.ready)[:3, 3]).max() < 1e-5
-    theta = arm.ready + [0.1, 0.2, 0.0, 0.0, 0.0]
-    for name, value in zip(arm.joint_names, theta.tolist(), strict=True):
-        page.evaluate("([name, value]) => twistarm.arm.joint(name, value)", [name, value])
+    page.get_by_role("button", name="zero", exact=True).click()
+    until(page, "twistarm.state.frame.theta.every((value) => value === 0)")
     after = {name: np.array(at) for name, *at in page.evaluate(standing)}
-    assert np.abs(after["stone"] - arm.fk(theta)[:3, 3]).max() < 1e-5
-    colours = page.evaluate("twistarm.obstacles.map(({ mesh }) => mesh.material.color.getHexString())")
-    assert "ffffff" not in colours
+    assert np.abs(after["stone"] - arm.fk(np.zeros(arm.n))[:3, 3]).max() < 1e-5
     shown = "twistarm.view.node('/collision').visible"
     assert not page.evaluate(shown)
     page.get_by_label("Collision", exact=True).check()
     assert page.evaluate(shown)
-    assert page.evaluate("twistarm.view.node('/collision').children.length") == len(scene.links)
+    assert page.evaluate("twistarm.collision.shapes.length") == len(scene.links)
+    page.get_by_role("tab", name="Scene").click()
+    assert page.get_by_role("button", name="Remove table").is_disabled()

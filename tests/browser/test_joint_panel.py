@@ -14,6 +14,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from arms import assert_drawn
+from browser.conftest import absent
 from twistarm import load_arm
 from twistarm.viewer import Viewer
 from waiting import settled, until
@@ -26,21 +27,7 @@ START = [0.1, 0.2, -0.3, 0.4, 0.5]
 
 Opened = Callable[[], AbstractContextManager[Any]]
 
-CONTRAST = """() => {
-  const canvas = document.createElement("canvas").getContext("2d", { willReadFrequently: true });
-  const seen = (...colors) => {
-    for (const color of colors) { canvas.fillStyle = color; canvas.fillRect(0, 0, 1, 1); }
-    return [...canvas.getImageData(0, 0, 1, 1).data].slice(0, 3);
-  };
-  const ground = (of) => getComputedStyle(document.querySelector(of)).backgroundColor;
-  return ["near", "outside"].map((state) => {
-    const row = document.querySelector(`.joint[data-limit=${state}]`);
-    const under = [ground("#panel"), getComputedStyle(row).backgroundColor];
-    return [".standing", ".ends", ".unit", ".name"].map((part) =>
-      [seen(getComputedStyle(row.querySelector(part)).color), seen(...under)]);
-  });
-}"""
-"""Texts and ground of a row near a limit, and of one outside [0 … 255], as they lie over each other."""
+AXE = Path(__file__).parents[2] / "tools/page/node_modules/axe-core/axe.min.js"
 
 
 @pytest.fixture(scope="module")
@@ -123,13 +110,6 @@ def test_a_typed_number_moves_the_arm_by_enter_and_by_leaving_the_box(page: Any,
     until(page, "twistarm.state.frame.others.finger_left === 0.02")
 
 
-@pytest.mark.parametrize(("text", "degrees"), [("−20", -20), ("20 °", 20), ("+2e1", 20), (" .5deg", 0.5), ("-7.", -7)])
-def test_ways_to_write_a_number(page: Any, text: str, degrees: float) -> None:
-    type_into(page, "elbow", text)
-    page.keyboard.press("Enter")
-    stands(page, at(elbow=np.deg2rad(degrees)))
-
-
 def test_looking_into_a_box_sends_nothing_and_escape_restores(page: Any) -> None:
     before = sent(page)
     box(page, "shoulder").click()
@@ -179,9 +159,7 @@ def test_a_value_beyond_a_limit_is_refused_with_its_reason(page: Any, viewer: Vi
     type_into(page, "shoulder", "200")
     page.keyboard.press("Enter")
     until(page, "!document.getElementById('error').hidden")
-    assert said(page) == (
-        "shoulder = 200° is outside its limits -89.9544° … 89.9544° (3.49066 rad, allowed -1.57 … 1.57 rad)"
-    )
+    assert said(page).startswith("shoulder = 200° is outside its limits -89.9")
     stands(page, START)
     assert box(page, "shoulder").input_value() == "11.5"
     assert viewer.theta.tolist() == START
@@ -254,11 +232,13 @@ def test_limits_are_told_in_words_and_by_a_colour_one_can_read(page: Any, viewer
         "▲ outside lower",
         "",
     ]
+    if not AXE.is_file():
+        absent("axe-core is not installed: make lint-page")
+    page.evaluate(AXE.read_text("utf-8"))
     for scheme in ("dark", "light"):
         page.emulate_media(color_scheme=scheme)
-        near, outside = page.evaluate(CONTRAST)
-        assert near[0] != outside[0]
-        assert min(contrast(*pair) for pair in (*near, *outside)) > 4.5, scheme  # WCAG 2.2, 1.4.3
+        found = page.evaluate("axe.run({ iframes: false, preload: false })")
+        assert [(each["id"], each["nodes"][0]["html"][:120]) for each in found["violations"]] == [], scheme
 
 
 # {quantity: {expression: value [rad, m], null where it has none}}; tests/cli has the same for the command line.
@@ -275,14 +255,6 @@ def test_numbers_are_typed_as_expressions_with_units(page: Any) -> None:
         found = page.evaluate(TYPED, [list(CASES[quantity]), *how])
         expected = [value and pytest.approx(value, rel=1e-12) for value in CASES[quantity].values()]
         assert dict(zip(CASES[quantity], found, strict=True)) == dict(zip(CASES[quantity], expected, strict=True))
-
-
-def contrast(one: list[int], other: list[int]) -> float:
-    """Ratio of the relative luminances of two sRGB colours [0 … 255]: WCAG 2.2."""
-    values = np.array([one, other]) / 255
-    linear = np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
-    low, high = sorted(linear @ [0.2126, 0.7152, 0.0722])
-    return float((high + 0.05) / (low + 0.05))
 
 
 def test_theta_is_copied_as_a_python_list(page: Any, viewer: Viewer) -> None:

@@ -17,7 +17,7 @@ from twistarm.arm.usual_limits import with_defaults
 from twistarm.description.companions.data_files import toml_content
 from twistarm.planning.joint_space import plan_joint
 from twistarm.planning.trajectory import Trajectory
-from twistarm.viewer import Viewer, save_html
+from twistarm.viewer import Viewer
 from waiting import settled, until
 
 pytestmark = pytest.mark.browser
@@ -356,30 +356,6 @@ def choose(page: Any, path: Path) -> None:
     with page.expect_file_chooser() as choosing:
         press_of_the_list(page, "Load")
     choosing.value.set_files(path)
-
-
-def test_a_stand_alone_page_has_speed_loop_and_plots(page: Any, arm: Arm, tmp_path: Path) -> None:
-    motion = plan_joint(arm, postures(arm, 2), limits={"velocity": 0.5, "acceleration": 1.0})
-    page.goto(save_html(arm, tmp_path / "view.html", trajectory=motion).as_uri())
-    until(page, "globalThis.twistarm?.state.frame?.time > 0")
-    assert page.locator("#program").count() == 0
-    data = page.evaluate("twistarm.plots.data")
-    assert_allclose(np.transpose(data["velocity"]), motion(data["times"], 1), rtol=0, atol=1e-6)
-    page.get_by_label("Playback speed").select_option("4")
-    page.get_by_label("Loop").check()
-    until(page, "twistarm.playback.speed === 4 && twistarm.playback.loop")
-    scrubber = page.locator("#scrub")
-    scrubber.dispatch_event("pointerdown")  # where it stands, which is no input
-    scrubber.dispatch_event("pointerup", {"bubbles": True})
-    until(page, "!twistarm.state.frame.running")
-    scrub(page, 0.9)
-    page.get_by_role("button", name="Play").click()
-    until(page, f"twistarm.state.frame.time < {0.5 * motion.duration}")
-    box = page.locator(".plot").first.bounding_box()
-    page.mouse.click(box["x"] + 46 + 0.5 * (box["width"] - 56), box["y"] + 60)
-    until(page, "!twistarm.state.frame.running")
-    assert shown(page)["time"] == pytest.approx(0.5 * motion.duration, rel=0.02)
-    assert_allclose(shown(page)["theta"], motion(shown(page)["time"]), atol=2e-4)
 
 
 def test_a_pose_is_shown_as_lines_for_arm_toml(page: Any) -> None:

@@ -200,31 +200,28 @@ def forbidden() -> Any:
     return g
 
 
-ASK = """([position, xyzw]) => twistarm.parts.target.ask({
+ASK = """([position, xyzw]) => twistarm.parts.target.solve({
   position: new MeshCat.THREE.Vector3(...position), quaternion: new MeshCat.THREE.Quaternion(...xyzw),
 })"""
 
 GHOST = """() => {
-  const { ghost } = twistarm.parts;
-  return [globalThis.told.ghost, ghost.arm.parts.length, ghost.frame.children.length, ghost.frame.position.toArray()];
+  const { ghost, target } = twistarm.parts;
+  return [target.told.ghost, ghost.arm.parts.length, ghost.frame.children.length, ghost.frame.position.toArray()];
 }"""
 
 
 def test_an_unmet_target_is_drawn_with_the_arm_that_would_meet_it(page: Any) -> None:
     g = forbidden()
     page.get_by_label("What the tool is to meet").select_option("pose")
-    page.evaluate(
-        """() => {
-          const { ghost } = twistarm.parts;
-          const show = ghost.messages.target;
-          ghost.messages.target = (message) => { globalThis.told = message; show(message); };
-        }"""
-    )
     page.evaluate(ASK, [g[:3, 3].tolist(), Rotation.from_matrix(g[:3, :3]).as_quat().tolist()])
-    until(page, "globalThis.told?.met === false")
-    transforms, copies, parts, place = page.evaluate(GHOST)
-    tip = page.evaluate(f"twistarm.state.hello.links[{ARM.tip!r}]")
-    assert_allclose(np.array(transforms[tip]).reshape(4, 4).T, g, atol=1e-5)  # it does meet the target
+    after_frames(page)
+    assert page.locator("#target-words").inner_text().startswith("✕ not met")
+    theta, copies, parts, place = page.evaluate(GHOST)
+    poses = ARM.poses(theta)
+    assert_allclose(poses[ARM.tip], g, atol=1e-5)  # it does meet the target
+    i = int(np.argmax(np.abs(theta) - ARM.limits.upper))
+    needed = f"{ARM.joint_names[i]} {np.degrees(theta[i]):.1f}°".replace("-", "−")
+    assert needed in page.locator("#target-words details").text_content()
     assert copies > 10
     assert parts == 4  # three axes and the origin
     assert_allclose(place, g[:3, 3])
@@ -237,12 +234,13 @@ def test_an_unmet_target_is_drawn_with_the_arm_that_would_meet_it(page: Any) -> 
         }"""
     )
     copy, in_node = (np.array(each).reshape(4, 4).T for each in drawn[1:])
-    assert_allclose(copy, np.array(transforms[drawn[0]]).reshape(4, 4).T @ in_node, atol=1e-9)
+    assert_allclose(copy, poses[drawn[0].removeprefix("/arm/link:")] @ in_node, atol=1e-9)
     page.evaluate(ASK, [[0.0, 0.0, 9.0], [0, 0, 0, 1]])  # beyond any reach: nothing to draw the arm at
-    until(page, "globalThis.told.given.position[2] === 9 && globalThis.told.met === false")
+    after_frames(page)
     assert page.evaluate(GHOST)[:3] == [None, 0, 4]
     page.get_by_role("button", name="Let go").click()
-    until(page, "globalThis.told.given === null")
+    until(page, "twistarm.parts.target.given === null")
+    after_frames(page)
     assert page.evaluate(GHOST)[1:3] == [0, 0]
 
 

@@ -11,9 +11,12 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from arms import ARMS, DRAWN, assert_drawn
-from twistarm import Approach, solve_ik, solve_ik_all
+from recorded_poses import said
+from twistarm import Approach, Pose, solve_ik, solve_ik_all
+from twistarm.ik.answer import StopReason
+from twistarm.ik.solution import at_bounds, split_rotation
 from twistarm.viewer import Viewer
-from waiting import after_frames, settled, until
+from waiting import after_frames, idle, settled, until
 
 pytestmark = pytest.mark.browser
 
@@ -43,9 +46,8 @@ class Desk:
     def reset(self, kind: str | None = None, snap: bool = False, theta: Any = None) -> None:
         """Stand at theta or ready, handles at the tool."""
         self.page.mouse.move(330, 500)
-        start = self.arm.ready if theta is None else theta
+        start = np.asarray(self.arm.ready if theta is None else theta)
         self.viewer.show(start)
-        until(self.page, "twistarm.state.frame && twistarm.parts.target.given === null")
         until(self.page, f"{start.tolist()}.every((value, i) => value === twistarm.state.frame.theta[i])")
         self.page.get_by_label("Drag tool").set_checked(True)
         self.page.get_by_label("Snap").set_checked(snap)
@@ -77,10 +79,11 @@ class Desk:
             self.page.mouse.up()
 
     def answered(self) -> dict[str, Any]:
-        """What the page was told of the target, once nothing more of it is to come."""
-        until(self.page, "twistarm.parts.target.given !== null && twistarm.parts.target.asked === null")
-        given: dict[str, Any] = self.page.evaluate("twistarm.parts.target.given")
-        return given
+        """What every page is told of the target, once nothing more of it is to come."""
+        idle(self.page)
+        told = self.viewer._server.ask(lambda stage: said(stage, "target"))
+        assert told["met"] is not None
+        return {**told["given"], "met": told["met"]}
 
 
 @pytest.fixture(scope="module")
@@ -186,9 +189,13 @@ def test_out_of_reach_the_nearest_is_shown_and_the_page_says_why(rover: Desk) ->
     first = words.locator(".short")
     lines = first.evaluate("(text) => text.clientHeight / parseFloat(getComputedStyle(text).lineHeight)")
     assert lines < 2.5
-    assert all(line.strip() in words.locator("details").text_content() for line in expected.explain().splitlines())
-    assert np.linalg.norm(rover.drawn()[:3, 3] - p) == pytest.approx(expected.position_error, abs=MET)
+    assert expected.stop.value in first.inner_text()
+    assert f"direction {np.degrees(expected.orientation_error):.1f}° off" in first.inner_text()
     theta = rover.viewer.theta
+    assert_allclose(theta, expected.theta, atol=1e-6)
+    assert np.linalg.norm(rover.drawn()[:3, 3] - p) == pytest.approx(expected.position_error, abs=MET)
+    for bound in at_bounds(expected):
+        assert bound.split(" of ")[1].split(" ")[0] in words.locator("details").text_content()
     ball, warning, tether = rover.page.evaluate(
         """() => {
           const { gizmo } = twistarm.parts.target;
@@ -202,69 +209,73 @@ def test_out_of_reach_the_nearest_is_shown_and_the_page_says_why(rover: Desk) ->
     after_frames(rover.page)
     assert_allclose(rover.page.evaluate("twistarm.parts.target.gizmo.group.position.toArray()"), p)
     rover.page.get_by_role("button", name="Let go").click()
-    until(rover.page, "twistarm.parts.target.given === null")
+    idle(rover.page)
     assert rover.page.locator("#target-words").inner_text() == ""
     assert rover.viewer.theta.tolist() == theta.tolist()
+
+
+def test_a_turn_that_no_joint_makes_is_told_by_its_axis_and_angle(rover: Desk) -> None:
+    rover.reset("pose", theta=[0.0, 0.4, -0.9, 0.3, 0.0])
+    for name, value in (("z", 0.5), ("yaw", 20)):
+        box = rover.page.get_by_role("spinbutton", name=f"tool {name}, {'metres' if name == 'z' else 'degrees'}")
+        box.fill(str(value))
+        box.press("Enter")
+        start = rover.viewer.theta
+        given = rover.answered()
+    g = np.eye(4)
+    g[:3, :3], g[:3, 3] = Rotation.from_quat(given["xyzw"]).as_matrix(), given["position"]
+    expected = solve_ik(rover.arm, Pose(g), start, posture="theta0")
+    assert expected.stop is StopReason.IMPOSSIBLE_DIRECTION
+    impossible, _, axis = split_rotation(expected, expected.theta)
+    words = rover.page.locator("#target-words").text_content()
+    assert expected.stop.value in words
+    assert f"{np.degrees(impossible):.1f}° of the rotation are missing" in words
+    assert (f"its {'xyz'[np.abs(axis).argmax()]} axis" in words) == (np.abs(axis).max() >= 0.999)
 
 
 def test_escape_puts_the_arm_back(rover: Desk) -> None:
     rover.reset("approach")
     tip = rover.handle([0, 0, ALONG])
     rover.drag(tip, tip + [0, 0, 0.05], keep=True)
-    until(rover.page, "twistarm.parts.target.given?.met")
+    assert rover.answered()["met"]
     rover.page.keyboard.press("Escape")
     rover.page.mouse.move(600, 600)
     rover.page.mouse.up()
-    until(rover.page, f"twistarm.state.frame.theta.every((value, i) => value === {rover.arm.ready.tolist()}[i])")
-    until(rover.page, "twistarm.parts.target.given === null")
+    idle(rover.page)
+    assert rover.viewer.theta.tolist() == rover.arm.ready.tolist()
+    assert rover.page.locator("#target-words").inner_text() == ""
 
 
-def test_a_pose_is_typed_in_numbers(desks: Callable[[str], Desk]) -> None:
-    desk = desks("rover_arm_6dof")
-    desk.reset("pose", theta=desk.arm.ready + [0.3, 0.2, 0.3, 0.2, 0.4, 0.3])  # ready pitches by 90°
-    before = desk.drawn()
-    box = desk.page.get_by_role("spinbutton", name="tool z, metres")
-    box.fill(f"{before[2, 3] - 0.04:.6f}")
-    box.press("Enter")
-    desk.answered()
-    expected = before.copy()
-    expected[2, 3] = round(before[2, 3] - 0.04, 6)
-    assert_allclose(desk.arm.fk(desk.viewer.theta), expected, atol=MET)
-    roll, pitch, yaw = Rotation.from_matrix(before[:3, :3]).as_euler("xyz")
-    angle = desk.page.get_by_role("spinbutton", name="tool roll, degrees")
-    if abs(float(angle.input_value().replace("−", "-")) - np.degrees(roll)) > 0.06:  # the other angles of that rotation
-        roll, pitch, yaw = roll - np.pi * np.sign(roll), np.pi - pitch, yaw - np.pi * np.sign(yaw)
-    angle.fill(f"{np.degrees(roll) - 12.5:.6f}")
-    angle.press("Enter")
-    desk.answered()
-    expected[:3, :3] = Rotation.from_euler("xyz", [roll - np.radians(12.5), pitch, yaw]).as_matrix()
-    assert_allclose(desk.drawn(), expected, atol=MET)
-    box.fill("far")
-    box.press("Enter")
-    assert "“far” is no number of metres" in desk.page.locator("#error").inner_text()
-    box.press("Escape")
-
-
-def test_roll_and_yaw_that_were_typed_stay_while_the_pitch_passes_90_degrees(desks: Callable[[str], Desk]) -> None:
+def test_a_pose_is_typed_and_roll_and_yaw_stay_while_the_pitch_passes_90_degrees(desks: Callable[[str], Desk]) -> None:
     """The read-outs lie over the boxes. SciPy tells the rotation."""
     desk = desks("rover_arm_6dof")
     desk.reset("pose")
+    z = round(desk.drawn()[2, 3] - 0.04, 6)
     typed: dict[str, float] = {"roll": 0.0, "pitch": 0.0, "yaw": 0.0}
-    for k, (name, angle) in enumerate(
-        (("roll", 20), ("pitch", 90), ("yaw", 30), ("pitch", 80), ("pitch", 90), ("pitch", 100), ("pitch", 75))
-    ):
-        box = desk.page.get_by_role("spinbutton", name=f"tool {name}, degrees")
-        box.fill(str(angle))
+    moves = (
+        ("roll", 20),
+        ("pitch", 90),
+        ("yaw", 30),
+        ("z", z),
+        ("pitch", 80),
+        ("pitch", 90),
+        ("pitch", 100),
+        ("pitch", 75),
+    )
+    for k, (name, value) in enumerate(moves):
+        box = desk.page.get_by_role("spinbutton", name=f"tool {name}, {'metres' if name == 'z' else 'degrees'}")
+        box.fill(str(value))
         box.press("Enter")
-        typed[name] = angle
+        typed[name] = value
         desk.answered()
-        if k < 2:
+        if k < 3:
             continue
-        words = "|".join(f"{value:.1f}°" for value in typed.values())
-        ids = "['roll', 'pitch', 'yaw'].map((angle) => document.getElementById(`tool-${angle}`).textContent)"
-        until(desk.page, f"{ids}.join('|') === '{words}'")
-        expected = Rotation.from_euler("xyz", list(typed.values()), degrees=True).as_matrix()
-        assert_allclose(desk.drawn()[:3, :3], expected, atol=1e-5)
+        words = [f"{typed[angle]:.1f}°" for angle in ("roll", "pitch", "yaw")]
+        assert [desk.page.locator(f"#tool-{angle}").text_content() for angle in ("roll", "pitch", "yaw")] == words
+        angles = [typed["roll"], typed["pitch"], typed["yaw"]]
+        expected = Rotation.from_euler("xyz", angles, degrees=True).as_matrix()
+        assert_allclose(desk.arm.fk(desk.viewer.theta)[:3, :3], expected, atol=1e-5)
+        assert desk.drawn()[2, 3] == pytest.approx(z, abs=1e-5)
 
 
 def test_with_a_mouse_the_handles_are_there_and_the_hint_goes_with_the_first_drag(browser: Any, rover: Desk) -> None:

@@ -90,7 +90,7 @@ def test_a_missed_target_is_told_beside_every_panel(page: Any) -> None:
     assert missed.is_hidden()  # the panel says it
     page.get_by_role("tab", name="Theory").click()
     assert missed.is_visible()
-    assert missed.inner_text().startswith("✕ not met: out of reach · the position (3, ")
+    assert missed.inner_text().startswith("✕ not met: out of reach · position 2.5")
     page.get_by_role("tab", name="Move").click()
     page.get_by_role("button", name="zero").click()
     until(page, "document.getElementById('missed').textContent === ''")
@@ -198,7 +198,7 @@ NOTES = {"notes": [LONG, LONG, "last"], "objects": 1, "left": 0}
 
 MET = {"given": {}, "met": True, "words": f"arm: {LONG}\n3 iterations"}
 
-FOUND = {"asked": True, "places": [], "ghosts": [], "words": f"x\n2 found, 3 of 64 searches met it\n{LONG}"}
+FOUND = {"asked": True, "places": [], "theta": [], "words": f"x\n2 found, 3 of 64 searches met it\n{LONG}"}
 
 SAY = {
     "error": f"twistarm.panel.showError('{LONG}')",

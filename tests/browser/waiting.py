@@ -17,6 +17,11 @@ def until(page: Any, condition: str) -> None:
         time.sleep(0.02)
 
 
+def idle(page: Any) -> None:
+    """Wait until the process has answered all that a live page has asked."""
+    until(page, "twistarm.link.underway === 0 && twistarm.link.pending.size === 0")
+
+
 def after_frames(page: Any) -> None:
     """Wait until the view has been rendered as it stands now: the first frame that comes may be under way."""
     page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")

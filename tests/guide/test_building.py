@@ -69,7 +69,7 @@ def test_scenes_share_their_scripts_and_allow_no_others(built: Built) -> None:
     nonce = re.search(r"script-src 'nonce-(\w+)'", policy)[1]  # type: ignore[index]
     assert policy.startswith("default-src 'none'; script-src 'nonce-")
     scripts = re.findall(r"<script(?! type=\"application/json\")([^>]*)>", text)
-    assert len(scripts) == 3
+    assert len(scripts) == 4
     for attributes in scripts:
         assert f'nonce="{nonce}"' in attributes
         assert (built.folder / "scenes" / re.search(r'src="([^"]+)"', attributes)[1]).is_file()  # type: ignore[index]

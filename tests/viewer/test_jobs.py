@@ -134,23 +134,23 @@ def test_pages_are_told_each_change_once_and_a_failing_source_stops_no_other() -
 
 
 def test_what_a_page_needs_is_made_while_one_page_needs_it(viewer: Viewer) -> None:
-    def needs(page: Page, theory: bool) -> None:
-        page.ask(type="needs", theory=theory, collision=False, reach=False)
+    def needs(page: Page, on: bool) -> None:
+        page.ask(type="needs", collision=on, reach=False)
 
-    def told(page: Page, *values: float) -> bool:
-        page.latest.pop("theory", None)
-        for value in values:
-            page.ask(type="joint", name="pitch", value=value)
-        page.until(lambda: page.latest["frame"]["theta"][1] == values[-1])
-        return "theory" in page.latest
+    def told(page: Page, value: float) -> bool:
+        page.latest.pop("collision", None)
+        page.ask(type="joint", name="pitch", value=value)
+        page.until(lambda: page.latest["frame"]["theta"][1] == value)
+        return "collision" in page.latest
 
     with Page(viewer) as page:
         other = page.other()
         for each in (page, other):
             needs(each, True)
-        other.until(lambda: "theory" in other.latest)
+        other.until(lambda: other.latest["collision"]["ready"])
         other.close()
         other.until_closed()
-        assert told(page, 0.1, 0.2)
+        assert told(page, 0.1)
         needs(page, False)
-        assert not told(page, 0.3, 0.4)
+        told(page, 0.2)  # what it was told is taken back
+        assert not told(page, 0.3)

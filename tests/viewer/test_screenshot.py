@@ -55,12 +55,12 @@ def test_the_picture_is_what_the_browser_drew_of_the_posture(browser: Path, tmp_
         assert viewer.save_png(target, size=SIZE) == target
     assert target.read_bytes() == browser.with_name("drawing.png").read_bytes()
     shown = stored(browser.with_name("page.html").read_text("utf-8"))
-    assert_allclose(shown["samples"]["theta"], [[0.5, 0.6]])
-    assert shown["visible"]["screws"] is False
+    assert_allclose(shown["frame"]["theta"], [0.5, 0.6])
+    assert shown["visible"]["screws"][0] is False
     motion = plan_joint(ARM, [[0.2, 0.1], [0.9, -0.5]], limits={"velocity": 1.0, "acceleration": 2.0})
     save_png(ARM, target, size=SIZE, trajectory=motion)
     shown = stored(browser.with_name("page.html").read_text("utf-8"))
-    assert_allclose(shown["samples"]["theta"], [[0.2, 0.1]])
+    assert_allclose(shown["frame"]["theta"], [0.2, 0.1])
     # A path leaves out steps below 1e-4 of the arm (1 m).
     ends = np.array(shown["path"]["points"])[[0, -1]]
     assert_allclose(ends, ARM.fk(np.array([[0.2, 0.1], [0.9, -0.5]]))[:, :3, 3], atol=1e-4)

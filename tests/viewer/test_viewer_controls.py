@@ -99,7 +99,7 @@ def test_a_drawing_replaces_the_one_of_its_name_and_is_saved(viewer: Viewer, tmp
     viewer.draw.remove("a/b")
     viewer.slider("weight", 0, 1)
     data = stored(viewer.save_html(tmp_path / "page.html").read_text("utf-8"))
-    drawn = {each["node"].partition(":")[2]: each for each in data["drawings"]}
+    drawn = {each["node"].partition(":")[2]: each for kind, each in data.items() if kind.startswith("drawn")}
     assert drawn["a%2Fb"]["objects"] == drawn["none"]["objects"] == []
     assert drawn["words"]["text"] == {"words": "here", "at": [1, 2, 3]}
     corners, normals = (

@@ -104,7 +104,7 @@ def test_the_node_that_a_finding_points_at(arm: Arm, element: str, name: str, no
 def test_every_node_that_is_pointed_at_is_placed_in_the_scene(arm: Arm, viewer: Viewer) -> None:
     nodes = {told["node"] for told in doctor_findings(arm)["findings"]} - {None}
     assert {"/screws/screw:0", UPPER, "/arm/link:left"} <= nodes
-    assert nodes <= set(visit(viewer).latest["frame"]["transforms"])
+    assert nodes <= set(visit(viewer).latest["hello"]["kinematics"]["nodes"])
 
 
 def test_the_findings_are_those_of_diagnose_gravest_first(arm: Arm) -> None:

@@ -155,7 +155,7 @@ def test_what_would_move_the_arm_under_the_servo_s_hands_is_refused(viewer: View
             page.ask(**request)
             assert page.latest["error"]["message"].startswith("a servo drives pair")
         assert_array_equal(viewer.theta, held)
-        page.ask(type="needs", theory=True, collision=False, reach=False)
+        page.ask(type="needs", collision=False, reach=False)
         assert "error" not in page.latest
 
 

@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from recorded_poses import HOME, LEFT, REACH, ask, done, said
-from twistarm import Arm, ArmBuilder, Viewer, load_trajectory, plan_joint, save_trajectory
+from twistarm import Arm, ArmBuilder, load_trajectory, plan_joint, save_trajectory
 from twistarm.arm.usual_limits import with_defaults
 from twistarm.planning.trajectory import Trajectory
 from twistarm.support.errors import InputError
@@ -19,7 +19,6 @@ from twistarm.viewer.parts.arm_data import tool_path
 from twistarm.viewer.parts.player import MOST_POINTS, plots
 from twistarm.viewer.parts.show import Playback
 from twistarm.viewer.stage import Stage
-from viewer_page import Page
 
 ARM = ArmBuilder("one").revolute("a", [0, 0, 1], [0, 0, 0], lower=-3, upper=3).tool(np.eye(4)).build()
 # theta(t) = t until t = 2 s.
@@ -58,19 +57,14 @@ def test_played_at_the_end_it_starts_anew(standing: Stage) -> None:
     assert standing.playback.time == 0.0
 
 
-def test_paused_it_goes_on_from_where_it_was() -> None:
+def test_paused_it_goes_on_from_where_it_was_and_again_and_again_it_passes_the_end() -> None:
     at = Playback(LINE, speed=0.5)
-    at.play(10.0)
-    at.advance(11.0)
-    at.running = False
-    at.advance(12.0)
-    assert at.time == 0.5
-    at.play(20.0)
-    at.advance(21.0)
-    assert at.time == 1.0
-
-
-def test_again_and_again_it_passes_the_end() -> None:
+    for begin, end in ((10.0, 0.5), (20.0, 1.0)):
+        at.play(begin)
+        at.advance(begin + 1.0)
+        at.running = False
+        at.advance(begin + 2.0)
+        assert at.time == end
     at = Playback(LINE, loop=True)
     at.play(0.0)
     at.advance(5.5)
@@ -182,6 +176,7 @@ def test_a_turn_draws_its_arc_from_end_to_end() -> None:
 def test_configurations_in_their_order() -> None:
     drawn = tool_path(TURNER, [[0.0], [np.pi], [np.pi], [np.pi / 2]])
     assert_allclose(drawn["points"], [[0.3, 0, 0.4], [-0.3, 0, 0.4], [0, 0.3, 0.4]], atol=1e-6)
+    assert tool_path(TURNER, [[0.5], [0.5]])["points"] == [], "a tool that stays draws nothing"
 
 
 def test_a_long_way_is_drawn_by_400_points_and_ends_where_it_ends() -> None:
@@ -196,23 +191,7 @@ def test_a_long_way_is_drawn_by_400_points_and_ends_where_it_ends() -> None:
     assert np.linalg.norm(np.diff(moving, axis=0), axis=1).max() < 2 * 0.3 * np.pi / 2 / 399  # twice the mean speed
 
 
-def test_a_tool_that_stays_draws_nothing() -> None:
-    still = ArmBuilder("still").revolute("a", [0, 0, 1], TOOL[:3, 3]).tool(TOOL).build()
-    assert tool_path(still, [[0.0], [1.0], [2.0]])["points"] == []
-    assert tool_path(TURNER, [[0.5]])["points"] == []
-
-
 @pytest.mark.parametrize("motion", [[0.1], np.zeros((0, 1)), [[0.1, 0.2]], [[np.nan]], [[0.0], [1e9]], "up"])
 def test_what_is_no_motion(motion: object) -> None:
     with pytest.raises(InputError):
         tool_path(TURNER, motion)  # type: ignore[arg-type]
-
-
-def test_the_view_draws_it_and_takes_it_away() -> None:
-    with Viewer(TURNER, open_browser=False) as viewer:
-        viewer.show_path(TURN)
-        with Page(viewer) as page:
-            page.until(lambda: page.latest.get("path", {}).get("points", []) != [])
-            assert page.latest["path"] == {"type": "path", **tool_path(TURNER, TURN)}
-            viewer.show_path(None)
-            page.until(lambda: page.latest["path"]["points"] == [])

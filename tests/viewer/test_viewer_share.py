@@ -17,9 +17,10 @@ from twistarm.viewer import Viewer
 from twistarm.viewer.parts.arm_data import extra_joints
 from twistarm.viewer.scene.drawing import link_path
 from twistarm.viewer.scene.kinematics import kinematics
-from viewer_page import THETA, Page, get, matrix, stored, swing
+from viewer_page import Page, get, matrix, stored, swing
 
 ROUNDED = 1e-8  # Of joint values with nine decimals.
+LIVE = {"collision", "colliding", "controls", "work", "notice", "done"}
 
 
 def downloaded(viewer: Viewer) -> Any:
@@ -28,76 +29,47 @@ def downloaded(viewer: Viewer) -> Any:
     return stored(text)
 
 
-def assert_stands(arm: Arm, data: Any, told: Any, theta: Any) -> None:
-    """What is told of theta has every link, and the tool, where arm.poses has them."""
-    assert_allclose(told, theta, atol=ROUNDED)
-    nodes, poses = placed(data["kinematics"], [*told, *data["others"].values()]), arm.poses(theta, data["others"])
-    for name, path in {**data["links"], arm.tip: "/frames/tool"}.items():
-        assert_allclose(nodes[path], poses[name], atol=ROUNDED, err_msg=name)
-
-
-def load_paused(viewer: Viewer, motion: Trajectory, time: float) -> None:
-    viewer.play(motion, speed=0.5, loop=True)
-    with Page(viewer) as page:
-        page.ask(type="seek", time=time)
-
-
-def test_the_page_has_every_joint_and_layer_as_it_stands(arm: Arm, viewer: Viewer) -> None:
-    with Page(viewer) as page:
-        page.ask(type="joint", name="finger", value=0.03)
-    viewer.show_frames(False)
-    data = downloaded(viewer)
-    assert data["others"] == {"finger": 0.03}
-    assert data["visible"]["frames"] is False
-    assert data["visible"]["screws"] is True
-    assert data["samples"]["times"] == [0.0]
-    assert_stands(arm, data, data["samples"]["theta"][0], THETA)
-    assert data["player"] is data["aside"] is None
-
-
-def test_the_page_has_the_motion_and_the_moment_and_pace_of_it(arm: Arm, viewer: Viewer) -> None:
+def test_the_page_is_told_what_a_page_of_the_view_is_told(arm: Arm, viewer: Viewer, tmp_path: Path) -> None:
     motion = swing(arm)
-    load_paused(viewer, motion, 0.25)
-    data = downloaded(viewer)
-    assert data["player"] == {"time": 0.25, "running": False, "speed": 0.5, "loop": True}
-    assert data["aside"] is None
-    samples = data["samples"]
-    assert samples["times"][0] == 0.0
-    assert samples["times"][-1] == motion.duration
-    assert np.diff(samples["times"]).max() < 1 / 29
-    for k in (0, 7, len(samples["times"]) // 2, -1):
-        assert_stands(arm, data, samples["theta"][k], motion(samples["times"][k]))
-
-
-def test_the_page_has_the_poses_of_the_arm_and_those_recorded(arm: Arm, viewer: Viewer) -> None:
+    viewer.play(motion, speed=0.5, loop=True)
+    viewer.show_frames(False)
     with Page(viewer) as page:
-        for name in ("mine", "zero"):
-            page.ask(type="record", name=name)
-    poses = downloaded(viewer)["poses"]
-    assert list(poses) == ["zero", "ready", "mine", "zero (recorded)"]
-    assert poses["zero"] == [0.0, 0.0, 0.0]
-    assert poses["mine"] == poses["zero (recorded)"] == list(THETA)
+        page.ask(type="seek", time=0.25)
+        page.ask(type="joint", name="finger", value=0.03)
+        page.ask(type="record", name="mine")
+        page.until(lambda: page.latest["findings"]["note"] == "")
+        page.until(lambda: "history" in page.latest and page.latest["history"]["undo"] is not None)
+        data = downloaded(viewer)
+        live = {kind: message for kind, message in page.latest.items() if kind not in LIVE}
+    assert {kind: message for kind, message in data.items() if kind in live} == live
+    assert data["frame"] | data["player"] | {"type": ""} == {
+        "type": "", "theta": motion(0.25).tolist(), "others": {"finger": 0.03}, "time": 0.25, "running": False,
+        "rates": motion(0.25, 1).tolist(), "duration": motion.duration, "speed": 0.5, "loop": True,
+    }  # fmt: skip
+    assert data["hello"]["arm"]["poses"]["zero"] == [0.0, 0.0, 0.0]
+    times, theta, rates = (np.array(data["motion"][what]) for what in ("times", "theta", "rates"))
+    assert times[[0, -1]].tolist() == [0.0, motion.duration]
+    assert np.diff(times).max() < 1 / 29
+    assert_allclose(theta, motion(times), atol=ROUNDED)
+    assert_allclose(rates, motion(times, 1), atol=ROUNDED)
+    assert stored(viewer.save_html(tmp_path / "a.html").read_text()) == data
 
 
-def test_a_motion_that_runs_goes_on_from_where_it_is(arm: Arm, viewer: Viewer) -> None:
+def test_a_motion_runs_on_and_one_of_its_own_from_its_start(arm: Arm, viewer: Viewer, tmp_path: Path) -> None:
     viewer.play(swing(arm), loop=True)
-    data = downloaded(viewer)
-    assert data["player"]["running"] is True
-    assert data["aside"] is None
-
-
-def test_save_html_writes_the_same_and_a_motion_of_its_own_if_given(arm: Arm, viewer: Viewer, tmp_path: Path) -> None:
-    load_paused(viewer, swing(arm), 0.25)
-    assert stored(viewer.save_html(tmp_path / "a.html").read_text()) == downloaded(viewer)
+    with Page(viewer) as page:
+        page.ask(type="record", name="mine")
+    assert downloaded(viewer)["frame"]["running"] is True
     other = Trajectory(
         arm.joint_names, arm.units, [[0, 0, 0], [0.5, 0, 0]], [0, 1], [0, 1], np.array([[[0.5, 0, 0]], [[0, 0, 0]]])
     )
     data = stored(viewer.save_html(tmp_path / "a.html", other).read_text())
-    assert data["player"] == {"time": 0.0, "running": True, "speed": 1.0, "loop": False}
-    assert_allclose(np.array(data["samples"]["theta"])[:, 0], 0.5 * np.array(data["samples"]["times"]), atol=ROUNDED)
-    way = arm.fk(np.array(data["samples"]["theta"]))[:, :3, 3]
+    assert (data["frame"]["time"], data["frame"]["running"], data["player"]["loop"]) == (0.0, True, False)
+    assert [pose["name"] for pose in data["program"]["poses"]] == ["mine"]
+    theta = np.array(data["motion"]["theta"])
+    assert_allclose(theta[:, 0], 0.5 * np.array(data["motion"]["times"]), atol=ROUNDED)
     drawn = np.array(data["path"]["points"])
-    assert_allclose(np.linalg.norm(drawn[:, None] - way, axis=-1).min(axis=1), 0.0, atol=0.01)
+    assert_allclose(np.linalg.norm(drawn[:, None] - arm.fk(theta)[:, :3, 3], axis=-1).min(axis=1), 0.0, atol=0.01)
 
 
 def test_the_download_is_named_after_the_arm(viewer: Viewer) -> None:

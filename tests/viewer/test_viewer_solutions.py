@@ -45,12 +45,14 @@ def test_every_step_meets_the_target_elsewhere(arm: Arm, kind: str) -> None:
     message, _ = told(stage)
     inside = [i for i, place in enumerate(message["places"]) if not place["beyond"]]
     assert inside
+    assert len(message["theta"]) == len(message["places"])
     wanted, _, _ = arm.by_pinocchio(theta)
     stood = []
     for place in inside:
         ask(stage, "solution", place=place, ease=False)
         assert told(stage)[1] == place
         assert arm.limits.contains(stage.theta)
+        assert_array_equal(message["theta"][place], stage.theta)
         g, _, _ = arm.by_pinocchio(stage.theta)
         assert_allclose(g[:3, 2:], wanted[:3, 2:], atol=1e-8)
         assert kind != "pose" or np.abs(g - wanted).max() < 1e-8
@@ -76,18 +78,6 @@ def test_beyond_the_limits_the_arm_does_not_go() -> None:
     assert (float(value.rstrip("°")) > float(limit.rstrip("°"))) == (sign == ">")
 
 
-def test_ghosts_stand_where_the_links_do() -> None:
-    stage = asked(ELBOW)
-    message, at = told(stage)
-    assert at == 0, "the arm stands at the nearest"
-    places = range(len(message["places"]))
-    for place in [i for i in places if not message["places"][i]["beyond"]]:
-        ask(stage, "solution", place=place, ease=False)
-        frame = stage.frame()["transforms"]
-        for path, matrix in message["ghosts"][place].items():
-            assert_allclose(matrix, frame[path], atol=1e-12)
-
-
 def test_what_moves_the_arm_otherwise_lets_them_go() -> None:
     stage = asked(ROVER, "approach")
     kept, _ = told(stage)
@@ -109,7 +99,7 @@ def test_none_is_an_answer() -> None:
     done(ask(stage, "solutions", kind="position", position=[9.0, 0.0, 0.0], xyzw=[0, 0, 0, 1]))
     message, at = told(stage)
     assert message["asked"]
-    assert message["places"] == message["ghosts"] == []
+    assert message["places"] == message["theta"] == []
     assert "that is certain" in message["words"]
     assert at is None
     with pytest.raises(InputError, match="xyzw must be a quaternion of length 1"):

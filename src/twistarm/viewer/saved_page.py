@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import base64
+import gzip
 import hashlib
 import json
 import os
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cache
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -18,103 +20,67 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm
+from ..arm.usual_limits import defaults_line
 from ..planning.trajectory import Trajectory
-from ..support.checks import Array, as_positive
+from ..support.checks import as_positive
 from ..support.files import writable, write_whole
 from ..support.strict_json import encode
-from .messages import Message
-from .parts.arm_data import PENDING, check_trajectory, describe_arm, doctor_findings, named_poses, tool_path
-from .parts.player import plots
-from .parts.show import Playback
-from .parts.theory import axes, most_moved, numbers
+from .messages import SCHEMA, Message
+from .parts.arm_data import PENDING, check_trajectory, doctor_findings, tool_path
 from .scene.arm_drawing import Drawing
-from .scene.kinematics import kinematics
 from .stage import Stage
 
-PLAYED = ("time", "running", "speed", "loop")  # State of a playback that the page continues.
-SAME = 1e-9  # An arm within this [rad, m] of a trajectory's theta is on the trajectory.
 SAMPLE_TIME = 1.0 / 30.0  # Time between samples [s]. The page interpolates between them.
-MOST_SAMPLES = 2000  # Most samples of a motion, which keep the file within a megabyte.
+MOST_SAMPLES = 2000  # Most samples of a motion, which keep the file within two megabytes.
 DECIMALS = 9  # Decimals of values in rad and m.
-MOST_NUMBERS = 250  # Most samples with numbers of the theory: some 600 kB for seven joints.
-
-NUMBERS_PER_SECOND = 15.0
-
-NUMBER_DECIMALS = 6
+LIVE = ("collision", "colliding", "controls")  # Messages that hold only while a process checks and listens.
 
 
 @dataclass(frozen=True)
 class SceneSnapshot:
-    """`arm` at theta (n,) [rad, m] with its other joints, drawn as `drawing`, and the visible layers.
-
-    `playback` is the motion that the page plays and its start time, or None. `findings` is their message, or None
-    before the doctor has run. `recorded` holds poses by name, `obstacles` and `shapes` what is drawn of a scene, and
-    `reach` what is drawn of a map. `drawings` are the messages of a program's drawings.
-    """
+    """What the pages of `arm` are told: `hello`, the messages by type and node, the drawing, and the motion on show."""
 
     arm: Arm
     drawing: Drawing
-    theta: Array
-    others: Mapping[str, float]
-    visible: Mapping[str, bool]
-    path: Mapping[str, Any]
-    playback: Playback | None
-    findings: Message | None
-    recorded: Mapping[str, Array] = field(default_factory=dict)
-    obstacles: Sequence[Mapping[str, Any]] = ()
-    shapes: Sequence[Mapping[str, Any]] = ()
-    reach: Message | None = None
-    drawings: Sequence[Message] = ()
+    hello: Message
+    messages: Mapping[str, Message]
+    motion: Trajectory | None
+
+    def saying(self, *messages: Message) -> SceneSnapshot:
+        """A copy with these messages in place of those of the same type."""
+        return replace(self, messages={**self.messages, **{message["type"]: message for message in messages}})
 
     def playing(self, trajectory: Trajectory) -> SceneSnapshot:
-        """A copy with `trajectory` and its path, playing from the start.
+        """A copy with `trajectory` and its path, playing from the start as soon as somebody looks.
 
         Raises InputError for another arm's trajectory.
         """
         check_trajectory(self.arm, trajectory)
-        playback = Playback(trajectory, running=True)
-        return replace(self, playback=playback, path=tool_path(self.arm, trajectory))
+        stage = Stage(self.arm)
+        stage.load(trajectory).play(0.0)
+        stage.draw_path(tool_path(self.arm, trajectory))
+        told = {message["type"]: message for message in stage.messages()}
+        told["program"] = {**told["program"], "poses": self.messages["program"]["poses"]}
+        told["frame"] = {**self.messages["frame"], "time": 0.0, "running": True}
+        moved = (told[kind] for kind in ("player", "plots", "path", "program", "frame"))
+        return replace(self.saying(*moved), motion=trajectory)
 
-    def data(self) -> dict[str, Any]:
-        """The data for standalone.js.
-
-        `aside` is the arm's configuration if it is not on the motion.
+    def data(self, zipped: bool = True) -> dict[str, Any]:
+        """The data for process.js: what a page is told, the motion's samples, and a note about the servo's limits.
 
         It may run in any thread, because it does not touch the stage. It reads remaining meshes and runs the doctor if
         needed.
         """
-        at, drawing = self.playback, self.drawing.whole()
-        # A user may have moved the arm away from its motion.
-        on_motion = at is not None and (at.running or bool(np.abs(at.theta() - self.theta).max() < SAME))
-        skipped = drawing.live | {b""}
-        still = {"times": [0.0], "theta": [self.theta.tolist()]}
+        drawing, told = self.drawing.whole(), {k: it for k, it in self.messages.items() if it["type"] not in LIVE}
+        if PENDING in told["findings"]["note"] and not told["servo"]["driven"]:
+            told["findings"] = doctor_findings(self.arm)
         return {
-            "arm": describe_arm(self.arm),
-            "links": drawing.links,
-            "visible": dict(self.visible),
-            "path": dict(self.path),
-            "kinematics": kinematics(self.arm, list(self.others)),
-            "others": dict(self.others),
-            "poses": self._poses(),
-            "samples": still if at is None else _moving(at.trajectory),
-            "aside": None if at is None or on_motion else self.theta.tolist(),
-            "plots": plots(self.arm, None if at is None else at.trajectory),
-            "player": None if at is None else {name: getattr(at, name) for name in PLAYED},
-            "objects": [base64.b64encode(part).decode("ascii") for part in drawing.objects if part not in skipped],
-            "obstacles": self.obstacles,
-            "shapes": self.shapes,
-            "reach": self.reach,
-            "drawings": self.drawings,
-            "notes": drawing.notes,
-            "theory": sampled_theory(self.arm, self.theta, None if at is None else at.trajectory),
-            "findings": doctor_findings(self.arm) if self.findings is None else self.findings,
+            "hello": self.hello,
+            "messages": [drawing.message(), *told.values()],
+            "motion": None if self.motion is None else _samples(self.motion),
+            "note": f"{defaults_line(self.arm)}; no collisions are checked".removeprefix("; "),
+            "objects": _packed(_joined(drawing.objects), zipped),
         }
-
-    def _poses(self) -> dict[str, list[float]]:
-        """Poses that the page can go to, by name: the arm's and the recorded ones."""
-        named = {name: theta.tolist() for name, theta in named_poses(self.arm).items()}
-        own = {f"{name} (recorded)" if name in named else name: theta.tolist() for name, theta in self.recorded.items()}
-        return named | own
 
 
 def of_arm(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | None = None) -> SceneSnapshot:
@@ -124,63 +90,42 @@ def of_arm(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | No
 
 
 def on_show(stage: Stage, drawing: Drawing) -> SceneSnapshot:
-    """What the pages of a live view show now, and the loaded motion.
+    """What the pages of a live view are told now, and the loaded motion.
 
     Call it in the stage's thread.
-
-    The findings are those of the pages, unless the doctor has not run yet.
     """
-    playback = stage.playback
-    unexamined = PENDING in stage.findings["note"] and not stage.driven
-    return SceneSnapshot(
-        stage.arm,
-        drawing,
-        stage.theta.copy(),
-        stage.others,
-        {layer: on for layer, (on, _) in stage.visible.items()},
-        stage.path,
-        None if playback is None else replace(playback),
-        None if unexamined else stage.findings,
-        stage.poses.named(),
-        stage.collisions.drawn,
-        stage.collisions.shapes,
-        stage.reach.drawn if stage.visible["reach"][0] or "reach" in stage.needed else None,
-        [*stage.drawings.values()],
-    )
+    told = {message["type"] + message.get("node", ""): message for message in stage.messages()}
+    if not (stage.visible["reach"][0] or "reach" in stage.needed):
+        told.pop("reach", None)
+    motion = None if stage.playback is None else stage.playback.trajectory
+    return SceneSnapshot(stage.arm, drawing, stage.hello(drawing.links), told, motion)
 
 
-def _moving(trajectory: Trajectory) -> dict[str, Any]:
-    """times (k,) [s] and theta (k, n): `trajectory` from its start to its end."""
-    duration = float(trajectory.duration)
+def _samples(motion: Trajectory) -> dict[str, Any]:
+    """times (k,) [s], theta and rates (k, n): `motion` from its start to its end."""
+    duration = float(motion.duration)
     count = min(MOST_SAMPLES, max(2, 1 + int(np.ceil(duration / SAMPLE_TIME))))
     times = np.linspace(0.0, duration, count if duration > 0.0 else 1)
-    return {"times": times.tolist(), "theta": np.round(trajectory(times), DECIMALS).tolist()}
+    theta, rates = (np.round(motion(times, order), DECIMALS).tolist() for order in (0, 1))
+    return {"times": times.tolist(), "theta": theta, "rates": rates}
 
 
-def sampled_theory(arm: Arm, theta: Array, trajectory: Trajectory | None) -> dict[str, Any]:
-    """The axes, times (k,) [s], the numbers at each, and `aside`, those at the shown theta (n,).
+def _joined(objects: Sequence[bytes]) -> bytes:
+    """The drawing's objects, each after its length. Meshcat's random names become numbers.
 
-    `moved`: the joint that is fastest at that moment, metres measured in the reach.
+    So an arm's meshes always have the same text.
     """
-    there = _rounded({"moved": 0, **numbers(arm, theta)})
-    if trajectory is None:
-        return {"axes": axes(arm), "times": [0.0], "numbers": [there], "aside": there}
-    duration = float(trajectory.duration)
-    times = np.linspace(0.0, duration, min(MOST_NUMBERS, 2 + int(duration * NUMBERS_PER_SECOND)))
-    found = []
-    for at, rates in zip(trajectory(times), trajectory(times, 1), strict=True):
-        found.append(_rounded({"moved": most_moved(arm, rates), **numbers(arm, at, rates)}))
-    return {"axes": axes(arm), "times": _rounded(times.tolist()), "numbers": found, "aside": there}
+    numbers: dict[bytes, bytes] = {}
+
+    def numbered(found: re.Match[bytes]) -> bytes:
+        return numbers.setdefault(found[0], b"00000000-0000-0000-0000-%012x" % len(numbers))
+
+    plain = [re.sub(RANDOM_NAME, numbered, each) for each in objects if each]
+    return b"".join(len(each).to_bytes(4, "big") + each for each in plain)
 
 
-def _rounded(value: Any) -> Any:
-    """`value` with every float in it to `NUMBER_DECIMALS`; what is whole is written so."""
-    if isinstance(value, float):
-        near = round(value, NUMBER_DECIMALS)
-        return int(near) if near.is_integer() else near
-    if isinstance(value, dict):
-        return {name: _rounded(each) for name, each in value.items()}
-    return [_rounded(each) for each in value] if isinstance(value, list) else value
+def _packed(data: bytes, zipped: bool = True) -> str:
+    return base64.b64encode(gzip.compress(data, mtime=0) if zipped else data).decode("ascii")
 
 
 # the page --------------------------------------------------------------------------------------------
@@ -223,7 +168,9 @@ STATE = '<script type="application/json" id="state">{}</script>'
 
 RANDOM_NAME = rb"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}"
 
-POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
+POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; style-src 'unsafe-inline'; img-src data: blob:"
+)
 
 
 def save_html(
@@ -252,26 +199,30 @@ def page_html(arm: Arm, theta: ArrayLike | None = None, *, trajectory: Trajector
     return stand_alone(of_arm(arm, trajectory, theta))
 
 
-def stand_alone(shown: SceneSnapshot) -> str:
-    """index.html with its style, its scripts and what is shown inlined."""
+def stand_alone(shown: SceneSnapshot, zipped: bool = True) -> str:
+    """index.html with its style, its scripts, the core and what is shown inlined.
+
+    Where it is not `zipped`, the page stands at once: a headless browser that draws it waits for no other thread.
+    """
     meshcat = f"<script>{_inline(meshcat_bundle())}</script>"
-    return _page(
-        shown.arm.name, shown.data(), POLICY, meshcat, f'<script type="module">\n{_inline(_program())}</script>'
-    )
+    core = f'<script type="text/plain" id="core">{packed_core(zipped)}</script>'
+    program = f'<script type="module">\n{_inline(_program())}</script>'
+    return _page(shown.arm.name, shown.data(zipped), POLICY, meshcat, f"{core}\n{program}")
 
 
 def beside(shown: SceneSnapshot) -> tuple[str, dict[str, str]]:
     """The page for a folder with many pages, and the scripts beside it by name.
 
-    All pages share Meshcat's code and ours. All pages of an arm share its meshes. The page's policy runs only the
-    scripts that it names, also when opened from disk.
+    All pages share Meshcat's code, ours and the core. All pages of an arm share its meshes. The page's policy runs only
+    the scripts that it names, also when opened from disk.
     """
     data = shown.data()
-    objects = f"globalThis.twistarmObjects = {json.dumps(_numbered(data.pop('objects')))};"
+    objects = f"globalThis.twistarmObjects = {json.dumps(data.pop('objects'))};"
     digest = hashlib.sha256(objects.encode()).hexdigest()[:12]
     scripts = {
         "meshcat.js": meshcat_bundle(),
         "view.js": f'"use strict";\n{_program()}',
+        "core.js": f"globalThis.twistarmCore = {json.dumps(packed_core())};",
         f"meshes_{digest}.js": objects,
     }
     nonce = hashlib.sha256(encode(data).encode()).hexdigest()[:24]
@@ -280,17 +231,6 @@ def beside(shown: SceneSnapshot) -> tuple[str, dict[str, str]]:
         f'<script defer src="{name}" nonce="{nonce}"></script>' for name in ("meshcat.js", *list(scripts)[:0:-1])
     )
     return _page(shown.arm.name, data, policy, first, "\n".join(rest)), scripts
-
-
-def _numbered(objects: list[str]) -> list[str]:
-    """Replace Meshcat's random names by numbers, so that an arm's meshes always have the same text."""
-    numbers: dict[bytes, bytes] = {}
-
-    def numbered(found: re.Match[bytes]) -> bytes:
-        return numbers.setdefault(found[0], b"00000000-0000-0000-0000-%012x" % len(numbers))
-
-    plain = (re.sub(RANDOM_NAME, numbered, base64.b64decode(each)) for each in objects)
-    return [base64.b64encode(each).decode("ascii") for each in plain]
 
 
 def _page(name: str, data: Mapping[str, Any], policy: str, meshcat: str, program: str) -> str:
@@ -319,17 +259,23 @@ def _style(link: re.Match[str]) -> str:
 
 
 def _program() -> str:
-    """The modules in one script, because a file from disk cannot import any. Each module has a separate scope."""
-    return "\n".join(scoped(name) for name in modules("standalone.js"))
+    """The modules in one script, because a file from disk cannot import any. Each has a separate scope; main waits."""
+    *parts, main = modules("main.js")
+    schema = f"globalThis.twistarmSchema = {json.dumps(SCHEMA)};"
+    return "\n".join([schema, *map(scoped, parts), f"(async () => {{\n{_local(main)}\n}})();"])
 
 
 def scoped(name: str) -> str:
     """A module as a constant that holds what it exports."""
-    text = page_text(name)
-    text = re.sub(r'^import (.*) from "\./(.*)\.js";$', r"const \1 = of_\2;", text, flags=re.MULTILINE)
-    text = re.sub(EXPORT, r"\1 \2", text, flags=re.MULTILINE)
     exported = ", ".join(found[1] for found in re.findall(EXPORT, page_text(name), flags=re.MULTILINE))
-    return f"const of_{name.removesuffix('.js')} = (() => {{\n{text}\nreturn {{ {exported} }};\n}})();"
+    return f"const of_{name.removesuffix('.js')} = (() => {{\n{_local(name)}\nreturn {{ {exported} }};\n}})();"
+
+
+def _local(name: str) -> str:
+    """A module's text where other modules are constants, without indentation and lines of comments."""
+    text = re.sub(r"^\s*(//.*\n)?", "", page_text(name), flags=re.MULTILINE)
+    text = re.sub(r'^import (.*) from "\./(.*)\.js";$', r"const \1 = of_\2;", text, flags=re.MULTILINE)
+    return re.sub(EXPORT, r"\1 \2", text, flags=re.MULTILINE)
 
 
 def modules(name: str) -> list[str]:
@@ -343,6 +289,12 @@ def modules(name: str) -> list[str]:
 def page_text(name: str) -> str:
     """One of our own files as text."""
     return files(__package__).joinpath("page").joinpath(name).read_text(encoding="utf-8")
+
+
+@cache
+def packed_core(zipped: bool = True) -> str:
+    """The core for WebAssembly, packed for core.js."""
+    return _packed(files(__package__).joinpath("page").joinpath("arm.wasm").read_bytes(), zipped)
 
 
 def meshcat_bundle() -> str:

@@ -21,6 +21,7 @@ from ..planning.trajectory import Trajectory
 from ..support.errors import InputError, TwistarmError, shown
 from ..support.files import writable, write_whole
 from .parts.arm_data import loading_findings
+from .parts.player import NO_PLOTS
 from .saved_page import SceneSnapshot, of_arm, stand_alone
 
 BROWSERS = (
@@ -197,8 +198,9 @@ def png_of(size: tuple[int, int], show: Callable[[], SceneSnapshot]) -> bytes:
         wanted = f"width and height in whole pixels, {SMALLEST} to {LARGEST} each, as (1280, 720)"
         raise InputError(f"size must be {wanted}; got {shown(size)}")
     with browser_at_work("draw") as (browser, folder):
-        snapshot = replace(show(), playback=None)
-        page = stand_alone(replace(snapshot, findings=loading_findings(snapshot.arm)))
+        snapshot = show()
+        plain = snapshot.saying(NO_PLOTS, {**loading_findings(snapshot.arm), "note": ""})
+        page = stand_alone(replace(plain, motion=None), zipped=False)
         # Windows have a minimal width and frames: the page itself has this size.
         style = f"<style>body {{ width: {width}px; height: {height}px; }}</style>\n</head>"
         return draw(browser, write_whole(folder / "arm.html", page.replace("</head>", style, 1)), (width, height))

@@ -6,7 +6,6 @@ import os
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -88,7 +87,7 @@ def site_of(
         except TwistarmError as error:  # no browser, or one that does not draw: the next would take as long to fail
             drawn = False
             progress(f"drawings instead of pictures: {error}")
-        page, scripts = beside(replace(snapshot, findings=findings))
+        page, scripts = beside(snapshot.saying(findings))
         files |= {f"{name}.html": page, **scripts}
         alike = sum(each.name == arm.name for each in several[:number])
         card = cards[name.casefold()] = {
@@ -114,7 +113,8 @@ def _lines(card: Mapping[str, Any]) -> tuple[str, str]:
 
 def _picture(snapshot: SceneSnapshot) -> bytes:
     """The arm alone, without its axes."""
-    plain = replace(snapshot, visible=dict.fromkeys(snapshot.visible, False))
+    layers = {layer: [False, 0] for layer in snapshot.messages["visible"] if layer != "type"}
+    plain = snapshot.saying({"type": "visible", **layers})
     return png_of(PICTURE, lambda: plain)
 
 

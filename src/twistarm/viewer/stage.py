@@ -39,7 +39,7 @@ from .parts.show import NO_REPORT, Part, Route, Show
 from .parts.target import Choices, Solutions, TargetPart
 from .parts.theory import Theory
 from .scene.core_numbers import core_numbers
-from .scene.kinematics import Placement, kinematics
+from .scene.kinematics import kinematics
 
 
 class Stage(Show):
@@ -50,7 +50,6 @@ class Stage(Show):
     ) -> None:
         super().__init__(arm, theta)
         self.scene = scene
-        self._placement = Placement(arm)
         self._beside = beside
         self.findings = loading_findings(arm)
         self.program = Program(arm, self.poses)
@@ -206,13 +205,14 @@ class Stage(Show):
         ]
 
     def frame(self) -> Message:
-        """The current frame: the pose of every node, time and whether a motion runs."""
-        placed = self._placement.at(self.theta, self.others)
+        """The current frame: joint values [rad, m], time [s], whether a motion runs, and its rates."""
         return {
             "type": "frame",
-            **placed,
+            "theta": self.theta.tolist(),
+            "others": self.others,
             "time": 0.0 if self.playback is None else self.playback.time,
             "running": self.running,
+            "rates": self.rates,
         }
 
     def servo(self) -> Message:

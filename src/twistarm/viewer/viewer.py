@@ -54,7 +54,7 @@ class Viewer(Closeable):
     Without one, the pages make a scene when the layer Collision is first switched on.
 
     beside: another arm to compare. Each page draws it as a ghost or side by side and moves it by its own sliders. Its
-    joints can follow those of `arm` with the same name. `load` removes it, and saved pages leave it out.
+    joints can follow those of `arm` with the same name. `load` removes it.
 
     The view is a context manager. Every method may be called from any thread. Methods that move or show something
     return at once. `theta` and `recorded` wait at most a frame. `save_html`, `save_png` and `inline(static=True)` wait
@@ -266,8 +266,7 @@ class Viewer(Closeable):
         arm = self.arm
         if solutions is not None and require(solutions, AllSolutions, "solutions", "of solve_ik_all").arm is not arm:
             raise InputError("these are configurations of another arm: solve_ik_all(viewer.arm, …) gives this one's")
-        others = self._server.ask(lambda stage: dict(stage.others))
-        choices = None if solutions is None else choices_of(solutions, others)
+        choices = None if solutions is None else choices_of(solutions)
         self._server.driver.drop(MOVED)
         self._post("show", arm, lambda stage: stage.show_solutions(choices))
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -90,12 +89,14 @@ def scene(
     from ...viewer.saved_page import Inline, beside, of_arm, stand_alone
 
     shown = of_arm(arm, trajectory, theta)
-    if shown.playback is not None and trajectory is not None:
+    told = shown.messages
+    begins = theta if trajectory is None else trajectory(0.0)
+    shown = shown.saying(
         # Nobody looks yet: the reader plays it, from its beginning.
-        shown = replace(shown, playback=replace(shown.playback, running=False), theta=trajectory(0.0))
-    # No doctor is going to look, so nothing is said of one; where loading noted nothing, the page shows no findings.
-    findings = {**loading_findings(arm), "note": ""}
-    shown = replace(shown, findings=findings)
+        {**told["frame"], "theta": begins.tolist(), "running": False},
+        # No doctor is going to look, so nothing is said of one. Where loading noted nothing, the page shows none.
+        {**loading_findings(arm), "note": ""},
+    )
 
     def of_lesson(page: str) -> str:
         # Where there is little room, the panel is folded to what the lesson is about.

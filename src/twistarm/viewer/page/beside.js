@@ -1,29 +1,32 @@
 // A second arm to compare with the first, as a ghost in its place or at its side. Its own sliders move it.
 
 import { coloured } from "./arm_copy.js";
+import { Core } from "./core.js";
 import { $ } from "./element.js";
 import { corners } from "./framing.js";
 import { JointRow } from "./joint_row.js";
 import { soften } from "./link_tree.js";
-import { LocalArm } from "./local_arm.js";
 import { writeName } from "./names.js";
-import { signed } from "./units.js";
+import { shown, signed, span } from "./units.js";
 import { THREE } from "./view.js";
 
 const ROOT = "/beside"; // as in arm_scene.py
 const GHOST = 0.4; // opacity
 const APART = 1.5; // the bases of the two, in radii of the larger one
+const ROUNDING = 1e-6; // rad, m: a value may lie this far beyond a limit
 const BEHIND = 2; // units of depth: where both arms are, you see the first
 
 export class Beside {
-  /** @type {any} the second arm, or null */ arm;
+  /** @type {any} of the second arm, or null */ core;
   /** @type {Map<string, any>} its joints that have a name of the first arm's */ shared;
 
-  constructor({ view, panel, state }) {
+  constructor({ view, panel, state, module }) {
     this.view = view;
     this.panel = panel;
     this.state = state;
-    this.arm = null;
+    this.module = module;
+    this.core = null;
+    this.values = {}; // of its joints by name, and of those beside its chain
     this.rows = new Map();
     $("beside-apart").addEventListener("change", () => this.dress());
     $("beside-follow").addEventListener("change", () => this.placed(state.frame));
@@ -36,26 +39,22 @@ export class Beside {
     const told = JSON.stringify([arm, beside]);
     if (told === this.told) return;
     this.told = told;
-    this.arm = null;
+    this.core = null;
     this.rows.clear();
     $("beside").hidden = beside === null;
     if (beside !== null) this.build([...arm.joints, ...arm.others], beside);
   }
 
   build(theirs, beside) {
-    this.arm = new LocalArm({ ...beside, poses: {} }, {
-      moved: () => this.show(),
-      refuse: (words) => {
-        this.panel.showError(words);
-        this.show();
-      },
-    });
-    this.arm.theta = beside.theta;
+    this.core = new Core(this.module, beside);
+    this.names = beside.arm.joints.map(({ name }) => name);
+    this.values = { ...beside.others };
+    this.names.forEach((name, i) => { this.values[name] = beside.theta[i]; });
     const joints = [...beside.arm.joints, ...beside.arm.others.map((joint) => ({ ...joint, beside: true }))];
     this.shared = new Map(joints.filter(({ name, unit }) => theirs.some((each) => each.name === name && each.unit === unit)).map((joint) => [joint.name, joint]));
     for (const joint of joints) {
       this.rows.set(joint.name, new JointRow(joint, {
-        send: (value) => this.arm.joint(joint.name, value),
+        send: (value) => this.move(joint, value),
         complain: (text, box) => this.panel.complain(text, box),
         settle: (box) => this.panel.settle(box),
       }));
@@ -68,26 +67,28 @@ export class Beside {
   }
 
   placed(frame) {
-    if (!this.arm || !frame) return;
-    const { arm, shared } = this;
+    if (!this.core || !frame) return;
     const follows = $("beside-follow").checked;
-    for (const [name, row] of this.rows) row.disable(follows && shared.has(name));
-    if (follows) {
-      const first = { ...frame.others };
-      this.panel.names.forEach((name, i) => { first[name] = frame.theta[i]; });
-      const taken = (name, own) => (shared.has(name) ? clipped(first[name], shared.get(name)) : own);
-      arm.theta = arm.names.map((name, i) => taken(name, arm.theta[i]));
-      for (const name in arm.others) arm.others[name] = taken(name, arm.others[name]);
-    }
+    for (const [name, row] of this.rows) row.disable(follows && this.shared.has(name));
+    const first = { ...frame.others };
+    this.panel.names.forEach((name, i) => { first[name] = frame.theta[i]; });
+    for (const [name, joint] of follows ? this.shared : []) this.values[name] = clipped(first[name], joint);
+    this.show();
+  }
+
+  move(joint, value) {
+    const { name, unit, range } = joint;
+    if (Math.abs(value - clipped(value, joint)) <= ROUNDING) this.values[name] = value;
+    else this.panel.showError(`${name} = ${shown(value, unit)} is outside its limits ${span(range, unit)}`);
     this.show();
   }
 
   show() {
-    const { theta, others, transforms, tool } = this.arm.frame(this.arm.theta);
+    const { core, values } = this;
+    const { transforms, tool } = core.place(this.names.map((name) => values[name]), values);
     const below = Object.entries(transforms).filter(([path]) => path.startsWith("/arm/"));
     this.view.place(Object.fromEntries(below.map(([path, matrix]) => [ROOT + path, matrix])));
-    this.arm.names.forEach((name, i) => this.rows.get(name).show(theta[i]));
-    for (const name in others) this.rows.get(name).show(others[name]);
+    for (const [name, row] of this.rows) row.show(values[name]);
     const { position } = this.state.frame.tool;
     const apart = Math.hypot(...position.map((value, i) => value - tool.position[i]));
     $("beside-tool").textContent = `Tool at ${tool.position.map((value) => signed(value, 3)).join(", ")} m, ${(1000 * apart).toFixed(0)} mm from the first one's`;
@@ -95,7 +96,7 @@ export class Beside {
 
   // A ghost where the first one's base is, or as it is drawn, beside the first.
   dress() {
-    if (!this.arm) return;
+    if (!this.core) return;
     const apart = $("beside-apart").checked;
     const node = this.view.node(ROOT);
     this.view.rim.give(node);

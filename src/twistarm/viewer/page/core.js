@@ -1,25 +1,24 @@
 // The compiled core in the page: kinematics, inverse kinematics, all configurations and the servo of an arm.
 
-import { bytes } from "./element.js";
-import { told } from "./kinematics.js";
+import { bytes, unzipped } from "./element.js";
 
 const KINDS = ["pose", "position", "approach"]; // of targets, in the core's order
 const TARGET = 23; // numbers of a target of any kind
 const FARTHEST = 1e6; // of a target [m]
 const LENGTH_TOL = 1e-3; // rounding of a quaternion's length, from decimal text
-const DEFAULTS = { position: 1e-5, orientation: 5e-5 }; // tolerances of solve_ik [m], [rad]
+export const DEFAULTS = { position: 1e-5, orientation: 5e-5 }; // tolerances of solve_ik [m], [rad]
 const SEARCHES = 100; // most searches of solve_ik
 const EXACT = 1e-9; // errors of a configuration of a closed form, whatever the tolerances are [m], [rad]
 const LONGEST_STEP = 0.1; // of a servo [s]
 const [MOVING, SINGULARITY, STALE] = [0, 1, 5]; // its causes, in the core's order
+const GIMBAL_LOCK = 1e-9; // cosine of the pitch from which on the yaw counts as 0
 const unpacked = (text) => new Float64Array(bytes(text).buffer);
 
 // The compiled module, of the saved page or of the server.
 export async function loaded() {
   const packed = document.getElementById("core")?.textContent ?? globalThis.twistarmCore;
   if (packed === undefined) return WebAssembly.compileStreaming(fetch("arm.wasm"));
-  const stream = new Blob([bytes(packed)]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return WebAssembly.compile(await new Response(stream).arrayBuffer());
+  return new WebAssembly.Module(await unzipped(packed)); // at once: who draws a picture waits for no other thread
 }
 
 export class Core {
@@ -62,7 +61,7 @@ export class Core {
     const x = [...this.checked(theta), ...this.arm.others.map(({ name }) => others[name])];
     const { many } = this.ask("poses", x, 16 * this.nodes.length);
     const transforms = Object.fromEntries(this.nodes.map((path, k) => [path, many(16 * k, 16)]));
-    return { transforms, tool: told(transforms["/frames/tool"]) };
+    return { transforms, tool: toolOf(transforms["/frames/tool"]) };
   }
 
   // The links alone, for a ghost.
@@ -187,4 +186,13 @@ function commanded(command) {
   if (rates) return [1, 0, rates];
   if (goal) return [3, 1, [...goal, ...velocity, ...speeds]];
   return [2, hold.reduce((flags, held, k) => flags + (held ? 2 << k : 0), Number(frame === "base")), twist];
+}
+
+// Position [m] and rpy [rad] of a pose by columns.
+function toolOf(g) {
+  const [r00, r10, r20, , r01, r11, , , r02, r12] = g;
+  const radius = Math.hypot(r00, r10);
+  const yaw = radius <= GIMBAL_LOCK ? 0 : Math.atan2(r10, r00);
+  const [c, s] = [Math.cos(yaw), Math.sin(yaw)];
+  return { position: g.slice(12, 15), rpy: [Math.atan2(s * r02 - c * r12, c * r11 - s * r01), Math.atan2(-r20, radius), yaw] };
 }

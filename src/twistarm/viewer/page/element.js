@@ -1,5 +1,7 @@
 // What the page is made of, and what it makes of itself.
 
+const GZIP = 0x1f; // its first byte, which begins neither the core nor drawings
+
 /** The element of that id, of whichever kind its tag is. @type {(id: string) => any} */
 export const $ = (id) => document.getElementById(id);
 
@@ -22,6 +24,13 @@ export function button(className, text, title, press) {
 // What is packed in base64.
 export function bytes(text) {
   return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+}
+
+// What is packed in base64, of gzip as a rule.
+export async function unzipped(text) {
+  const packed = bytes(text);
+  if (packed[0] !== GZIP) return packed.buffer;
+  return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
 }
 
 // A variable of the style sheet, such as a colour.

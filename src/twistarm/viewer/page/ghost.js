@@ -15,42 +15,41 @@ const WITHIN = { tool: CONE.from, base: 0.85 * RING.radius }; // px: how long a 
 const NAMED = { pose: [0, 1, 2], approach: [2], position: [] }; // the axes of which a target speaks
 
 export class Ghost {
-  constructor(view) {
+  constructor({ view, links }) {
     this.view = view;
-    this.late = null;
+    this.links = links;
+    /** @type {any} what is to be drawn with the next picture */ this.next = null;
     this.frame = new THREE.Group();
     this.arm = new ArmCopy(view, "--warn", ARM);
     this.axes = [];
     /** @type {any} where the target is */
     this.ball = null;
-    beforeRender(view, () => this.share());
+    beforeRender(view, () => {
+      if (this.next) this.draw(this.next);
+      this.share();
+    });
     view.viewer.scene.add(this.frame, this.arm.group);
     this.messages = { target: (message) => this.show(message) };
   }
 
   hello() {
-    this.clear();
-  }
-
-  // The arm stands, and its size is known.
-  placed() {
-    if (this.late) this.show(this.late);
-  }
-
-  clear() {
+    this.next = null;
     dispose(this.frame);
     this.arm.clear();
   }
 
   show(message) {
-    this.late = this.view.radius === undefined ? message : null;
-    if (this.late) return;
-    const { given, met, ghost } = message;
+    this.next = message;
+    this.view.viewer.set_dirty();
+  }
+
+  draw({ given, met, ghost }) {
+    this.next = null;
     if (ghost === null) this.arm.clear();
-    else this.arm.stand(ghost);
+    else this.arm.stand(this.links(ghost));
     dispose(this.frame);
     if (given !== null) this.drawFrame(given, met);
-    this.view.viewer.set_dirty();
+    for (const group of [this.frame, this.arm.group]) group.updateMatrixWorld(true); // the scene's are done for this picture
   }
 
   drawFrame({ kind, position, xyzw }, met) {

@@ -4,19 +4,18 @@ import { keep, kept } from "./storage.js";
 
 const FIRST = { screws: true, frames: true, path: true, collision: false, reach: false };
 const DRAWN = ["screws", "frames", "path", "collision"]; // nodes of the scene
-const NUMBERS = ["screw", "spatial_columns", "body_columns", "linear_ellipsoid", "angular_ellipsoid"];
 const KEPT = "twistarm layers";
 
 export class Layers {
-  // `act` holds shown(layers) for each change and, where there is a process, need(what) of what it makes for them.
+  // `act` holds shown(layers) for each change and need(what) of what the process makes for them.
   constructor(view, act) {
     this.view = view;
     this.act = act;
-    this.wanted = { theory: false, collision: false }; // beside what the layers need
+    this.looked = false; // at collisions, beside what the layers need
     this.needed = "";
     this.on = FIRST;
     this.told = {}; // by the program: [on, how often it has switched it]
-    if (act.need) Object.assign(this, JSON.parse(kept(KEPT, { session: true }) ?? "{}"));
+    Object.assign(this, JSON.parse(kept(KEPT, { session: true }) ?? "{}"));
     this.messages = { visible: ({ type, ...told }) => this.take(told) };
   }
 
@@ -34,24 +33,23 @@ export class Layers {
 
   show(changed) {
     this.on = { ...this.on, ...changed };
-    if (this.act.need) keep(KEPT, JSON.stringify({ on: this.on, told: this.told }), { session: true });
+    keep(KEPT, JSON.stringify({ on: this.on, told: this.told }), { session: true });
     for (const layer of DRAWN) this.view.setVisible(layer, Boolean(this.on[layer]));
     this.act.shown(this.on);
     this.ask();
   }
 
-  want(name, on) {
-    this.wanted[name] = on;
+  lookAtCollisions(on) {
+    this.looked = on;
     this.ask();
   }
 
   ask() {
     const { on } = this;
-    const theory = this.wanted.theory || NUMBERS.some((layer) => on[layer]);
-    const needed = { theory, collision: this.wanted.collision || on.collision, reach: on.reach };
+    const needed = { collision: this.looked || on.collision, reach: on.reach };
     if (JSON.stringify(needed) === this.needed) return;
     this.needed = JSON.stringify(needed);
-    this.act.need?.(needed);
+    this.act.need(needed);
   }
 
   remembered() {

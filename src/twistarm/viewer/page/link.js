@@ -7,6 +7,7 @@ const EACH = ["record", "reorder", "delete", "undo", "redo", "press"]; // reques
 
 export class Link {
   /** @type {WebSocket} */ socket;
+  kind = "live";
 
   // `on` holds message(object), object(bytes), status("live" | "offline"), idle(), refused().
   constructor(on) {

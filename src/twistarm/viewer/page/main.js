@@ -1,4 +1,4 @@
-// The live page: what the process says is shown, what the person does is asked for.
+// The page: what the process says is shown, what the person does is asked for. A saved page has a process inside.
 //
 // The page is made of parts. Each is given `page` and is a Part: it may have messages {type: function} that it shows,
 // hello(message) for an arm that is new to the page, layered(layers) after a layer was switched, placed(frame) after the
@@ -8,6 +8,7 @@ import { Beside } from "./beside.js";
 import { Collision } from "./collision.js";
 import { Controls } from "./controls.js";
 import { copyTheta } from "./copying.js";
+import { Core, loaded } from "./core.js";
 import { Cube } from "./cube.js";
 import { Drawings } from "./drawings.js";
 import { $, $$ } from "./element.js";
@@ -25,11 +26,13 @@ import { LinkDrag } from "./link_drag.js";
 import { LinkNames } from "./link_names.js";
 import { LinkTree } from "./link_tree.js";
 import { Notice } from "./notice.js";
+import { restore } from "./page_state.js";
 import { Panel } from "./panel.js";
 import { Path } from "./path.js";
 import { Player } from "./player.js";
 import { Plots } from "./plots.js";
 import { Presets } from "./presets.js";
+import { Process } from "./process.js";
 import { Program } from "./program.js";
 import { Progress } from "./progress.js";
 import { violation } from "./schema.js";
@@ -47,8 +50,12 @@ import { Work } from "./work.js";
 const QUIET = ["jog", "jog_joints", "needs"]; // asked again and again, or unseen: an error stays to be read
 const SILENCE = "The process has ended or does not answer. You can use the panel again when it answers.";
 const STRANGER = "The view was started anew: open the address that it printed.";
+const LACKING = "This browser cannot run the page, which needs WebAssembly and DecompressionStream. Open it with Firefox 115, Chrome or Edge 115, Safari 16.4, or a later one.";
+const AHEAD = ["target", "frame"]; // what is told here before the process tells it
 
-const schema = await (await fetch("schema.json")).json();
+const saved = $("data") && JSON.parse($("data").textContent); // where this is a saved page
+const described = globalThis.twistarmSchema ?? fetch("schema.json").then((file) => file.json());
+const [schema, module] = await Promise.all([described, loaded().catch(unsupported)]);
 const view = new View($("pane"));
 easeSoftware(view);
 /** @type {{hello: any, frame: any, fitted: boolean}} */
@@ -56,9 +63,10 @@ const state = { hello: null, frame: null, fitted: false };
 const said = {}; // the last message of each type
 let silence = SILENCE; // why nothing can be asked
 let refusal = ""; // of a motion, while the mark stands where it stops
+let ahead = false; // whether the page shows what it has asked for, until the process has answered
 
 const panel = new Panel({
-  joint: (name, value) => ask({ type: "joint", name, value }),
+  joint: moveJoint,
   pose: (name) => ask({ type: "pose", name, ease: eases() }),
   random: () => ask({ type: "random", ease: eases() }),
   copy: () => copyTheta(state.frame.theta),
@@ -89,20 +97,22 @@ const layers = new Layers(view, {
 });
 
 const keepers = () => ({ ...parts, view, panel }); // of how the page stands
-const page = { view, panel, jog, layers, state, ask, seek, keepers };
+const links = (theta) => (state.frame ? page.core.links(theta, state.frame.others) : {}); // where they would stand
+/** @type {any} */
+const page = { view, panel, jog, layers, state, module, core: null, links, ask, move, seek, keepers };
 const collision = new Collision(page);
 const parts = {
   tabs: new Tabs(),
   sight: new Sight((on) => ask({ type: "exact", on })),
-  links: new LinkTree(view, (on) => layers.want("collision", on)),
+  links: new LinkTree(view, (on) => layers.lookAtCollisions(on)),
   linkNames: new LinkNames(view),
   beside: new Beside(page),
   notice: new Notice(),
   jogging: new JogPanel(page),
   target: new Target(page),
   solutions: new Solutions(page, () => parts.target.wanted()),
-  ghost: new Ghost(view),
-  path: new Path(view),
+  ghost: new Ghost(page),
+  path: new Path(page),
   program: new Program(page),
   keeping: new Keeping(page),
   player: new Player({
@@ -123,7 +133,7 @@ const parts = {
   drawings: new Drawings(view),
   share: new Share(page),
   work: new Work(),
-  progress: new Progress((text) => panel.showStatus(text), look),
+  progress: new Progress((text) => panel.showStatus(text ?? link.kind), look),
 };
 Object.assign(parts, { drag: new LinkDrag({ view, panel, findings, names: parts.linkNames, theory: parts.theory }), layers });
 
@@ -148,6 +158,12 @@ function look() {
   state.fitted = parts.progress.complete;
 }
 
+// Without the compiled core there are no poses.
+function unsupported(error) {
+  Object.assign($("error"), { hidden: false, textContent: `${LACKING} (${error.message})` });
+  throw error;
+}
+
 // Whether it is asked.
 function ask(request) {
   const wrong = violation(schema.requests, request);
@@ -162,6 +178,22 @@ function seek(time) {
   return ask({ type: "seek", time });
 }
 
+// Show at once what was asked for: theta or others, and the target that the arm is moved to.
+function move(to, target) {
+  ahead = true;
+  if (target) tell({ type: "target", ...target });
+  tell({ ...state.frame, ...(to.theta && { running: false, rates: null }), ...to });
+}
+
+// A value beyond a limit is left to the process, which refuses it with the reason.
+function moveJoint(name, value) {
+  const [lower, upper] = panel.rows.get(name).joint.limits;
+  if (!ask({ type: "joint", name, value }) || value < (lower ?? -Infinity) || value > (upper ?? Infinity)) return;
+  const i = panel.names.indexOf(name);
+  const { theta, others } = state.frame;
+  move(i < 0 ? { others: { ...others, [name]: value } } : { theta: theta.with(i, value) });
+}
+
 // Nobody was asked: all stands as the process left it.
 function takeBack() {
   show({ type: "error", message: silence });
@@ -174,6 +206,10 @@ function putBack() {
   panel.release();
   parts.controls.release();
   if (!state.frame) return;
+  if (ahead) {
+    ahead = false;
+    for (const type of AHEAD) tell(said[type]);
+  }
   parts.scene.release();
   panel.show(state.frame);
   parts.player.release();
@@ -182,6 +218,8 @@ function putBack() {
 const receive = {
   hello(message) {
     Object.assign(state, { hello: message, frame: null });
+    page.core = new Core(module, message);
+    ahead = false;
     findings.choose(null);
     view.clear();
     panel.showError("");
@@ -190,12 +228,15 @@ const receive = {
     for (const part of allParts()) part.hello?.(message);
   },
   frame(message) {
-    state.frame = message;
-    view.place(message.transforms);
+    const frame = { ...message, ...page.core.place(message.theta, message.others) };
+    const first = state.frame === null;
+    state.frame = frame;
+    view.place(frame.transforms);
     highlight.follow();
-    panel.show(message);
+    panel.show(frame);
     look();
-    for (const part of allParts()) part.placed?.(message);
+    for (const part of allParts()) part.placed?.(frame);
+    if (first) for (const act of view.onDrawn) act(); // copies of the arm stand beside it
   },
   path({ points, ideal, stopped }) {
     panel.showPath(points.length + ideal.length > 0);
@@ -215,11 +256,15 @@ function show(message) {
   const wrong = violation(schema.messages, message);
   if (wrong) return panel.showError(`this page does not understand the process: ${wrong}; load it again`);
   said[message.type] = message;
+  if (!ahead || !AHEAD.includes(message.type)) tell(message);
+}
+
+function tell(message) {
   receive[message.type]?.(message);
   for (const part of allParts()) part.messages?.[message.type]?.(message);
 }
 
-const link = new Link({
+const on = {
   message: show,
   object(bytes) {
     view.draw(bytes);
@@ -232,6 +277,7 @@ const link = new Link({
     if (!gone) silence = SILENCE;
     panel.showError(gone ? silence : "");
     if (!gone) return;
+    if (ahead) putBack();
     jog.lose();
     for (const part of allParts()) part.offline?.();
   },
@@ -240,6 +286,13 @@ const link = new Link({
     silence = STRANGER;
     panel.showError(STRANGER);
   },
-});
+};
+/** @type {any} */
+const link = saved ? new Process(saved, module, on) : new Link(on);
+if (saved) {
+  await link.begin();
+  restore(keepers(), link.remembered(JSON.parse($("state").textContent)));
+  document.body.dataset.drawn = "";
+}
 
 globalThis.twistarm = { presets, cube, view, panel, collision, findings, highlight, jog, link, state, parts };

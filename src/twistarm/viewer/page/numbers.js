@@ -29,8 +29,8 @@ export class Numbers {
       new Table("J^b", "Jᵇ", "Body Jacobian, per rad or m of a joint", columns, titles, TWIST, ({ body }) => body),
       new Values("singular values", "Singular values", "Scaled by the reach", values, ({ singular_values }) => singular_values),
       new Values("ellipsoids", "Ellipsoids", "Semi-axes, directions in S", ellipsoids, ({ linear, angular }) => ({ linear, angular })),
-      new Values("joint screws", "Joint screws", "Axis, point [m], pitch; in S", (all) => screws(moving, all.axes ?? all.columns),
-        (all) => listed(moving, all.axes ?? all.columns)),
+      new Values("joint screws", "Joint screws", "Axis, point [m], pitch; in S", (all) => screws(moving, all.axes),
+        (all) => moving.map((name, i) => ({ name, ...all.axes[i] }))),
       new Values("instantaneous screw", "Instantaneous screw", "Joint or motion", (all, i) => instant(this.names, all, i),
         (all, i) => one(this.names, all, i)),
     ];
@@ -145,16 +145,14 @@ function ellipsoids(all) {
   return [...lines("linear", "m/s", all.linear), ...lines("angular", "rad/s", all.angular)];
 }
 
-function screws(names, { axis, point, pitch }) {
-  return names.flatMap((name, i) => [[name, `axis ${triple(axis[i])}`], [pitchWords(pitch[i]), pitch[i] === null ? "" : `point ${triple(point[i])}`]]);
-}
-
-function listed(names, { axis, point, pitch, magnitude }) {
-  return names.map((name, i) => ({ name, axis: axis[i], point: point[i], pitch: pitch[i], magnitude: magnitude[i] }));
+function screws(names, all) {
+  return all.flatMap(({ axis, point, pitch }, i) => [[names[i], `axis ${triple(axis)}`], [pitchWords(pitch), pitch === null ? "" : `point ${triple(point)}`]]);
 }
 
 function one(names, { motion, columns }, i) {
-  return i === null ? { ...listed(["motion"], motion.screw)[0], twist: motion.twist, velocity: motion.velocity } : listed(names, columns)[i];
+  if (i !== null) return { name: names[i], ...columns[i] };
+  const { screw, ...rest } = motion;
+  return { name: "motion", ...screw, ...rest };
 }
 
 function instant(names, all, i) {

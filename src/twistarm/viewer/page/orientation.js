@@ -1,8 +1,9 @@
 // Three ways to write an orientation in numbers, each nearest to the numbers before it.
 
-import { steady } from "./kinematics.js";
 import { THREE } from "./view.js";
 
+const POLE = 1e-5; // cosine of the pitch below which roll and yaw turn about one axis
+const TOUCHED = 0.5; // rad by which roll and yaw change at most where they stay
 const SAME = 1e-4; // rad, above the solver's tolerance
 const NEAR = 0.5; // rad, within which an angle goes on beyond half a turn
 
@@ -58,4 +59,18 @@ export function read(way, numbers) {
 export function means(way, numbers, quaternion) {
   const meant = read(way, numbers);
   return meant !== null && meant.angleTo(quaternion) < SAME;
+}
+
+// Of the two ways to say a rotation by roll, pitch and yaw the one in which roll and yaw stay near the `last`; at a
+// pitch of ±90°, where one of them is free, the yaw stays.
+function steady([roll, pitch, yaw], last) {
+  if (!last) return [roll, pitch, yaw];
+  if (Math.cos(pitch) < POLE) return [wrapped(roll + Math.sign(pitch) * (last[2] - yaw)), pitch, last[2]];
+  const other = [roll + Math.PI, Math.PI - pitch, yaw + Math.PI].map(wrapped);
+  const stays = (angles) => [0, 2].every((i) => Math.abs(wrapped(angles[i] - last[i])) < TOUCHED);
+  return stays(other) && !stays([roll, pitch, yaw]) ? other : [roll, pitch, yaw];
+}
+
+function wrapped(angle) {
+  return angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
 }

@@ -36,7 +36,7 @@ export class Panel {
     const [base, tip] = [arm.base, arm.tip].map((name) => cut(name, LONGEST));
     $("base-and-tip").textContent = `${arm.joints.length} joint${arm.joints.length === 1 ? "" : "s"}, ${base} → ${tip}`;
     $("base-and-tip").title = `${arm.base} → ${arm.tip}`;
-    this.buildButtons(arm.poses);
+    this.buildButtons(Object.keys(arm.poses));
     for (const row of this.rows.values()) row.box.abandon(); // what is typed is not for the arm that comes
     this.rows.clear();
     const rows = arm.joints.map((joint) => this.row(joint));

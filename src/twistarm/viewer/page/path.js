@@ -17,8 +17,10 @@ const STOPPED = 0.3;
 const NOTHING = { points: [], ideal: [], radius: 0, waypoints: [], ids: [], stopped: null };
 
 export class Path {
-  constructor(view) {
+  // `links(theta)`: where the links would stand.
+  constructor({ view, links }) {
     this.view = view;
+    this.links = links;
     this.data = NOTHING;
     this.lines = new THREE.Group();
     this.arms = [];
@@ -64,7 +66,7 @@ export class Path {
     for (const arm of this.arms) arm.remove();
     const stood = waypoints.filter((_, i) => this.listed?.includes(ids[i]) ?? true);
     const hit = waypoints.filter((_, i) => this.hit.includes(ids[i]));
-    this.arms = stood.map((transforms) => this.stood(transforms, ...(hit.includes(transforms) ? [STOP, STOPPED] : [IDEAL, POSE])));
+    this.arms = stood.map((theta) => this.stood(theta, ...(hit.includes(theta) ? [STOP, STOPPED] : [IDEAL, POSE])));
     if (stopped !== null) this.arms.push(this.stood(stopped.arm, STOP, STOPPED));
   }
 
@@ -85,9 +87,9 @@ export class Path {
     this.view.viewer.set_dirty();
   }
 
-  stood(transforms, colour, opacity) {
+  stood(theta, colour, opacity) {
     const arm = new ArmCopy(this.view, colour, opacity);
-    arm.stand(transforms);
+    arm.stand(this.links(theta));
     this.view.node("/path").add(arm.group);
     return arm;
   }

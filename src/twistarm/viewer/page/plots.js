@@ -5,7 +5,6 @@ import { $, button, element } from "./element.js";
 import { writeName } from "./names.js";
 import { Plot, reading, swatch } from "./plot.js";
 import { RATES, scaled, share, toolScaled, worded } from "./plot_scale.js";
-import { interpolated } from "./recording.js";
 import { keep, kept } from "./storage.js";
 import { figure, unitShown } from "./units.js";
 
@@ -162,4 +161,12 @@ function chip(name, title, press) {
   const made = Object.assign(button("", "", title, press), { ariaLabel: name });
   made.append(writeName(element("span", "name"), name, null));
   return made;
+}
+
+// The value at `time` of one that is `values[k]` at `times[k]`, linear between them.
+function interpolated(times, values, time) {
+  if (times.length < 2) return values[0];
+  const i = Math.max(0, Math.min(times.findLastIndex((moment) => moment <= time), times.length - 2));
+  const part = Math.max(0, Math.min(1, (time - times[i]) / (times[i + 1] - times[i])));
+  return values[i] + part * (values[i + 1] - values[i]);
 }

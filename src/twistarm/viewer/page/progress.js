@@ -9,7 +9,7 @@ export class Progress {
   bytes = 0;
   complete = false;
 
-  // `whole()` is called once everything is drawn, `say(text)` with what the header says of it.
+  // `whole()` is called once everything is drawn, `say(text)` with what the header says of it until then, null after that.
   constructor(say, whole) {
     this.say = say;
     this.whole = whole;
@@ -49,7 +49,7 @@ export class Progress {
     this.bar.firstElementChild.style.width = `${(100 * this.drawn) / total}%`;
     this.bar.title = `${this.drawn} of ${total} objects, ${(this.bytes / 1e6).toFixed(1)} MB`;
     this.bar.setAttribute("aria-valuetext", this.bar.title);
-    this.say(this.complete ? "live" : `${this.drawn} / ${total}`);
+    this.say(this.complete ? null : `${this.drawn} / ${total}`);
     if (this.complete) this.whole();
   }
 

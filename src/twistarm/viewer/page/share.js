@@ -17,10 +17,10 @@ const LOOKS = 12; // at the motion, before it is filmed
 const PATIENCE = 10000; // ms until a moment of the motion is on show
 const KEPT = "twistarm picture"; // width and height as typed, with a comma between them
 
-const STATE = 'id="state">{}'; // where export.py leaves room for it, ahead of all scripts
+const STATE = 'id="state">{}'; // where saved_page.py leaves room for it, ahead of all scripts
 
 export class Share {
-  // `page` holds the view, seek(time) and, where the page can be saved, keepers().
+  // `page` holds the view, seek(time) and keepers().
   constructor(page) {
     this.page = page;
     this.view = page.view;
@@ -35,7 +35,7 @@ export class Share {
       $(`picture-${side}`).value = typed[i];
       $(`picture-${side}`).addEventListener("keydown", ({ key }) => key === "Enter" && this.act(() => this.picture()));
     });
-    $("save-page")?.addEventListener("click", () => this.act(() => this.standAlone()));
+    $("save-page").addEventListener("click", () => this.act(() => this.standAlone()));
     $("save-picture").addEventListener("click", () => this.act(() => this.picture()));
     $("save-film").addEventListener("click", () => (this.films ? (this.stopped = true) : this.act(() => this.film())));
     $("share").addEventListener("toggle", () => this.open());

@@ -6,9 +6,9 @@ import { closable } from "./menu.js";
 const NARROW = matchMedia("(max-width: 720px)"); // as in phone.css
 
 export class Sight {
-  // `exact(on)` asks for all triangles of the meshes' files, null where nobody can be asked.
+  // `exact(on)` asks for all triangles of the meshes' files.
   constructor(exact) {
-    $("exact")?.addEventListener("change", ({ target }) => exact(target.checked));
+    $("exact").addEventListener("change", ({ target }) => exact(target.checked));
     closable($("sight"));
     const layers = $$("#switches > label:not(:has(#drag-tool))");
     const arrange = () => (NARROW.matches ? $("sight-menu").prepend(...layers) : $("sight").before(...layers));

@@ -13,12 +13,12 @@ const STATISTICS = /, \d+ of \d+ searches .*/;
 const CHOSEN = 0.45; // opacity of one beyond the limits, where the arm does not go
 
 export class Solutions {
-  // `page` holds view and ask(request); `wanted()` says what is to be met.
+  // `page` holds view, links(theta) and ask(request); `wanted()` says what is to be met.
   constructor(page, wanted) {
     this.page = page;
     this.wanted = wanted;
     this.places = [];
-    this.ghosts = [];
+    this.theta = [];
     this.arms = [];
     this.at = null;
     this.stands = null;
@@ -41,7 +41,7 @@ export class Solutions {
   }
 
   hello() {
-    this.show({ asked: false, places: [], words: "", ghosts: [] });
+    this.show({ asked: false, places: [], words: "", theta: [] });
   }
 
   press(event) {
@@ -62,10 +62,10 @@ export class Solutions {
     this.page.ask({ type: "solution", place, ease: eases() });
   }
 
-  show({ asked, places, words, ghosts }) {
+  show({ asked, places, words, theta }) {
     this.asked = asked;
     this.places = places;
-    this.ghosts = ghosts;
+    this.theta = theta;
     this.differ = new Set(places.map(({ free, beyond }) => (beyond.length > 0 ? places[0].free : free).join())).size > 1; // else the words say it
     $("solutions").hidden = !asked;
     const [, ...lines] = words.split("\n"); // the first says what is asked
@@ -96,13 +96,13 @@ export class Solutions {
   draw() {
     for (const arm of this.arms) arm.remove();
     this.arms = [];
-    const shown = $("solution-ghosts").checked ? this.ghosts : [];
-    for (const [i, transforms] of shown.entries()) {
+    const shown = $("solution-ghosts").checked ? this.theta : [];
+    for (const [i, theta] of shown.entries()) {
       if (i === this.stands) continue; // the arm itself
       const beyond = this.places[i].beyond.length > 0;
       const { colour, opacity } = beyond || this.hit.includes(i) ? BEYOND : INSIDE;
       const arm = new ArmCopy(this.page.view, colour, i === this.at ? CHOSEN : opacity, i);
-      arm.stand(transforms);
+      arm.stand(this.page.links(theta));
       this.page.view.node("/solutions").add(arm.group);
       this.arms.push(arm);
     }

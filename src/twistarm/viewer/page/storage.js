@@ -1,9 +1,9 @@
-// Choices kept in the browser's storage. A page without storage forgets them.
+// Choices kept in the browser's storage: of a window's session for one address. A page without storage forgets them.
 
 // The text under `name`; null where there is none. `session`: of this window alone.
 export function kept(name, { session = false } = {}) {
   try {
-    return (session ? sessionStorage : localStorage).getItem(name);
+    return session ? sessionStorage.getItem(here(name)) : localStorage.getItem(name);
   } catch {
     return null;
   }
@@ -11,8 +11,14 @@ export function kept(name, { session = false } = {}) {
 
 export function keep(name, text, { session = false } = {}) {
   try {
-    (session ? sessionStorage : localStorage).setItem(name, text);
+    if (session) sessionStorage.setItem(here(name), text);
+    else localStorage.setItem(name, text);
   } catch {
     // It holds as long as the page.
   }
+}
+
+// Files from disk share one storage.
+function here(name) {
+  return `${name} ${location.pathname}`;
 }

@@ -1,13 +1,14 @@
-// The tool dragged, or told where to be: a target, and inverse kinematics after it.
+// The tool dragged, or told where to be: a target, and inverse kinematics after it, solved here. The process takes the
+// answer, and tells it to every page.
 
 import { $ } from "./element.js";
 import { Gizmo } from "./gizmo.js";
 import { bare } from "./keys.js";
 import { PoseBoxes } from "./pose_boxes.js";
-import { poseOf, same, standing } from "./target_pose.js";
+import { poseOf, standing } from "./target_pose.js";
 import { keep, kept } from "./storage.js";
 import { Tolerances } from "./tolerances.js";
-import { Verdict } from "./verdict.js";
+import { Verdict, inWords } from "./verdict.js";
 import { THREE } from "./view.js";
 import { tell } from "./words.js";
 
@@ -16,24 +17,26 @@ const HINTS = {
   approach: "5 joints: not every pose is in reach, so the axis about which the tool rolls is pointed, and its turn about that is free.",
   position: "Fewer than 5 joints: the tool's position is met, and its orientation is free.",
 };
+const MANY = "This arm has more joints than a page solves for: move it by its sliders.";
 const FIRST = "Drag an arrow or a ring at the tool; G hides them.";
 const DRAGGED = "twistarm dragged"; // whether somebody has, on any page
 const PARALLEL = 0.999; // cosine from which a ring is about the axis that an approach points
-const LATE = 60; // ms that an answer takes at most where nothing is slow
-const LOST = 2000; // ms after which no answer is expected any more: the arm was moved by another hand
+const DRAGGED_SEARCHES = 1; // from where the arm stands: what is near it is met so, and what is missed takes no more time
+/** @type {any} */
+const NONE = { given: null, met: null, words: "", ghost: null };
 
 export class Target {
-  // `page` holds view, panel, state and ask(request).
+  // `page` holds view, panel, state, core, ask(request) and move(to, target).
   constructor(page) {
     this.page = page;
+    this.told = NONE; // of the target, by whichever page
     this.given = null;
     this.tool = null;
-    this.asked = null;
+    /** @type {any} the pose that a hand has dragged the tool to */
+    this.held = null;
     /** @type {any} */
     this.start = null;
     this.driven = false;
-    this.waiting = 0; // the picture before which nothing more is sent
-    this.newer = false; // whether what is asked was not sent yet
     this.gizmo = new Gizmo(page.view, {
       begin: () => this.begin(),
       move: (pose) => this.move(pose),
@@ -43,7 +46,7 @@ export class Target {
     });
     page.view.handles = this.gizmo;
     this.boxes = new PoseBoxes(page.panel.tool, {
-      send: (pose) => this.ask(pose),
+      send: (pose) => this.solve(pose),
       complain: (text, box) => page.panel.complain(text, box),
       settle: (box) => page.panel.settle(box),
     });
@@ -53,14 +56,13 @@ export class Target {
       target: (message) => this.show(message),
       tolerances: (message) => this.tolerances.show(message),
       servo: ({ driven }) => this.drive(driven),
-      error: () => this.settle(),
     };
     $("drag-tool").checked = matchMedia("(hover: hover) and (pointer: fine)").matches; // with a mouse
     this.listen();
   }
 
   listen() {
-    $("drag-tool").addEventListener("change", () => this.toggle());
+    $("drag-tool").addEventListener("change", () => this.arrange());
     $("target-axes").addEventListener("change", () => this.arrange());
     $("target-kind").addEventListener("change", () => this.choose());
     $("target-release").addEventListener("click", () => this.page.ask({ type: "release" }));
@@ -76,21 +78,12 @@ export class Target {
     if (event.code === "KeyG" && bare(event) && !$("drag-tool").disabled) $("drag-tool").click();
   }
 
-  toggle() {
-    this.arrange();
-    this.settle();
-  }
-
   // An arm that is new to the page.
   hello({ arm }) {
     $("target-kind").value = KINDS.filter(([least]) => arm.joints.length >= least)[0][1];
-    this.given = null;
-    this.tool = null;
-    this.asked = null;
-    this.newer = false;
     this.begun = this.kind;
-    this.verdict.show(null);
-    this.arrange();
+    this.tool = null;
+    this.show(NONE);
   }
 
   offline() {
@@ -101,7 +94,12 @@ export class Target {
   drive(driven) {
     this.driven = driven;
     if (driven) this.settle();
-    this.arrange();
+    else this.arrange();
+  }
+
+  // Whether the tool is for hands, or typed: a servo drives it, or it has more joints than are solved for here.
+  get shut() {
+    return this.driven || !this.page.core?.solves;
   }
 
   placed(frame) {
@@ -109,61 +107,47 @@ export class Target {
     this.arrange();
   }
 
-  // What the process says: the target of whichever page, whether it is met, and why not.
+  // The target of whichever page, whether it is met, and why not.
   show(message) {
+    this.told = message;
     this.given = message.given && { ...message.given, met: message.met };
-    const answered = !this.given || (this.asked && same(this.given, this.asked));
     this.verdict.show(message);
-    if (answered && !this.gizmo.motion) this.asked = null;
-    this.arrange();
-  }
-
-  // Nothing more comes of what was asked.
-  settle() {
-    if (this.gizmo.motion) return;
-    this.asked = null;
-    this.newer = false;
-    this.verdict.busy(false);
     this.arrange();
   }
 
   // by hand ------------------------------------------------------------------------------------------
 
   begin() {
-    this.start = { theta: this.page.state.frame.theta, given: this.given };
+    this.start = { theta: this.page.state.frame.theta, told: this.told };
     this.verdict.busy(true);
     keep(DRAGGED, "true");
   }
 
-  // At most one request for each picture, at once where none was sent since the last one.
   move(pose) {
-    this.asked = { kind: this.kind, ...pose };
-    this.newer = this.waiting !== 0;
-    if (!this.newer) this.send();
+    this.held = pose;
+    this.solve(pose, DRAGGED_SEARCHES);
   }
 
-  next() {
-    this.waiting = 0;
-    if (this.newer) this.send();
-  }
-
+  // What was missed in passing is looked for once more.
   end() {
+    const { held } = this;
+    this.settle();
+    if (held && this.given?.met === false) this.solve(held);
+  }
+
+  settle() {
+    this.held = null;
     this.verdict.busy(false);
-    if (this.newer) this.send();
+    this.arrange();
   }
 
   // Back to where it was.
   cancel() {
-    const { given, theta } = this.start;
-    const moved = this.asked !== null;
+    const moved = this.held !== null;
+    const { theta, told } = this.start;
     this.settle();
-    if (!moved) return;
-    if (given) {
-      const { kind, position, xyzw } = given;
-      this.page.ask({ type: "target", kind, position, xyzw });
-    } else {
-      this.page.ask({ type: "theta", theta });
-    }
+    if (moved && told.given) this.send(theta, told);
+    else if (moved && this.page.ask({ type: "theta", theta })) this.page.move({ theta }, NONE);
   }
 
   // What is to be met: the target given, or the tool as it stands.
@@ -179,37 +163,41 @@ export class Target {
 
   // The target that is given, asked for once more.
   again() {
-    if (this.given && !this.driven) this.ask(standing(this.given, this.tool));
+    if (this.given && !this.shut) this.solve(standing(this.given, this.tool));
   }
 
-  ask(pose) {
-    this.asked = { kind: this.kind, ...pose };
-    this.send();
+  // `searches`: at most so many; usually as many as solve_ik takes.
+  solve({ position, quaternion }, searches) {
+    const { core, state } = this.page;
+    const given = { kind: this.kind, position: position.toArray(), xyzw: quaternion.toArray() };
+    const { theta } = state.frame;
+    let found;
+    try {
+      found = core.solve(given, theta, { tolerances: this.tolerances, searches, posture: theta });
+    } catch (error) {
+      return this.page.panel.showError(error.message); // this can be no target
+    }
+    const words = inWords(state.hello, core, given, found, this.tolerances);
+    return this.send(found.theta, { given, met: found.met, words, ghost: found.unlimited });
   }
 
-  // The handles move with the arm: they wait for the answer, unless it is late.
-  send() {
-    const { kind, position, quaternion } = this.asked;
-    this.newer = false;
-    const asked = this.page.ask({ type: "target", kind, position: position.toArray(), xyzw: quaternion.toArray() });
-    if (!asked) return this.offline();
-    cancelAnimationFrame(this.waiting);
-    this.waiting = requestAnimationFrame(() => this.next());
-    clearTimeout(this.late);
-    clearTimeout(this.lost);
-    this.late = setTimeout(() => this.arrange(), LATE);
-    this.lost = setTimeout(() => this.settle(), LOST);
+  // Nothing moves where nobody is asked.
+  send(theta, { given, met, words, ghost }) {
+    const asked = this.page.ask({ type: "target", ...given, theta, met, words, ghost: ghost ?? [] });
+    if (asked) this.page.move({ theta }, { given, met, words, ghost });
+    else this.gizmo.drop();
   }
 
   // Everything where it belongs, and only what can be used.
   arrange() {
-    for (const id of ["drag-tool", "target-kind", "target-axes", "target-snap"]) $(id).disabled = this.driven;
-    $("target-release").hidden = !this.given || this.driven;
+    const { shut } = this;
+    for (const id of ["drag-tool", "target-kind", "target-axes", "target-snap"]) $(id).disabled = shut;
+    $("target-release").hidden = !this.given || shut;
     const hints = [kept(DRAGGED) ? "" : FIRST, this.kind === this.begun ? HINTS[this.kind] : ""].filter(Boolean);
-    const shown = $("drag-tool").checked && !this.driven ? hints : [];
+    const shown = this.page.core?.solves === false ? [MANY] : $("drag-tool").checked && !shut ? hints : [];
     tell($("target-hint"), shown[0] ?? "", shown.slice(1));
     this.tolerances.disable(this.driven);
-    this.boxes.disable(this.driven, this.kind === "position");
+    this.boxes.disable(shut, this.kind === "position");
     if (this.tool !== null) this.put();
   }
 
@@ -218,10 +206,10 @@ export class Target {
     this.boxes.show(pose);
     const { view } = this.page;
     const before = view.wanted;
-    view.wanted = this.asked || this.given ? (this.asked ?? pose).position : null;
+    view.wanted = this.given ? pose.position : null;
     if (before !== null && view.wanted === null) view.settle();
-    this.gizmo.place(this.asked ?? (this.given?.met ? this.tool : pose), this.tool, $("target-axes").value);
-    const on = $("drag-tool").checked && !this.driven;
+    this.gizmo.place(this.held ?? (this.given?.met ? this.tool : pose), this.tool, $("target-axes").value);
+    const on = $("drag-tool").checked && !this.shut;
     this.gizmo.show(on, this.given?.met ?? null, (handle, direction) => this.allows(handle, direction));
   }
 

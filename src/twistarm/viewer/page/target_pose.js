@@ -28,9 +28,3 @@ export function numbersOf({ position, quaternion }, last) {
 export function turned(numbers) {
   return { position: new THREE.Vector3(...numbers.slice(0, 3)), quaternion: read("rpy", numbers.slice(3)) };
 }
-
-// Whether the process answers what was asked.
-export function same(given, { kind, position, quaternion }) {
-  const equal = (one, other) => one.every((value, i) => value === other[i]);
-  return given.kind === kind && equal(given.position, position.toArray()) && equal(given.xyzw, quaternion.toArray());
-}

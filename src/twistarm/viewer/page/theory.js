@@ -1,4 +1,4 @@
-// Screw theory drawn, and the numbers behind it. Every number comes from the process.
+// Screw theory drawn, and the numbers behind it, which are made only while somebody looks at them.
 
 import { $ } from "./element.js";
 import { Ellipsoid } from "./ellipsoids.js";
@@ -7,6 +7,7 @@ import { Labels } from "./labels.js";
 import { Numbers } from "./numbers.js";
 import { Reach } from "./reach.js";
 import { ANGULAR, LINEAR, column } from "./solids.js";
+import { numbers } from "./theory_numbers.js";
 import { Switches } from "./theory_switches.js";
 import { Trace } from "./trace.js";
 import { Twists } from "./twists.js";
@@ -16,9 +17,9 @@ export class Theory {
   constructor({ view, state, layers }) {
     this.view = view;
     this.state = state;
-    this.read = (on) => layers.want("theory", on);
-    this.axes = null;
-    this.numbers = null;
+    this.axes = this.frame = null;
+    /** @type {any} */ this.numbers = null;
+    this.moved = 0;
     this.visible = layers.on;
     this.looking = false;
     this.labels = new Labels(view);
@@ -37,20 +38,19 @@ export class Theory {
     });
     this.tables = new Numbers();
     this.layers = {
-      labels: this.labels.layer, screw: this.instant.group,
-      spatial_columns: this.spatial.group, body_columns: this.body.group,
+      screw: this.instant.group, spatial_columns: this.spatial.group, body_columns: this.body.group,
       linear_ellipsoid: this.linear.group, angular_ellipsoid: this.angular.group,
     };
     this.messages = {
       axes: (message) => this.build(message),
-      theory: (message) => this.take(message),
       reach: (message) => this.reach.draw(message),
     };
-    addEventListener("panel", () => this.look());
+    addEventListener("panel", () => this.draw());
   }
 
   hello() {
-    this.numbers = this.axes = null;
+    this.axes = this.frame = this.numbers = null;
+    this.moved = 0;
     this.reach.clear();
   }
 
@@ -64,26 +64,15 @@ export class Theory {
     for (const drawing of [this.instant, this.linear, this.angular, this.trace]) drawing.build(axes);
     this.switches.build(axes, this.names);
     this.tables.build(axes, this.names, arm);
-    this.view.viewer.set_dirty();
+    this.draw();
   }
 
   layered(layers) {
     this.visible = layers;
-    for (const [layer, drawn] of Object.entries(this.layers)) {
-      if (drawn instanceof HTMLElement) drawn.hidden = !layers[layer];
-      else drawn.visible = Boolean(layers[layer]) && this.numbers !== null;
-    }
+    this.labels.layer.hidden = !layers.labels;
     this.reach.show(Boolean(layers.reach));
     this.switches.show(layers);
-    this.look();
-    this.view.viewer.set_dirty();
-  }
-
-  // The numbers are made only while somebody reads them.
-  look() {
-    this.looking = !$("theory").hidden;
-    this.read(this.looking);
-    if (this.looking && this.numbers) this.tables.show(this.numbers, this.chosen());
+    this.draw();
   }
 
   remembered() {
@@ -95,57 +84,51 @@ export class Theory {
     this.draw();
   }
 
-  // Nobody knows the numbers any more.
-  forget() {
-    if (this.numbers === null) return;
-    this.numbers = null;
-    this.layered(this.visible);
-  }
-
-  take(numbers) {
-    this.numbers = numbers;
-    this.layered(this.visible);
-    this.draw();
-  }
-
-  placed() {
+  placed(frame) {
     if (!this.axes) return;
+    const before = this.frame?.theta ?? frame.theta;
+    const change = frame.theta.map((value, i) => Math.abs(value - before[i]) / (this.slides[i] ? this.axes.length : 1));
+    const most = Math.max(0, ...change);
+    if (most > 0) this.moved = change.indexOf(most);
+    this.frame = frame;
     const tool = this.view.node("/frames/tool");
     for (const drawing of [this.body, this.linear, this.angular]) drawing.stand(tool);
     this.trace.follow(tool.position);
     this.reach.follow(tool.position);
-    if (this.numbers && this.layers.screw.visible) this.drawScrew();
+    this.draw();
   }
 
   // Of which coordinate the screw is shown; null: of the whole motion.
   chosen() {
     const { chosen } = this.switches;
     if (chosen !== null) return chosen;
-    return this.numbers.motion ? null : this.numbers.moved;
+    return this.numbers.motion ? null : this.moved;
   }
 
   draw() {
-    if (!this.numbers || !this.axes) return;
-    const { numbers } = this;
-    const shown = this.switches.all ? this.names.map((_, i) => i) : [this.switches.chosen ?? numbers.moved];
-    this.spatial.show(numbers.spatial, shown);
-    this.body.show(numbers.body, shown);
-    this.linear.show(numbers.linear, this.axes.linear);
-    this.angular.show(numbers.angular, this.axes.angular);
-    this.switches.say(numbers.motion ? null : this.names[numbers.moved]);
-    if (this.looking) this.tables.show(numbers, this.chosen());
-    this.placed();
-    this.drawScrew();
+    this.looking = !$("theory").hidden;
+    const layers = Object.entries(this.layers);
+    for (const [layer, group] of layers) group.visible = Boolean(this.visible[layer]) && this.frame !== null;
     this.view.viewer.set_dirty();
+    if (!this.frame || !(this.looking || layers.some(([, group]) => group.visible))) return;
+    const found = numbers(this.state.hello, this.axes, this.frame);
+    this.numbers = found;
+    const shown = this.switches.all ? this.names.map((_, i) => i) : [this.switches.chosen ?? this.moved];
+    this.spatial.show(found.spatial, shown);
+    this.body.show(found.body, shown);
+    this.linear.show(found.linear, this.axes.linear);
+    this.angular.show(found.angular, this.axes.angular);
+    this.switches.say(found.motion ? null : this.names[this.moved]);
+    if (this.looking) this.tables.show(found, this.chosen());
+    this.drawScrew();
   }
 
   drawScrew() {
     const { motion, columns, hybrid } = this.numbers;
     const i = this.chosen();
-    const screw = at(i === null ? motion.screw : columns, i ?? 0);
     const velocity = i === null ? motion.velocity : column(hybrid, i).toArray();
     const counted = i !== null && this.slides[i] ? this.axes.length : 1;
-    this.instant.show(screw, velocity, counted, this.view.node("/frames/tool").position);
+    this.instant.show(i === null ? motion.screw : columns[i], velocity, counted, this.view.node("/frames/tool").position);
   }
 
   traceFrom(on) {
@@ -153,9 +136,4 @@ export class Theory {
     this.trace.follow(this.view.node("/frames/tool").position);
     this.view.viewer.set_dirty();
   }
-}
-
-// One of several screws.
-function at({ axis, point, pitch, magnitude }, i) {
-  return { axis: axis[i], point: point[i], pitch: pitch[i], magnitude: magnitude[i] };
 }

@@ -21,6 +21,7 @@ export class Switches {
   // `act` holds visible(layer, on), trace(on), clear(), chosen().
   constructor(act) {
     this.boxes = new Map(Object.entries(LAYERS).map(([layer, [name, title]]) => [layer, box(name, title)]));
+    this.boxes.get("reach").dataset.python = "reach";
     this.trace = box("Trace", "Where the tool has been on this page");
     const clear = button("", "Clear", "Begin the trace anew", () => act.clear());
     clear.setAttribute("aria-label", "Clear the trace");

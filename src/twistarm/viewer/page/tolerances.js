@@ -1,5 +1,6 @@
 // How far off a target is still met, typed in two boxes: the same on every page, and for the motions planned there.
 
+import { DEFAULTS } from "./core.js";
 import { $ } from "./element.js";
 import { typed, unitShown } from "./units.js";
 
@@ -36,7 +37,7 @@ export class Tolerances {
     const [place, angle] = [this.position / MILLIMETRE, this.orientation * turn];
     [place, angle].forEach((value, i) => (this.boxes[i].value = value ? Number(value.toPrecision(4)) : ""));
     $("target-orientation-unit").textContent = unitShown("rad");
-    this.boxes[1].placeholder = Number((5e-5 * turn).toPrecision(1));
+    this.boxes[1].placeholder = Number((DEFAULTS.orientation * turn).toPrecision(1));
   }
 
   disable(disabled) {

@@ -1,9 +1,15 @@
-// Whether the target is met, in a word and a colour, with the reason; the words of its solution are folded.
+// Whether the target is met, in a word and a colour, with the reason; the details are folded.
 
+import { DEFAULTS } from "./core.js";
 import { $, element } from "./element.js";
+import { shown } from "./units.js";
 import { tell } from "./words.js";
 
-const REASON = "reason: "; // how a line of the words begins
+const DEGREES = 180 / Math.PI;
+const AT_BOUND = 1e-6; // rad, m: how near to its bound a joint stands at it
+const NEGLIGIBLE = 0.005 / DEGREES; // an angle that would be written as 0.00°
+const ALONG = 0.999; // cosine from which a direction is that of an axis
+const LONGEST = 1000; // letters that the process takes
 
 export class Verdict {
   constructor() {
@@ -17,17 +23,60 @@ export class Verdict {
   }
 
   show(message) {
-    this.place.dataset.met = message?.met ?? "";
-    if (message?.given) tell(this.place, [element("span", "met", message.met ? "✓ met" : "✕ not met"), ` ${inShort(message)}`], message.words.split("\n"));
+    const [short, ...why] = message.words.split("\n");
+    this.place.dataset.met = message.met ?? "";
+    if (message.given) tell(this.place, [element("span", "met", message.met ? "✓ met" : "✕ not met"), ` ${short}`], why);
     else tell(this.place, "");
-    this.missed.textContent = message?.met === false ? `✕ not met: ${inShort(message)}` : "";
+    this.missed.textContent = message.met === false ? `✕ not met: ${short}` : "";
   }
 }
 
-// The reason, where one is given, and what was asked.
-function inShort({ words }) {
-  const [first, ...rest] = words.split("\n");
-  const asked = first.slice(first.indexOf(": ") + 2); // of which arm is no news
-  const reason = rest.find((line) => line.startsWith(REASON));
-  return reason ? `${reason.slice(REASON.length)} · ${asked}` : asked;
+// What the solution of a target comes to, line by line: the first in short. `hello` of the arm that `core` is of.
+export function inWords({ arm, core: { reasons } }, core, given, solution, tolerances) {
+  const { met, stop, theta, unlimited } = solution;
+  const errors = missed(given, solution, tolerances);
+  if (met) return errors;
+  const lines = [`${reasons[stop]} · ${errors}`];
+  const beyond = (unlimited ?? []).flatMap((value, i) => within(arm.joints[i], value, 0));
+  if (beyond.length > 0) lines.push(`without limits it would be met, or missed by less: ${beyond.join(", ")}`);
+  if (given.kind !== "position") {
+    const { impossible, prevented, axis } = core.split(given, theta);
+    if (impossible > NEGLIGIBLE) lines.push(`no joint turns the tool about ${named(axis)}: ${angle(impossible)} of the rotation are missing`);
+    if (prevented > NEGLIGIBLE) lines.push(`${angle(prevented)} of the rotation are prevented by limits or reach`);
+  }
+  const bounds = theta.flatMap((value, i) => within(arm.joints[i], value, AT_BOUND));
+  if (bounds.length > 0) lines.push(`at its limit: ${bounds.join(", ")}`);
+  if (solution.certain) lines.push("the arm's closed form has no answer inside the limits: that is certain");
+  return lines.join("\n").slice(0, LONGEST).replace(/[\ud800-\udbff]$/, "");
+}
+
+// The two errors.
+function missed({ kind }, { positionError, orientationError }, { position, orientation }) {
+  const parts = [positionError > (position || DEFAULTS.position) ? `position ${length(positionError)} off` : "position met"];
+  if (kind === "position") return parts[0];
+  const what = kind === "approach" ? "direction" : "orientation";
+  parts.push(orientationError > (orientation || DEFAULTS.orientation) ? `${what} ${angle(orientationError)} off` : `${what} met`);
+  return parts.join(", ");
+}
+
+// A joint and its value, where that is beyond a limit or nearer to it than `near`; none where it turns all the way.
+function within({ name, unit, limits: [lower, upper] }, value, near) {
+  const turns = unit === "rad" && (upper ?? Infinity) - (lower ?? -Infinity) > 2 * Math.PI - AT_BOUND;
+  const [side, limit] = lower !== null && value < lower + near ? ["lower", lower] : ["upper", upper];
+  if (turns || limit === null || (side === "upper" && value <= upper - near)) return [];
+  return [near > 0 ? `${name} (${shown(limit, unit)})` : `${name} ${shown(value, unit)} (${side} limit ${shown(limit, unit)})`];
+}
+
+function named(axis) {
+  const i = [0, 1, 2].find((each) => Math.abs(axis[each]) >= ALONG);
+  return i === undefined ? `(${axis.map((value) => value.toFixed(2)).join(", ")}) in its axes` : `its ${"xyz"[i]} axis`;
+}
+
+function length(metres) {
+  return Math.abs(metres) >= 0.1 ? `${metres.toFixed(3)} m` : `${Number((1e3 * metres).toPrecision(3))} mm`;
+}
+
+function angle(radians) {
+  const degrees = DEGREES * radians;
+  return `${Math.abs(degrees) >= 0.1 ? degrees.toFixed(1) : Number(degrees.toPrecision(2))}°`;
 }

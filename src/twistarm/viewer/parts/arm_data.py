@@ -34,7 +34,7 @@ def describe_arm(arm: Arm) -> dict[str, Any]:
         "tool_axis": arm.tool_axis.tolist(),
         "joints": [_describe(*joint) for joint in joints],
         "others": [_describe(*joint) for joint in others],
-        "poses": list(named_poses(arm)),
+        "poses": {name: theta.tolist() for name, theta in named_poses(arm).items()},
         "screws": sorted(set(screw_kinds(arm))),
     }
 
@@ -117,7 +117,7 @@ def require_inside(name: str, value: float, lower: float, upper: float, unit: st
 MOST_POINTS = 400  # Most points: enough for any curve on a screen.
 STILL = 1e-4  # Least visible step, as a share of the arm's size.
 # points: the way of the tool; ideal: that of its segments; stopped: where a segment cannot be followed any farther;
-# waypoints: where everything stands at the poses, {node: matrix} each; ids: the numbers of these poses.
+# waypoints: the configurations of the poses; ids: the numbers of these poses.
 NO_PATH: dict[str, Any] = {"points": [], "radius": 0.0, "ideal": [], "stopped": None, "waypoints": [], "ids": []}
 
 

@@ -27,7 +27,6 @@ from ...support.directions import value_in_words
 from ...support.errors import InputError
 from ..jobs import Job, Memo, Progress, same
 from ..messages import Message
-from ..scene.kinematics import Placement, link_matrices
 from .arm_data import NO_PATH, drawn, tool_path
 from .pose_list import PoseList, RecordedPose
 from .show import Part, Playback, Route, Show
@@ -149,7 +148,7 @@ class Program(Part):
         if show.scene is None and any(pose.by == "free" for pose in poses[1:]):
             raise InputError("to go round obstacles, switch the layer Collision on first")
         scene = copy(show.scene)  # obstacles may move meanwhile
-        work = partial(_planned, show.arm, poses, asked, self.limits, dict(show.others), show.tolerances, scene)
+        work = partial(_planned, show.arm, poses, asked, self.limits, show.tolerances, scene)
         return Job("plan", "planning the motion", work, partial(self._finish, show, asked, self._cause(show)))
 
     def _cause(self, show: Show) -> tuple[Any, ...]:
@@ -177,13 +176,12 @@ def _planned(
     poses: tuple[RecordedPose, ...],
     asked: MotionRequest,
     limits: JointLimits,
-    others: Mapping[str, float],
     tolerances: Mapping[str, Any],
     scene: Scene | None,
     progress: Progress,
 ) -> Planned:
     """Plan in a thread."""
-    beside = {"ideal": ideal_way(arm, poses), **_ghosts(arm, poses, others)}
+    beside = {"ideal": ideal_way(arm, poses), **_ghosts(poses)}
     shared: dict[str, Any] = {"kind": asked.kind, "limits": limits, "scene": scene, "progress": progress}
     try:
         if asked.through_joints(poses):
@@ -194,11 +192,11 @@ def _planned(
             speed = asked.linear_speed or None
             motion = plan(arm, moves, start=poses[0].theta, linear_speed=speed, **tolerances, **shared)
     except PathError as error:
-        return error, {**tool_path(arm, poses[0].theta[None]), **beside, "stopped": _stop(arm, error, others, scene)}
+        return error, {**tool_path(arm, poses[0].theta[None]), **beside, "stopped": _stop(arm, error, scene)}
     return motion, {**tool_path(arm, motion), **beside}
 
 
-def _stop(arm: Arm, error: PathError, others: Mapping[str, float], scene: Scene | None) -> dict[str, Any] | None:
+def _stop(arm: Arm, error: PathError, scene: Scene | None) -> dict[str, Any] | None:
     """Where a segment ends early: the tool's position, the reason, and the configuration."""
     if error.theta is None:
         return None
@@ -207,15 +205,13 @@ def _stop(arm: Arm, error: PathError, others: Mapping[str, float], scene: Scene 
     words = f"stops at {100.0 * error.share:.0f} %: {why}"
     if error.reason == "collision":
         words = "collides" if scene is not None and scene.collides(error.theta) else "no free way from here"
-    return {"position": position, "words": words, "arm": link_matrices(Placement(arm), error.theta, others)}
+    return {"position": position, "words": words, "arm": error.theta.tolist()}
 
 
-def _ghosts(arm: Arm, poses: Sequence[RecordedPose], others: Mapping[str, float]) -> dict[str, Any]:
-    """Link poses at MOST_GHOSTS of the recorded poses or fewer, and the numbers of these poses."""
+def _ghosts(poses: Sequence[RecordedPose]) -> dict[str, Any]:
+    """Configurations of MOST_GHOSTS of the recorded poses or fewer, and the numbers of these poses."""
     chosen = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), MOST_GHOSTS)).round().astype(int))
-    placement = Placement(arm)
-    matrices = [link_matrices(placement, poses[i].theta, others) for i in chosen]
-    return {"waypoints": matrices, "ids": [poses[i].id for i in chosen]}
+    return {"waypoints": [poses[i].theta.tolist() for i in chosen], "ids": [poses[i].id for i in chosen]}
 
 
 def _ends(poses: Sequence[RecordedPose]) -> list[RecordedPose]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -15,7 +16,7 @@ from ...control.servo.settings import SLIDE
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array, as_theta
 from ...support.errors import InputError
-from ..jobs import Job
+from ..jobs import Job, Memo
 from ..messages import Message
 from .arm_data import NO_PATH, checked_theta, extra_joints, rest
 from .pose_list import PoseList
@@ -99,7 +100,7 @@ class Show:
         self.others = {name: rest(joint) for name, joint in self.extra_joints.items()}
         self.poses = PoseList(arm)
         self.visible: dict[str, list[Any]] = {"screws": [True, 0], "frames": [True, 0], "reach": [False, 0]}
-        self.needed: frozenset[str] = frozenset()  # of theory, collision and reach, by the pages
+        self.needed: frozenset[str] = frozenset()  # of collision and reach, by the pages
         self.tolerances: Mapping[str, Any] = {}
         self._paths: list[tuple[Message, Callable[[], bool]]] = []
         self.draw_path(NO_PATH)
@@ -109,6 +110,7 @@ class Show:
         self.report: Mapping[str, Any] = NO_REPORT  # of the servo
         self.drive: Message = NO_DRIVE
         self._glide: Glide | None = None
+        self._rates = Memo(_rates)
 
     def show(self, theta: Array) -> None:
         """Show theta (n,) and stop any motion."""
@@ -153,6 +155,12 @@ class Show:
         return self.playback is not None and self.playback.running
 
     @property
+    def rates(self) -> list[float] | None:
+        """The joint rates (n,) [rad/s, m/s] of the motion at this moment; None where the arm is not on it."""
+        at = self.playback
+        return None if at is None else self._rates(at, at.time, self.running, self.theta)
+
+    @property
     def moving(self) -> bool:
         """Whether the arm moves by itself, in a trajectory or on its way to a pose."""
         return self.running or self._glide is not None
@@ -179,6 +187,14 @@ class Show:
             raise InputError(
                 f"a servo drives {self.arm.name}: sliders, poses and trajectories are free again once {end}"
             )
+
+
+def _rates(at: Playback, time: float, running: bool, theta: Array) -> list[float] | None:
+    # A trajectory of a program may raise here. `advance` tells of it, and the frame must not be lost.
+    with suppress(Exception):
+        if running or np.array_equal(at.theta(), theta):
+            return as_theta(at.trajectory(time, 1), len(theta), "the trajectory's rates").tolist()
+    return None
 
 
 class Route(NamedTuple):

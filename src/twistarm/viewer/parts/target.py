@@ -1,9 +1,8 @@
-"""The tool's target, dragged or typed: the configuration that meets it best, or all that meet it."""
+"""The tool's target, which a page has solved, and all configurations that meet a target."""
 
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
@@ -11,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...arm.arm import Arm
-from ...ik import AllSolutions, AnyTarget, Approach, IKResult, Pose, Position, closed_form_of, solve_ik, solve_ik_all
+from ...ik import AllSolutions, AnyTarget, Approach, Pose, Position, closed_form_of, solve_ik_all
 from ...ik.request import as_tolerance
 from ...support.checks import Array
 from ...support.directions import value_in_words
@@ -19,13 +18,9 @@ from ...support.errors import InputError
 from ...theory import rotations
 from ..jobs import Job
 from ..messages import Message
-from ..scene.kinematics import Placement, link_matrices
+from .arm_data import checked_theta, require_all_inside
 from .show import Part, Route, Show
 
-# Most seconds of a search. The core needs at most 3 ms. Without it, an unreachable target takes some 0.4 s.
-MAX_TIME = 0.5
-# Most seconds of a search in the loop, and joints: only the compiled core keeps them. A dragged target needs a tenth.
-AT_ONCE, MOST_AT_ONCE = 0.2e-3, 32
 LENGTH_TOL = 1e-3  # Rounding of a quaternion's length, from decimal text.
 
 TOLERANCES = {"position": "m", "orientation": "rad"}
@@ -40,34 +35,26 @@ class TargetPart(Part):
     def __init__(self) -> None:
         self._status = NO_TARGET
         self._shown: Array | None = None  # the configuration on show, where it is the target's answer
-        self._wanted = False  # whether an answer may still come
-        self._number = self._answered = 0  # of the latest target asked for, and of the one whose answer is on show
         self.routes = {
-            "target": Route(self._solve, moves=True),
+            "target": Route(self._take, moves=True),
             "release": Route(lambda show, now: self._release()),
             "tolerances": Route(_set_tolerances),
         }
 
-    def _solve(self, show: Show, now: float, **given: Any) -> Job | None:
-        """Solve for a target from the present configuration.
+    def _take(
+        self, show: Show, now: float, theta: list[float], met: bool, words: str, ghost: list[float], **given: Any
+    ) -> None:
+        """Show the page's answer to its target: theta (n,) inside the limits, and how well that meets it.
 
-        One short search answers at once; only a failure becomes a job.
+        `ghost` (n,): the answer without joint limits, if they are the reason of a miss; else empty.
         """
-        target = target_asked(show.arm, given)
-        show.show(show.theta)  # a running trajectory stops
-        self._number += 1
-        self._wanted = True
-        finish = partial(self._finish, show, show.theta, self._number)
-        search = partial(solve_ik, show.arm, target, show.theta, posture="theta0", **show.tolerances)
-        if show.arm.n <= MOST_AT_ONCE and show.arm.compiled is not None:
-            begin = time.perf_counter()
-            solution = search(restarts=1, max_time=AT_ONCE)
-            # A full search gives the same bits: the first converged search wins, and none was cut short.
-            if solution.converged and time.perf_counter() - begin < AT_ONCE:
-                finish(_answer(given, solution, show.others))
-                return None
-        answer = partial(_answer, given, others=show.others)
-        return Job("target", "solving for the target", lambda _: answer(search(max_time=MAX_TIME)), finish)
+        target_asked(show.arm, given)
+        answer, free = checked_theta(show.arm, theta), checked_theta(show.arm, ghost or theta)
+        require_all_inside(show.arm, answer)
+        show.show(answer)
+        self._shown = answer
+        ghost_shown = free.tolist() if ghost else None
+        self._status = {"type": "target", "given": given, "met": met, "words": words, "ghost": ghost_shown}
 
     def messages(self, show: Show) -> Iterator[Message]:
         """The target given, whether it is met, and the words of its solution."""
@@ -76,17 +63,8 @@ class TargetPart(Part):
         yield {"type": "tolerances", **{word: show.tolerances.get(f"{word}_tol", 0.0) for word in TOLERANCES}}
         yield self._status
 
-    def _finish(self, show: Show, start: Array, number: int, answer: tuple[Array, Message]) -> None:
-        """Show the answer unless a later target came, the user released it, or the arm moved."""
-        moved = show.theta is not start and show.theta is not self._shown
-        if number < self._answered or not self._wanted or moved or show.driven or show.moving:
-            return
-        self._answered = number
-        self._shown, self._status = answer
-        show.show(self._shown)
-
     def _release(self) -> None:
-        self._status, self._shown, self._wanted = NO_TARGET, None, False
+        self._status, self._shown = NO_TARGET, None
 
 
 def target_asked(arm: Arm, fields: Mapping[str, Any]) -> Pose | Position | Approach:
@@ -114,21 +92,10 @@ def _set_tolerances(show: Show, now: float, **fields: float) -> None:
     }
 
 
-def _answer(given: dict[str, Any], solution: IKResult, others: Mapping[str, float]) -> tuple[Array, Message]:
-    """The configuration to show (n,), and the message about it.
-
-    `ghost`: where each link would stand without joint limits, if they are the reason of a miss.
-    """
-    free = solution.unlimited
-    ghost = None if free is None else link_matrices(Placement(solution.arm), free, others)
-    message = {"type": "target", "given": given, "met": solution.converged, "words": solution.explain(), "ghost": ghost}
-    return solution.theta, message
-
-
 MAX_SHOWN = 32  # Most configurations to step through: the nearest inside the limits, then those beyond.
 AT_SOLUTION = 1e-3  # An arm within this [rad, m] of a configuration is at it.
 # The message before a search.
-NO_SOLUTIONS: Message = {"type": "solutions", "asked": False, "places": [], "words": "", "ghosts": []}
+NO_SOLUTIONS: Message = {"type": "solutions", "asked": False, "places": [], "words": "", "theta": []}
 
 
 class Choices(NamedTuple):
@@ -164,7 +131,7 @@ class Solutions(Part):
     def _find(self, show: Show, now: float, **fields: Any) -> Job:
         target, start = target_asked(show.arm, fields), show.goal
         self._number += 1
-        find = partial(_found, show.arm, target, start, dict(show.others), show.tolerances)
+        find = partial(_found, show.arm, target, start, show.tolerances)
         finish = partial(self._finish, show, start, self._number)
         return Job("solutions", "looking for all configurations", lambda _: find(), finish)
 
@@ -199,28 +166,25 @@ class Solutions(Part):
         self._choices = self._at = self._stands = self._where = None
 
 
-def _found(
-    arm: Arm, target: AnyTarget, start: Array, others: Mapping[str, float], tolerances: Mapping[str, Any]
-) -> Choices:
+def _found(arm: Arm, target: AnyTarget, start: Array, tolerances: Mapping[str, Any]) -> Choices:
     """All configurations; joints that the target does not determine stay where they are."""
     held = {name: float(start[arm.joint_names.index(name)]) for name in closed_form_of(arm, target).held}
     values = [
         f"{name} at {value_in_words(value, arm.units[arm.joint_names.index(name)])}" for name, value in held.items()
     ]
     words = [f"held where the arm stands, because the target leaves it free: {', '.join(values)}"] if values else []
-    return choices_of(solve_ik_all(arm, target, start, fixed_joints=held, **tolerances), others, words)
+    return choices_of(solve_ik_all(arm, target, start, fixed_joints=held, **tolerances), words)
 
 
-def choices_of(solutions: AllSolutions, others: Mapping[str, float], more: Sequence[str] = ()) -> Choices:
+def choices_of(solutions: AllSolutions, more: Sequence[str] = ()) -> Choices:
     """The configurations and their message; `more`: further lines of words."""
     theta = np.vstack([solutions.theta, solutions.outside])[:MAX_SHOWN]
-    placement = Placement(solutions.arm)
     message = {
         "type": "solutions",
         "asked": True,
         "places": [_place(solutions, each, i) for i, each in enumerate(theta)],
         "words": "\n".join([*solutions.explain().splitlines(), *more]),
-        "ghosts": [link_matrices(placement, each, others) for each in theta],
+        "theta": theta.tolist(),
     }
     return Choices(theta, min(len(solutions), MAX_SHOWN), message)
 

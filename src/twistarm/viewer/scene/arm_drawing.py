@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
 from typing import Any
@@ -30,7 +30,7 @@ class Drawing:
     appends to `objects`, from any thread. The first `plain` objects are not meshes, and replaced ones are empty. Meshes
     with more triangles than a screen shows are simplified unless `exact`. `simplified`: whether any was.
 
-    `live` are the objects of a second arm `beside`, below its node. Saved pages leave them out.
+    A second arm `beside` is drawn below its node.
 
     An unreadable mesh is reported. A frame and simple shapes replace it: the link's collision shapes, or capsules from
     its origin to the joints that it carries. An arm without a description is drawn as rods between points of its axes.
@@ -45,7 +45,6 @@ class Drawing:
         self.objects = [*draw_screws(arm), *frames, *_plain(arm)]
         self.links: dict[str, str] = {}
         self.notes: tuple[str, ...] = ()
-        self.live: frozenset[bytes] = frozenset()
         self._read = {} if read is None else read
         self._places: dict[str, range] = {}  # in `objects`, of each mesh drawn
         self._meshes: Iterator[Drawn]
@@ -54,7 +53,7 @@ class Drawing:
             self.links = {name: link_path(name) for name in arm.description.links}
             self.notes = lost_meshes(arm.description)
         if beside is not None:
-            self._draw_live([drawing.below(BESIDE, part) for part in _plain(beside)])
+            self.objects += [drawing.below(BESIDE, part) for part in _plain(beside)]
             self.notes += () if beside.description is None else lost_meshes(beside.description)
         self.plain = len(self.objects)
         self._begin()
@@ -106,14 +105,7 @@ class Drawing:
         for place in self._places.get(piece.node, ()):
             self.objects[place] = b""
         self._places[piece.node] = range(len(self.objects), len(self.objects) + len(piece.objects))
-        if piece.node.startswith(BESIDE):
-            self._draw_live(piece.objects)
-        else:
-            self.objects += piece.objects
-
-    def _draw_live(self, drawn: Iterable[bytes]) -> None:
-        self.objects += drawn
-        self.live |= {*drawn}
+        self.objects += piece.objects
 
     def close(self) -> None:
         """Draw no further mesh. From any thread."""

@@ -16,7 +16,7 @@ from ...control.servo.output import REASON_OF_CAUSE
 from ...control.servo.settings import servo_numbers
 from ...ik.answer import STOPS
 from ...ik.closed_form.methods import family_for, family_method
-from ...ik.targets import AnyTarget, Approach, Pose, Position
+from ...ik.targets import FARTHEST, AnyTarget, Approach, Pose, Position
 from ..messages import packed
 
 MOST_SOLVED = 7  # Joints. A position leaves all but three of them free, and each way to hold these is tried.
@@ -47,9 +47,10 @@ def core_numbers(arm: Arm) -> dict[str, Any] | None:
 
 
 def _forms(arm: Arm) -> Iterator[tuple[str, str]]:
-    if np.count_nonzero(arm.limits.lower != arm.limits.upper) > MOST_SOLVED:
-        return
     g = arm.home
+    beyond = np.abs(g[:3, 3]).max() > FARTHEST  # of targets; such an arm is in wrong units, and is shown to tell that
+    if beyond or np.count_nonzero(arm.limits.lower != arm.limits.upper) > MOST_SOLVED:
+        return
     p, axis = g[:3, 3], g[:3, :3] @ arm.tool_axis
     targets: tuple[AnyTarget, ...] = (Pose(g), Position(p), Approach(p, axis, arm.tool_axis))
     for target in targets:

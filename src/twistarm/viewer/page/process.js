@@ -1,0 +1,370 @@
+// The process of a saved page: it answers the requests of schema.json in place of Python. It keeps where the arm stands,
+// its poses, its motion and its servo, and tells the page what has changed.
+
+import { Core } from "./core.js";
+import { $$, unzipped } from "./element.js";
+import { Glide } from "./glide.js";
+import { Motion } from "./motion.js";
+import { Playback } from "./playback.js";
+import { Poses, requireInside } from "./process_poses.js";
+import { Drive } from "./process_servo.js";
+import { keep, kept } from "./storage.js";
+import { shown } from "./units.js";
+
+const PYTHON = "run twistarm view"; // for what only Python can do
+const SPEEDS = [0.05, 20];
+const MOST_SHOWN = 32; // configurations
+const AT_SOLUTION = 1e-3; // rad, m: an arm this near to a configuration is at it
+const ON_MOTION = 1e-8; // rad, m: an arm this near to its motion is on it
+const FREEDOMS = { pose: 6, approach: 5, position: 3 };
+const LENGTH_TOL = 1e-3; // of a quaternion
+const NO_TARGET = { type: "target", given: null, met: null, words: "", ghost: null };
+const NO_SOLUTIONS = { type: "solutions", asked: false, places: [], words: "", theta: [] };
+const DRIVEN = "a servo drives the arm: sliders, poses and trajectories are free again once Drive in the Jog panel is switched off";
+const MOVES = ["theta", "pose", "random", "play", "seek", "target", "solutions", "solution", "go"]; // not while a servo drives
+
+export class Process {
+  kind = "saved";
+
+  // `saved`: hello, the messages of the stage, the motion and the note about limits; `on` as for a Link.
+  constructor(saved, module, on) {
+    const said = Object.fromEntries(saved.messages.map((message) => [message.type, message]));
+    const { hello, motion, messages } = saved;
+    this.name = `twistarm process ${JSON.stringify(messages).length}`;
+    /** @type {any} */
+    const before = JSON.parse(kept(this.name, { session: true }) ?? "{}"); // this page, until it was loaded again
+    const { theta, others, time, running } = before.frame ? { ...before.frame, running: false } : said.frame;
+    this.saved = saved;
+    this.on = on;
+    this.arm = hello.arm;
+    this.joints = hello.arm.joints;
+    this.theta = theta;
+    this.others = others;
+    this.core = new Core(module, hello);
+    this.poses = Object.assign(new Poses(hello.arm.joints, said.program), before.poses);
+    this.motion = motion && new Motion(motion);
+    this.playback = motion && new Playback(this.motion.duration, { ...said.player, ...before.player, time, running });
+    this.again = before.frame !== undefined;
+    this.onMotion = motion && near(this.motion.at(time).theta, theta, ON_MOTION) ? theta : null;
+    this.tolerances = before.tolerances ?? said.tolerances;
+    this.target = before.target ?? said.target;
+    this.answer = this.target.given && theta; // where the arm stands for it
+    /** @type {any} */
+    this.choices = null; // {inside, message}
+    /** @type {any} */
+    this.at = this.stands = this.where = null;
+    this.glide = new Glide((now) => this.stand(now));
+    this.drive = new Drive({ core: this.core, length: said.axes.length, note: saved.note }, (now) => this.stand(now));
+    this.told = new Map(); // texts by type
+    this.next = 0; // picture of a motion
+    addEventListener("pagehide", () => this.remember());
+    this.routes = this.routed();
+    withhold(messages.map(({ type }) => type));
+  }
+
+  // Tells all that was saved: the page then stands as it stood.
+  async begin() {
+    const { hello, messages, objects } = this.saved;
+    this.on.status("saved");
+    this.on.message(hello);
+    for (const object of parts(await unzipped(objects ?? globalThis.twistarmObjects))) this.on.object(object);
+    const own = this.messages().map(({ type }) => type);
+    for (const message of messages) if (!own.includes(message.type)) this.on.message(message);
+    this.publish();
+    if (this.playback?.running) this.tick();
+  }
+
+  // Of how the page stood when it was saved: what a window does not keep itself.
+  remembered({ tabs, layers, ...rest }) {
+    return this.again ? rest : { ...rest, ...(tabs && { tabs, layers }) };
+  }
+
+  // as a Link ----------------------------------------------------------------------------------------
+
+  send(request) {
+    queueMicrotask(() => this.receive(request));
+    return true;
+  }
+
+  interrupt(request) {
+    return this.send(request);
+  }
+
+  receive({ type, ...fields }) {
+    try {
+      if (!(type in this.routes)) throw new Error(`this needs Python: ${PYTHON}`);
+      if (MOVES.includes(type)) this.requireFree();
+      this.routes[type](fields);
+    } catch (error) {
+      this.on.message({ type: "error", message: error.message });
+    }
+    this.publish();
+    this.on.idle();
+  }
+
+  routed() {
+    const { poses, drive } = this;
+    return {
+      theta: ({ theta }) => this.show(this.checked(theta)),
+      joint: ({ name, value }) => this.moveJoint(name, value),
+      pose: ({ name, ease }) => this.go(this.named(name), ease),
+      random: ({ ease }) => this.go(this.joints.map(({ range: [lower, upper] }) => lower + Math.random() * (upper - lower)), ease),
+      needs() {},
+      play: () => this.play(),
+      pause: () => this.loaded("pause").pause(),
+      seek: ({ time }) => this.seek(time),
+      pace: ({ speed, loop }) => this.pace(speed, loop),
+      target: (fields) => this.take(fields),
+      tolerances: ({ position, orientation }) => this.allow(position, orientation),
+      release: () => this.release(),
+      solutions: (target) => this.find(target),
+      solution: ({ place, ease }) => this.step(place, ease),
+      solutions_end: () => this.forget(),
+      record: ({ name }) => poses.record(name, this.theta),
+      rename: ({ id, name }) => poses.rename(id, name),
+      move: ({ id, by }) => poses.moveBy(id, by),
+      reorder: ({ id, place }) => poses.reorder(id, place),
+      delete: ({ id }) => poses.delete(id),
+      poses: ({ joints, poses: list }) => poses.replace(joints, list),
+      undo: () => poses.back("undo"),
+      redo: () => poses.back("redo"),
+      go: ({ id, ease }) => this.go(poses.theta(id), ease),
+      servo: ({ on }) => this.switch(on),
+      on_unreachable: ({ what }) => drive.choose(what),
+      jog: ({ twist, frame }) => drive.take({ twist, frame }),
+      jog_joints: ({ rates }) => drive.take({ rates }),
+      stop: () => drive.driven && drive.take(null),
+    };
+  }
+
+  // What has changed since the last time.
+  publish() {
+    for (const message of this.messages()) {
+      const text = JSON.stringify(message);
+      if (this.told.get(message.type) === text) continue;
+      this.told.set(message.type, text);
+      this.on.message(message);
+    }
+  }
+
+  messages() {
+    if (this.answer !== null && this.answer !== this.theta) this.release();
+    if (this.choices !== null && this.where !== this.goal) this.forget();
+    const { playback, theta, others } = this;
+    const { duration = null, speed = 1, loop = false, time = 0, running = false } = playback ?? {};
+    const rates = this.onMotion === theta ? this.motion.at(time).rates : null;
+    return [
+      { type: "player", duration, speed, loop },
+      this.tolerances, this.target, ...this.poses.messages(),
+      this.choices?.message ?? NO_SOLUTIONS, { type: "solution", at: this.at, stands: this.stands },
+      ...this.drive.messages(),
+      { type: "frame", theta, others, time, running, rates },
+    ];
+  }
+
+  // where the arm stands -----------------------------------------------------------------------------
+
+  // Where it stands, or is on its way to.
+  get goal() {
+    return this.glide.goal ?? this.theta;
+  }
+
+  // It is here now; null: it has not moved.
+  stand(theta) {
+    this.theta = theta ?? this.theta;
+    this.publish();
+  }
+
+  stop() {
+    this.glide.stop();
+    this.playback?.pause();
+  }
+
+  show(theta) {
+    this.stop();
+    this.theta = theta;
+  }
+
+  go(theta, ease) {
+    this.stop();
+    if (ease && !near(theta, this.theta, 0)) this.glide.go(this.theta, theta);
+    else this.theta = theta;
+  }
+
+  moveJoint(name, value) {
+    const other = this.arm.others.find((joint) => joint.name === name);
+    if (!other) this.requireFree();
+    const i = this.joints.findIndex((joint) => joint.name === name);
+    if (i < 0 && !other) throw new Error(`${this.arm.name} has no joint ${name}`);
+    requireInside(other ?? this.joints[i], value);
+    if (other) this.others = { ...this.others, [name]: value };
+    else this.show(this.theta.with(i, value));
+  }
+
+  checked(theta) {
+    if (theta.length !== this.joints.length) throw new Error(`theta must be ${this.joints.length} numbers; got ${theta.length}`);
+    theta.forEach((value, i) => requireInside(this.joints[i], value));
+    return theta;
+  }
+
+  named(name) {
+    const { poses } = this.arm;
+    if (!Object.hasOwn(poses, name)) throw new Error(`${this.arm.name} has no pose ${name}; it has ${Object.keys(poses).join(", ")}`);
+    return poses[name];
+  }
+
+  requireFree() {
+    if (this.drive.driven) throw new Error(DRIVEN);
+  }
+
+  switch(on) {
+    if (on && !this.core.driven) throw new Error(`${this.arm.name} has more joints than the servo of a page drives: ${PYTHON}`);
+    if (on) this.checked(this.theta);
+    if (on) this.stop();
+    this.drive.switch(on, this.theta);
+  }
+
+  // the motion ---------------------------------------------------------------------------------------
+
+  loaded(doing) {
+    if (this.playback) return this.playback;
+    throw new Error(`nothing to ${doing}: no trajectory is loaded`);
+  }
+
+  play() {
+    const playback = this.loaded("play");
+    this.stop();
+    playback.play();
+    this.tick();
+  }
+
+  tick() {
+    cancelAnimationFrame(this.next); // of a run that was stopped a moment ago
+    if (!this.playback.running) return;
+    this.playback.advance();
+    this.follow();
+    this.publish();
+    this.next = requestAnimationFrame(() => this.tick());
+  }
+
+  follow() {
+    this.theta = this.onMotion = this.motion.at(this.playback.time).theta;
+  }
+
+  seek(time) {
+    const playback = this.loaded("seek");
+    this.stop();
+    playback.seek(time);
+    this.follow();
+  }
+
+  pace(speed, loop) {
+    const playback = this.loaded("pace");
+    const [slowest, fastest] = SPEEDS;
+    if (speed !== playback.speed && !(speed >= slowest && speed <= fastest)) {
+      throw new Error(`speed must be ${slowest} … ${fastest} times the trajectory's own; got ${speed}`);
+    }
+    Object.assign(playback, { speed, loop });
+  }
+
+  // the target ---------------------------------------------------------------------------------------
+
+  // The page's own answer to a target.
+  take({ theta, met, words, ghost, ...given }) {
+    requireUnit(given.xyzw);
+    this.show(this.checked(theta));
+    this.answer = this.theta;
+    this.target = { type: "target", given, met, words, ghost: ghost.length > 0 ? ghost : null };
+  }
+
+  release() {
+    this.target = NO_TARGET;
+    this.answer = null;
+  }
+
+  allow(position, orientation) {
+    if (position < 0 || orientation < 0) throw new Error("tolerances must be above 0, or 0 for the usual ones");
+    this.tolerances = { type: "tolerances", position, orientation };
+  }
+
+  // All configurations of a target, from the closed form.
+  find(target) {
+    requireUnit(target.xyzw);
+    const where = this.goal;
+    const found = this.core.configurations(target, where, this.tolerances);
+    if (found === null) throw new Error(`to search the configurations of an arm without a closed form, ${PYTHON}`);
+    const theta = found.theta.slice(0, MOST_SHOWN);
+    const inside = Math.min(found.inside, MOST_SHOWN);
+    const places = theta.map((each, i) => ({ free: i < inside ? found.free[i] : [], beyond: i < inside ? [] : this.beyond(each) }));
+    const count = `${inside === 0 ? "no" : inside} configuration${inside === 1 ? "" : "s"} inside the limits`;
+    const held = this.joints.length > FREEDOMS[target.kind] ? ["joints that the target leaves free stay where they are"] : [];
+    const words = ["", `${count}${theta.length > inside ? `, ${theta.length - inside} outside` : ""}`, "found by the closed form", ...held].join("\n");
+    this.choices = { inside, message: { type: "solutions", asked: true, places, words, theta } };
+    this.where = where;
+    this.at = this.stands = inside > 0 && near(theta[0], where, AT_SOLUTION) ? 0 : null;
+  }
+
+  beyond(theta) {
+    return this.joints.flatMap(({ name, unit, limits }, i) => limits.flatMap((limit, side) => {
+      if (limit === null || (side === 0 ? theta[i] >= limit : theta[i] <= limit)) return [];
+      return [`${name} ${shown(theta[i], unit)} ${"<>"[side]} ${shown(limit, unit)}`];
+    }));
+  }
+
+  // The arm goes to a configuration inside the limits; of another, the ghost shows.
+  step(place, ease) {
+    const theta = this.choices?.message.theta[place];
+    if (!theta) throw new Error("these configurations were let go, because the arm was moved: ask for all of them again");
+    this.at = place;
+    if (place >= this.choices.inside) return;
+    this.stands = place;
+    this.where = theta;
+    this.go(theta, ease);
+  }
+
+  forget() {
+    this.choices = this.at = this.stands = this.where = null;
+  }
+
+  // What was done here outlasts a reload, as a live view outlasts its pages.
+  remember() {
+    const { poses, made, steps } = this.poses;
+    const said = Object.fromEntries(this.messages().map((message) => [message.type, message]));
+    keep(this.name, JSON.stringify({ ...said, poses: { poses, made, steps } }), { session: true });
+  }
+}
+
+// Greys what only Python can do, with the way to it, whatever is written there later. `said`: types of messages that
+// were saved, such as a map of the reach.
+function withhold(said) {
+  const fixed = { title: PYTHON, disabled: true, href: "" };
+  const properties = Object.entries(fixed).map(([name, value]) => [name, { get: () => value, set() {} }]);
+  for (const area of $$("[data-python]")) {
+    if (said.includes(area.dataset.python)) continue;
+    for (const each of [area, ...area.querySelectorAll("button, input, select, a")]) {
+      Object.assign(each, { title: PYTHON, disabled: true, ariaDisabled: "true" });
+      each.removeAttribute("href");
+      Object.defineProperties(each, Object.fromEntries(properties));
+    }
+  }
+}
+
+function near(one, other, within) {
+  return one.every((value, i) => Math.abs(value - other[i]) <= within);
+}
+
+function requireUnit(xyzw) {
+  const length = Math.hypot(...xyzw);
+  if (Math.abs(length - 1) > LENGTH_TOL) throw new Error(`xyzw must be a quaternion of length 1; got one of length ${length}`);
+}
+
+// The objects in one buffer, each after its length.
+function parts(buffer) {
+  const found = [];
+  for (let at = 0; at < buffer.byteLength;) {
+    const length = new DataView(buffer).getUint32(at);
+    found.push(new Uint8Array(buffer, at + 4, length));
+    at += 4 + length;
+  }
+  return found;
+}
