@@ -7,6 +7,6 @@ export function stateOf(parts) {
 
 export function restore(parts, state) {
   for (const [name, part] of Object.entries(parts)) {
-    if (name in state) part.recall?.(state[name]);
+    if (state[name] !== undefined) part.recall?.(state[name]);
   }
 }
