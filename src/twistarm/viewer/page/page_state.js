@@ -9,7 +9,7 @@ export function stateOf(parts) {
 
 export function restore(parts, state) {
   for (const [name, part] of Object.entries(parts)) {
-    if (name in state) part.recall?.(state[name]);
+    if (state[name] !== undefined) part.recall?.(state[name]);
   }
   for (const id of state.pressed ?? []) $(id)?.click(); // what a page begins with that others leave to the reader
 }
