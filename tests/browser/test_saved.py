@@ -93,12 +93,12 @@ REQUESTS: list[dict[str, Any]] = [
 
 @pytest.fixture
 def desk(page: Any, tmp_path: Path) -> Iterator[tuple[Page, Callable[[dict[str, Any]], Any]]]:
-    """Python, and what a saved page's process tells once it was asked; both at the same state, with a motion."""
+    """Python, and what a saved page's process tells once it was asked; both at the same state, aside of a motion."""
     arm = load("rover_arm")
     with Viewer(arm, open_browser=False) as viewer:
         settled(page, viewer.url)
         viewer.play(plan_joint(arm, [arm.ready, 0.8 * arm.ready], limits={"velocity": 0.5, "acceleration": 1.0}))
-        viewer.show(arm.ready)
+        viewer.show(0.9 * arm.ready)  # aside of its motion
         page.evaluate(START, stored(viewer.save_html(tmp_path / "page.html").read_text("utf-8")))
         with Page(viewer) as python:
             yield python, lambda request: page.evaluate(ASK, request)

@@ -121,10 +121,10 @@ def test_the_saved_page_stands_as_it_stood_and_outlasts_a_reload(page: Any, tmp_
         until(page, "document.body.dataset.drawn === ''")
         assert page.get_by_role("button", name="Go to pose 1").is_visible(), "in the panel that was open"
         assert_drawn(page, arm, [-0.4, 0.6])
-        for name in ("Plan", "Stand-alone page"):
-            button = page.get_by_role("button", name=name, include_hidden=True)
-            assert button.is_disabled()
-            assert button.get_attribute("title") == "run twistarm view"
+        for role, name in (("button", "Plan"), ("button", "Stand-alone page"), ("checkbox", "Collision")):
+            control = page.get_by_role(role, name=name, include_hidden=True)
+            assert control.is_disabled()
+            assert control.get_attribute("title") == "run twistarm view"
 
 
 @pytest.mark.parametrize("lacking", ["WebAssembly", "DecompressionStream"])
@@ -135,40 +135,6 @@ def test_a_browser_that_cannot_run_it_is_told_which_can(browser: Any, tmp_path: 
     until(page, "!document.getElementById('error').hidden")
     assert "Firefox 115" in page.get_by_role("alert").inner_text()
     page.close()
-
-
-@pytest.mark.smoke
-def test_the_stand_alone_page_by_keyboard_of_an_arm_moved_aside(page: Any, tmp_path: Path) -> None:
-    arm = load("rover_arm")
-    motion = motion_of(arm)
-    with Viewer(arm, open_browser=False) as viewer:
-        settled(page, viewer.url)
-        viewer.play(motion)
-        viewer.show(np.zeros(arm.n))
-        page.locator('input[data-joint="finger_left"]').press("End")
-        until(
-            page, "twistarm.state.frame.others.finger_left > 0.01 && twistarm.state.frame.theta.every((x) => x === 0)"
-        )
-        share = page.locator("#share summary")
-        share.press("Enter")
-        until(page, "document.querySelector('#share').open")
-        page.keyboard.press("Tab")
-        path = saved(page, tmp_path, lambda: page.keyboard.press("Enter"))
-        page.keyboard.press("Escape")
-        assert page.evaluate("[document.querySelector('#share').open, document.activeElement.tagName]") == [
-            False,
-            "SUMMARY",
-        ]
-    with watched_requests(page):
-        page.goto(path.as_uri())
-        until(page, "document.body.dataset.drawn === ''")
-        assert page.evaluate("twistarm.state.frame.others.finger_left") > 0.01
-        assert_drawn(page, arm, np.zeros(arm.n), tol=ROUNDED)
-        counted = page.locator("#findings-count").inner_text()
-        assert counted == "3 remarks"
-        page.get_by_role("button", name="Play").click()
-        until(page, f"twistarm.state.frame.time === {motion.duration!r} && !twistarm.state.frame.running")
-        assert_drawn(page, arm, motion(motion.duration), tol=ROUNDED)
 
 
 def test_the_stand_alone_page_of_an_arm_with_meshes(page: Any, tmp_path: Path) -> None:

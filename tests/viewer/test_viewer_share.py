@@ -20,7 +20,7 @@ from twistarm.viewer.scene.kinematics import kinematics
 from viewer_page import Page, get, matrix, stored, swing
 
 ROUNDED = 1e-8  # Of joint values with nine decimals.
-LIVE = {"collision", "colliding", "controls", "work", "notice", "done"}
+LIVE = {"collision", "colliding", "controls", "work", "notice", "done", "shapes"}
 
 
 def downloaded(viewer: Viewer) -> Any:

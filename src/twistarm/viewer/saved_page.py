@@ -97,6 +97,8 @@ def on_show(stage: Stage, drawing: Drawing) -> SceneSnapshot:
     told = {message["type"] + message.get("node", ""): message for message in stage.messages()}
     if not (stage.visible["reach"][0] or "reach" in stage.needed):
         told.pop("reach", None)
+    if not told["shapes"]["bodies"]:
+        del told["shapes"]
     motion = None if stage.playback is None else stage.playback.trajectory
     return SceneSnapshot(stage.arm, drawing, stage.hello(drawing.links), told, motion)
 

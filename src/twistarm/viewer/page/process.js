@@ -17,7 +17,6 @@ const MOST_SHOWN = 32; // configurations
 const AT_SOLUTION = 1e-3; // rad, m: an arm this near to a configuration is at it
 const ON_MOTION = 1e-8; // rad, m: an arm this near to its motion is on it
 const FREEDOMS = { pose: 6, approach: 5, position: 3 };
-const LENGTH_TOL = 1e-3; // of a quaternion
 const NO_TARGET = { type: "target", given: null, met: null, words: "", ghost: null };
 const NO_SOLUTIONS = { type: "solutions", asked: false, places: [], words: "", theta: [] };
 const DRIVEN = "a servo drives the arm: sliders, poses and trajectories are free again once Drive in the Jog panel is switched off";
@@ -70,25 +69,22 @@ export class Process {
     for (const object of parts(await unzipped(objects ?? globalThis.twistarmObjects))) this.on.object(object);
     const own = this.messages().map(({ type }) => type);
     for (const message of messages) if (!own.includes(message.type)) this.on.message(message);
+    this.told.clear(); // what the page has asked meanwhile is told again, after all that it stands on
     this.publish();
     if (this.playback?.running) this.tick();
   }
 
-  // Of how the page stood when it was saved: what a window does not keep itself.
-  remembered({ tabs, layers, ...rest }) {
-    return this.again ? rest : { ...rest, ...(tabs && { tabs, layers }) };
+  // Of how the page stood when it was saved: after a reload without what a window keeps itself.
+  remembered(state) {
+    return this.again ? { ...state, tabs: undefined, layers: undefined } : state;
   }
-
-  // as a Link ----------------------------------------------------------------------------------------
 
   send(request) {
     queueMicrotask(() => this.receive(request));
     return true;
   }
 
-  interrupt(request) {
-    return this.send(request);
-  }
+  interrupt = this.send;
 
   receive({ type, ...fields }) {
     try {
@@ -105,7 +101,7 @@ export class Process {
   routed() {
     const { poses, drive } = this;
     return {
-      theta: ({ theta }) => this.show(this.checked(theta)),
+      theta: ({ theta }) => this.go(this.checked(theta)),
       joint: ({ name, value }) => this.moveJoint(name, value),
       pose: ({ name, ease }) => this.go(this.named(name), ease),
       random: ({ ease }) => this.go(this.joints.map(({ range: [lower, upper] }) => lower + Math.random() * (upper - lower)), ease),
@@ -115,7 +111,7 @@ export class Process {
       seek: ({ time }) => this.seek(time),
       pace: ({ speed, loop }) => this.pace(speed, loop),
       target: (fields) => this.take(fields),
-      tolerances: ({ position, orientation }) => this.allow(position, orientation),
+      tolerances: (fields) => this.allow(fields),
       release: () => this.release(),
       solutions: (target) => this.find(target),
       solution: ({ place, ease }) => this.step(place, ease),
@@ -128,7 +124,7 @@ export class Process {
       poses: ({ joints, poses: list }) => poses.replace(joints, list),
       undo: () => poses.back("undo"),
       redo: () => poses.back("redo"),
-      go: ({ id, ease }) => this.go(poses.theta(id), ease),
+      go: ({ id, ease }) => this.go(poses.find(id).theta, ease),
       servo: ({ on }) => this.switch(on),
       on_unreachable: ({ what }) => drive.choose(what),
       jog: ({ twist, frame }) => drive.take({ twist, frame }),
@@ -180,12 +176,7 @@ export class Process {
     this.playback?.pause();
   }
 
-  show(theta) {
-    this.stop();
-    this.theta = theta;
-  }
-
-  go(theta, ease) {
+  go(theta, ease = false) {
     this.stop();
     if (ease && !near(theta, this.theta, 0)) this.glide.go(this.theta, theta);
     else this.theta = theta;
@@ -198,7 +189,7 @@ export class Process {
     if (i < 0 && !other) throw new Error(`${this.arm.name} has no joint ${name}`);
     requireInside(other ?? this.joints[i], value);
     if (other) this.others = { ...this.others, [name]: value };
-    else this.show(this.theta.with(i, value));
+    else this.go(this.theta.with(i, value));
   }
 
   checked(theta) {
@@ -208,9 +199,8 @@ export class Process {
   }
 
   named(name) {
-    const { poses } = this.arm;
-    if (!Object.hasOwn(poses, name)) throw new Error(`${this.arm.name} has no pose ${name}; it has ${Object.keys(poses).join(", ")}`);
-    return poses[name];
+    if (Object.hasOwn(this.arm.poses, name)) return this.arm.poses[name];
+    throw new Error(`${this.arm.name} has no pose ${name}`);
   }
 
   requireFree() {
@@ -219,8 +209,7 @@ export class Process {
 
   switch(on) {
     if (on && !this.core.driven) throw new Error(`${this.arm.name} has more joints than the servo of a page drives: ${PYTHON}`);
-    if (on) this.checked(this.theta);
-    if (on) this.stop();
+    if (on) this.go(this.checked(this.theta));
     this.drive.switch(on, this.theta);
   }
 
@@ -242,28 +231,23 @@ export class Process {
     cancelAnimationFrame(this.next); // of a run that was stopped a moment ago
     if (!this.playback.running) return;
     this.playback.advance();
-    this.follow();
+    this.theta = this.onMotion = this.motion.at(this.playback.time).theta;
     this.publish();
     this.next = requestAnimationFrame(() => this.tick());
-  }
-
-  follow() {
-    this.theta = this.onMotion = this.motion.at(this.playback.time).theta;
   }
 
   seek(time) {
     const playback = this.loaded("seek");
     this.stop();
     playback.seek(time);
-    this.follow();
+    this.theta = this.onMotion = this.motion.at(playback.time).theta;
   }
 
   pace(speed, loop) {
     const playback = this.loaded("pace");
     const [slowest, fastest] = SPEEDS;
-    if (speed !== playback.speed && !(speed >= slowest && speed <= fastest)) {
-      throw new Error(`speed must be ${slowest} … ${fastest} times the trajectory's own; got ${speed}`);
-    }
+    const usual = speed >= slowest && speed <= fastest;
+    if (speed !== playback.speed && !usual) throw new Error(`speed must be ${slowest} … ${fastest} times the motion's own; got ${speed}`);
     Object.assign(playback, { speed, loop });
   }
 
@@ -271,25 +255,23 @@ export class Process {
 
   // The page's own answer to a target.
   take({ theta, met, words, ghost, ...given }) {
-    requireUnit(given.xyzw);
-    this.show(this.checked(theta));
+    if (this.core.solves) this.core.target(given); // which refuses what is none
+    this.go(this.checked(theta));
     this.answer = this.theta;
     this.target = { type: "target", given, met, words, ghost: ghost.length > 0 ? ghost : null };
   }
 
   release() {
-    this.target = NO_TARGET;
-    this.answer = null;
+    [this.target, this.answer] = [NO_TARGET, null];
   }
 
-  allow(position, orientation) {
-    if (position < 0 || orientation < 0) throw new Error("tolerances must be above 0, or 0 for the usual ones");
-    this.tolerances = { type: "tolerances", position, orientation };
+  allow(tolerances) {
+    if (Math.min(...Object.values(tolerances)) < 0) throw new Error("tolerances must be above 0, or 0 for the usual ones");
+    this.tolerances = { type: "tolerances", ...tolerances };
   }
 
   // All configurations of a target, from the closed form.
   find(target) {
-    requireUnit(target.xyzw);
     const where = this.goal;
     const found = this.core.configurations(target, where, this.tolerances);
     if (found === null) throw new Error(`to search the configurations of an arm without a closed form, ${PYTHON}`);
@@ -337,25 +319,19 @@ export class Process {
 // Greys what only Python can do, with the way to it, whatever is written there later. `said`: types of messages that
 // were saved, such as a map of the reach.
 function withhold(said) {
-  const fixed = { title: PYTHON, disabled: true, href: "" };
-  const properties = Object.entries(fixed).map(([name, value]) => [name, { get: () => value, set() {} }]);
+  const fixed = (value) => ({ get: () => value, set() {} });
+  const properties = { title: fixed(PYTHON), disabled: fixed(true), href: fixed("") };
   for (const area of $$("[data-python]")) {
     if (said.includes(area.dataset.python)) continue;
     for (const each of [area, ...area.querySelectorAll("button, input, select, a")]) {
-      Object.assign(each, { title: PYTHON, disabled: true, ariaDisabled: "true" });
-      each.removeAttribute("href");
-      Object.defineProperties(each, Object.fromEntries(properties));
+      Object.assign(each, { title: PYTHON, disabled: true, ariaDisabled: "true" }).removeAttribute("href");
+      Object.defineProperties(each, properties);
     }
   }
 }
 
 function near(one, other, within) {
   return one.every((value, i) => Math.abs(value - other[i]) <= within);
-}
-
-function requireUnit(xyzw) {
-  const length = Math.hypot(...xyzw);
-  if (Math.abs(length - 1) > LENGTH_TOL) throw new Error(`xyzw must be a quaternion of length 1; got one of length ${length}`);
 }
 
 // The objects in one buffer, each after its length.

@@ -34,10 +34,6 @@ export class Poses {
     return [{ ...program, poses, planned, note }, { type: "history", undo, redo }];
   }
 
-  theta(id) {
-    return this.find(id).theta;
-  }
-
   record(name, theta) {
     this.keep("record a pose", [...this.poses, this.pose(name, theta, this.poses)]);
   }
@@ -69,9 +65,9 @@ export class Poses {
       throw new Error(`the list moves ${joints.join(", ")}; this arm has ${this.joints.map(({ name }) => name).join(", ")}`);
     }
     const taken = [];
-    for (const { name, theta, by = "joint" } of poses) {
+    for (const { name, theta, by } of poses) {
       if (theta.length !== order.length) throw new Error(`the pose '${name}' has ${theta.length} values, and the list moves ${order.length} joints`);
-      taken.push({ ...this.pose(name, order.map((place) => theta[place]), taken), by });
+      taken.push(this.pose(name, order.map((place) => theta[place]), taken, by));
     }
     this.keep("load a list", taken);
   }
@@ -90,8 +86,8 @@ export class Poses {
     return pose;
   }
 
-  pose(name, theta, others) {
-    const made = { id: this.made + 1, name: free(name, others), theta, by: "joint" };
+  pose(name, theta, others, by = "joint") {
+    const made = { id: this.made + 1, name: free(name, others), theta, by };
     this.require(made, others.length === 0);
     this.made += 1;
     return made;

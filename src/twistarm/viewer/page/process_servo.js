@@ -19,7 +19,6 @@ export class Drive {
   now = 0; // when the arm stood where it stands [ms]
   heard = -Infinity; // when the command came [ms]
   ending = Infinity; // when the end was asked for [ms]
-  next = 0;
 
   // `core`; `length` [m] that counts as 1 rad; the `note` about limits; `moved(theta)`: the arm is here now.
   constructor({ core, length, note }, moved) {
@@ -44,16 +43,12 @@ export class Drive {
 
   // On begins at theta, inside the limits; off brings the arm to rest and ends.
   switch(on, theta) {
-    if (on && this.driven) this.ending = Infinity;
-    else if (on) this.begin(theta);
-    else if (this.driven) this.ending = Math.min(this.ending, this.now);
-  }
-
-  begin(theta) {
+    if (this.driven) this.ending = on ? Infinity : Math.min(this.ending, this.now);
+    if (this.driven || !on) return;
     this.choose(this.onUnreachable);
     this.state = this.servo.rest(theta);
     this.now = performance.now();
-    this.next = requestAnimationFrame(() => this.tick());
+    requestAnimationFrame(() => this.tick());
   }
 
   end() {
@@ -83,7 +78,7 @@ export class Drive {
     while (this.driven && this.now + PERIOD <= now) this.step();
     if (!this.driven) return this.moved(null);
     this.moved(this.state.theta);
-    this.next = requestAnimationFrame(() => this.tick());
+    requestAnimationFrame(() => this.tick());
   }
 
   step() {
