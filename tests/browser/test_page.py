@@ -296,6 +296,7 @@ def test_the_pictures_of_readme_and_docs_show_controls_that_the_page_has(page: A
         page.click("#tab-scene")
         page.get_by_role("button", name="Remove table").wait_for()
         there = pictures["controls"](page)
+        page.goto("about:blank")
     for name in ("view.png", "pictures/theory.png", "pictures/free_move.png", "pictures/in_the_table.png"):
         drawn = pictures["controls_in"](docs / name)
         assert len(drawn) > 20, name

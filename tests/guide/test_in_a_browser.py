@@ -104,11 +104,34 @@ def test_the_scene_is_drawn_from_disk(built: Built, browser: Any) -> None:
     page = browser.new_page()
     seen = watched(page)
     page.goto((built.folder / f"{LESSON}.html").as_uri())
-    frame = page.locator("iframe")
+    frame, inside = page.locator("iframe"), page.frame_locator("iframe")
+    assert frame.get_attribute("src") is None, "it waits for its reader"
     frame.scroll_into_view_if_needed()
-    page.frame_locator("iframe").locator("body[data-drawn]").wait_for(timeout=60_000)
-    assert page.frame_locator("iframe").locator("#name").inner_text() == "rover_arm"
+    inside.locator("body[data-drawn]").wait_for(timeout=60_000)
+    assert inside.get_by_role("slider").first.is_visible()
+    assert not inside.get_by_role("heading", name="rover_arm").is_visible(), "folded"
+    inside.get_by_label("Panel", exact=True).check()
+    assert inside.get_by_role("heading", name="rover_arm").is_visible()
     assert seen == []
+    page.close()
+
+
+def test_frames_in_view_start_one_after_the_other(browser: Any, tmp_path: Path) -> None:
+    for name in "ab":
+        (tmp_path / f"{name}.html").write_text(f"<title>{name}</title>")
+    script = site_file("scripts/frames.js").decode()
+    (tmp_path / "two.html").write_text(
+        f'<iframe data-src="a.html"></iframe><iframe data-src="b.html"></iframe><script>{script}</script>'
+    )
+    page, asked = browser.new_page(), []
+    page.route(re.compile(r"/[ab]\.html$"), lambda route: asked.append(route))
+    page.goto((tmp_path / "two.html").as_uri(), wait_until="commit")
+    page.wait_for_timeout(500)
+    assert [route.request.url[-6:] for route in asked] == ["a.html"]
+    asked[0].continue_()
+    page.wait_for_timeout(500)
+    assert [route.request.url[-6:] for route in asked] == ["a.html", "b.html"]
+    asked[1].continue_()
     page.close()
 
 

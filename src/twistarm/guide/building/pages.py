@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from html import escape
 from importlib.resources import files
@@ -21,9 +22,9 @@ STYLE = ("style.css", "fonts/stix-two-math.woff2", "fonts/OFL.txt")
 
 SCRIPTS = tuple(
     f"scripts/{name}.js"
-    for name in ("playback", "numbers", "eye", "player", "space_figures", "bench", "space", "plane", "start")
+    for name in ("playback", "numbers", "eye", "player", "space_figures", "bench", "space", "plane", "start", "frames")
 )
-"""Of pages with figures to turn or sliders, in the order in which they need one another."""
+"""Of pages with figures to turn, sliders or scenes, in the order in which they need one another."""
 
 Titles = Mapping[str, str]  # Titles of the lessons by name.
 
@@ -76,7 +77,7 @@ def before_page(arm: Arm) -> str:
 
 
 def _page(*, kind: str, title: str, body: str, arm: Arm, contents: str = "", neighbours: str = "") -> str:
-    scripts = SCRIPTS if "data-slider=" in body or "data-eye=" in body else ()
+    scripts = SCRIPTS if re.search("data-(slider|eye|src)=", body) else ()
     here = {name: ' aria-current="page"' if kind == name else "" for name in ("index", "before", "errata")}
     return _filled(
         "page.html",

@@ -185,7 +185,7 @@ guide.predict(
     f"Those before the camera change $g_{{sc}}$: {', '.join(carrying) or 'here there are none'}. Every joint changes "
     "$g_{st}$. Move them in the view below, and watch the link of the camera and the tool.",
 )
-guide.scene(arm, theta=theta, caption="The arm as in the picture above.")
+guide.scene(arm, theta=theta, caption="The arm as in the picture above.", quantity="joints")
 
 # %% [markdown]
 # ## What goes wrong in practice

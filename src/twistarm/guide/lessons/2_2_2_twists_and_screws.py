@@ -108,6 +108,12 @@ for name, xi in zip(arm.moving_names, arm.screws.T, strict=True):
 guide.table(
     ["joint", "$v$", r"$\omega$", "point $q$ [m]", "$h$ [m/rad]"], rows, f"The screws of `{arm.name}`."
 )
+guide.scene(
+    arm,
+    caption="The axes of these screws, named with their pitches. The table holds for joints at zero: move one, and the "
+    "axes after it come along.",
+    quantity="screws",
+)
 
 # %% [markdown]
 # ## The exponential

@@ -169,6 +169,7 @@ guide.scene(
     arm,
     np.zeros(arm.n),
     caption="Every joint at zero. Move the last joint alone, then the first alone.",
+    quantity="screws",
 )
 guide.predict(
     "In this view, which axes move when the last joint moves, and which when the first one does?",

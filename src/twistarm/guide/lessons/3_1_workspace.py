@@ -316,7 +316,9 @@ if arm.n < 6:
     )
 
 # %%
-guide.scene(arm, caption="Move each joint from stop to stop, and watch where the tool goes.")
+guide.scene(
+    arm, caption="Move each joint from stop to stop, and watch where the tool goes.", quantity="joints"
+)
 nearest = arm.random_theta(2, 20_000)[np.linalg.norm(cloud, axis=1).argmin()]
 guide.predict(
     "Where does the tool come nearest to the base? Look for the configuration in the view.",

@@ -351,6 +351,12 @@ guide.table(
     f"The ways of `{own.name}`, nearest to where it stands first.",
 )
 draw_all(own, [each for each, _ in listed[:16]], f"`{own.name}`, every way from the table.")
+guide.scene(
+    elbow_arm,
+    meant,
+    caption="The elbow arm, and every way to hold its tool there, drawn faintly. Step through them with N and P.",
+    quantity="configurations",
+)
 guide.say("What the solver says of itself:\n\n```text\n" + found.explain() + "\n```")
 
 # %% [markdown]

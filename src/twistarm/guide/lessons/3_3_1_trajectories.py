@@ -417,6 +417,7 @@ guide.scene(
     straight,
     caption="The push. Play it, and watch which joint comes nearest to its velocity limit, so that the tool goes "
     "straight.",
+    quantity="joints",
 )
 share_of_limit = straight.peak(1) / np.where(
     np.isfinite(pusher.limits.velocity), pusher.limits.velocity, 1.0

@@ -334,6 +334,7 @@ guide.scene(
     arm,
     theta,
     caption="The axes are the columns of the spatial Jacobian. Move a joint: which axes come along, which stay?",
+    quantity="screws",
 )
 guide.predict(
     "Which axes came along?",

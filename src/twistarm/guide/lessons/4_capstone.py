@@ -372,7 +372,7 @@ guide.scene(
     arm.ready,
     motion,
     caption=f"Play it. The gripper closes at {closing:.2f} s: put the scrubber there. Where is the tool?",
-    screws=False,
+    quantity="joints",
 )
 guide.predict(
     "What do you see there, at the end of the straight way in?",

@@ -70,10 +70,20 @@ def _caption(caption: str) -> str:
     return f"<figcaption>{inline(caption)}</figcaption>" if caption else ""
 
 
+SCENES: dict[str, dict[str, Any]] = {
+    "joints": {"tabs": "tab-move", "layers": {"screws": False}},
+    "screws": {"tabs": "tab-move", "layers": {"labels": True}},
+    "ellipsoid": {"tabs": "tab-theory", "layers": {"screws": False, "linear_ellipsoid": True}},
+    "singular": {"tabs": "tab-theory", "layers": {"linear_ellipsoid": True, "angular_ellipsoid": True}},
+    "configurations": {"tabs": "tab-move", "layers": {"screws": False}, "pressed": ["solutions-all"]},
+}
+"""How the page of a scene begins, by the quantity that it shows."""
+
+
 def scene(
-    arm: Arm, theta: Array, trajectory: Trajectory | None, caption: str, screws: bool, alt: str, folder: Path | None
+    arm: Arm, theta: Array, trajectory: Trajectory | None, caption: str, quantity: str, alt: str, folder: Path | None
 ) -> str:
-    """An arm to look at from all sides: a saved page in a frame, a drawing for paper."""
+    """An arm to move, with a quantity that follows: a saved page in a frame, a drawing for paper."""
     # The view takes a while to import, and only scenes need it.
     from ...viewer.parts.arm_data import loading_findings
     from ...viewer.saved_page import Inline, beside, of_arm, stand_alone
@@ -84,21 +94,27 @@ def scene(
     shown = shown.saying(
         # Nobody looks yet: the reader plays it, from its beginning.
         {**told["frame"], "theta": begins.tolist(), "running": False},
-        {**told["visible"], "screws": [screws, 0]},
         # No doctor is going to look, so nothing is said of one. Where loading noted nothing, the page shows none.
         {**loading_findings(arm), "note": ""},
     )
+
+    def of_lesson(page: str) -> str:
+        # Where there is little room, the panel is folded to what the lesson is about.
+        page = page.replace("<body>", '<body class="compact">', 1)
+        return page.replace('id="state">{}', f'id="state">{json.dumps(SCENES[quantity])}', 1)
+
     if folder is None:
-        frame = Inline.page(stand_alone(shown), alt).html
+        frame = Inline.page(of_lesson(stand_alone(shown)), alt).html
     else:
         page, files = beside(shown)
+        page = of_lesson(page)
         name = f"scene_{hashlib.sha256(page.encode()).hexdigest()[:12]}.html"
         for each, content in {name: page, **files}.items():  # scenes share their scripts, so most are there
             if not (folder / each).is_file() or (folder / each).read_text("utf-8", errors="replace") != content:
                 write_whole(folder / each, content)
         # No sandbox: opened from disk its scripts could not be read then. The scene's own policy lets it reach nothing.
         frame = (
-            f'<iframe class="live" src="{folder.name}/{name}" title="{escape(alt)}" loading="lazy"></iframe>'
+            f'<iframe class="live" data-src="{folder.name}/{name}" title="{escape(alt)}"></iframe>'
             f'<p class="live aside"><a href="{folder.name}/{name}">Open it in a new window</a></p>'
         )
     still = f'<div class="still">{_picture(stills.arm(arm, theta), alt)}</div>'

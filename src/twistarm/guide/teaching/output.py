@@ -121,20 +121,23 @@ def scene(
     theta: ArrayLike | None = None,
     trajectory: Trajectory | None = None,
     caption: str = "",
-    screws: bool = True,
+    quantity: str = "screws",
 ) -> None:
-    """Show an arm that the reader turns and moves, a saved page of the view.
+    """Show an arm that the reader moves by its tool, links and joints, a saved page of the view.
 
     Args:
         arm: The arm.
         theta: Where it stands, (n,) [rad, m]; ready where not given.
         trajectory: A motion that the page plays.
         caption: What there is to see or do, markdown.
-        screws: Whether the screw axes are drawn.
+        quantity: What is shown beside it as it moves: "joints", "screws", "ellipsoid" (manipulability), "singular" (the
+            lost direction) or "configurations" (all that hold the tool in its pose).
     """
+    if quantity not in html.SCENES:
+        raise InputError(f"a scene shows {listed(html.SCENES)}; got {quantity!r}")
     x = np.asarray(arm.ready if theta is None else theta, float)
     alt = f"{arm.name}, an arm of {arm.n} joints, to be turned and moved"
-    show(f"[scene] {alt}", lambda folder: html.scene(arm, x, trajectory, caption, screws, alt, folder))
+    show(f"[scene] {alt}", lambda folder: html.scene(arm, x, trajectory, caption, quantity, alt, folder))
 
 
 def slider(name: str, question: str, answer: str, **numbers: Any) -> None:

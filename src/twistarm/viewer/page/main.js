@@ -188,7 +188,8 @@ function move(to, target) {
 // A value beyond a limit is left to the process, which refuses it with the reason.
 function moveJoint(name, value) {
   const [lower, upper] = panel.rows.get(name).joint.limits;
-  if (!ask({ type: "joint", name, value }) || value < (lower ?? -Infinity) || value > (upper ?? Infinity)) return;
+  const inside = value >= (lower ?? -Infinity) && value <= (upper ?? Infinity);
+  if (!ask({ type: "joint", name, value }) || !inside || !state.frame) return;
   const i = panel.names.indexOf(name);
   const { theta, others } = state.frame;
   move(i < 0 ? { others: { ...others, [name]: value } } : { theta: theta.with(i, value) });

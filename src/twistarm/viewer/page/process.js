@@ -69,6 +69,7 @@ export class Process {
     for (const object of parts(await unzipped(objects ?? globalThis.twistarmObjects))) this.on.object(object);
     const own = this.messages().map(({ type }) => type);
     for (const message of messages) if (!own.includes(message.type)) this.on.message(message);
+    this.told.clear(); // what the page has asked meanwhile is told again, after all that it stands on
     this.publish();
     if (this.playback?.running) this.tick();
   }

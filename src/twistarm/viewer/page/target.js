@@ -21,7 +21,7 @@ const MANY = "This arm has more joints than a page solves for: move it by its sl
 const FIRST = "Drag an arrow or a ring at the tool; G hides them.";
 const DRAGGED = "twistarm dragged"; // whether somebody has, on any page
 const PARALLEL = 0.999; // cosine from which a ring is about the axis that an approach points
-const DRAGGED_SEARCHES = 1; // from where the arm stands: what is near it is met so, and what is missed takes no more time
+const DRAGGED_SEARCHES = 1; // from where the arm stands: what is near is met so, and what is missed costs little
 /** @type {any} */
 const NONE = { given: null, met: null, words: "", ghost: null };
 
@@ -82,7 +82,8 @@ export class Target {
   hello({ arm }) {
     $("target-kind").value = KINDS.filter(([least]) => arm.joints.length >= least)[0][1];
     this.begun = this.kind;
-    this.tool = null;
+    this.tool = this.held = null;
+    this.gizmo.drop();
     this.show(NONE);
   }
 
@@ -97,9 +98,9 @@ export class Target {
     else this.arrange();
   }
 
-  // Whether the tool is for hands, or typed: a servo drives it, or it has more joints than are solved for here.
+  // Whether the tool is not for hands: nobody knows where it stands, a servo drives it, or too many joints move it.
   get shut() {
-    return this.driven || !this.page.core?.solves;
+    return this.driven || !this.page.state.frame || !this.page.core.solves;
   }
 
   placed(frame) {
