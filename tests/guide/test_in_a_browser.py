@@ -16,7 +16,7 @@ import scipy.linalg
 from scipy.spatial.transform import Rotation
 
 from small_course import LESSON, ROVER
-from twistarm import load_arm, save_site
+from twistarm import InputError, load_arm, save_site
 from twistarm.guide.building.building import Built, build
 from twistarm.guide.building.pages import SCRIPTS, site_file
 from twistarm.guide.teaching import output
@@ -114,6 +114,28 @@ def test_the_scene_is_drawn_from_disk(built: Built, browser: Any) -> None:
     assert inside.get_by_role("heading", name="rover_arm").is_visible()
     assert seen == []
     page.close()
+
+
+def test_a_scene_shows_its_quantity_before_anybody_moves_it(browser: Any, tmp_path: Path) -> None:
+    arm, theta = load_arm("elbow"), [0.4, -0.7, 1.3, 0.5, 0.8, -0.3]
+    (tmp_path / "scenes").mkdir()
+    for quantity, told in {
+        "configurations": "1 of 8",
+        "ellipsoid": f"{arm.manipulability(theta).condition:.4g}",
+    }.items():
+        shown: list[output.Shown] = []
+        with output.installed(shown.append):
+            output.scene(arm, theta, quantity=quantity)
+        script = f"<script>{site_file('scripts/frames.js').decode()}</script>"
+        (tmp_path / "scene.html").write_text(
+            f"<meta charset=utf-8>{shown[0].html(tmp_path / 'scenes')}{script}", "utf-8"
+        )
+        page = browser.new_page()
+        page.goto((tmp_path / "scene.html").as_uri())
+        page.frame_locator("iframe").get_by_text(told, exact=True).wait_for(timeout=60_000)
+        page.close()
+    with pytest.raises(InputError, match="speed"):
+        output.scene(arm, quantity="speed")
 
 
 def test_frames_in_view_start_one_after_the_other(browser: Any, tmp_path: Path) -> None:
