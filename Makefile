@@ -8,11 +8,11 @@ BIN := $(VENV)/bin
 PYTHONS ?= 3.10 3.11 3.12 3.13
 PYENV_ROOT ?= $(HOME)/.pyenv
 # What is compiled follows its sources.
-CORE := $(shell find core -path core/tests -prune -o -type f -print)
+CORE := $(shell find core \( -path core/tests -o -path core/wasm \) -prune -o -type f -print)
 # Tests start hundreds of programs: what Python has compiled once is kept, wherever that is switched off.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo guide core test test-all test-pythons test-ros test-ros-here docs pictures bench lint lint-page format coverage dist wheels clean
+.PHONY: demo guide core wasm test test-all test-pythons test-ros test-ros-here docs pictures bench lint lint-page format coverage dist wheels clean
 
 demo: $(VENV)/base
 	$(BIN)/twistarm demo
@@ -21,6 +21,10 @@ demo: $(VENV)/base
 core:
 	[ -x $(BIN)/python ] || $(PYTHON) -m venv --upgrade-deps $(VENV)
 	$(BIN)/python tools/install.py
+
+# After a change of what the page's core is compiled of: a test fails until then. It gets zig, 80 MB, into build/wasm.
+wasm:
+	$(PYTHON) tools/wasm.py
 
 guide: $(VENV)/base
 	$(BIN)/twistarm guide
