@@ -19,13 +19,14 @@ from waiting import settled, until
 
 pytestmark = pytest.mark.browser
 
-START = """async ({ motion, hello, note, objects, ...said }) => {
-  const [{ Process }, { loaded }] = await Promise.all(["process", "core"].map((name) => import(`./${name}.js`)));
+START = """async ({ motion, hello, note, objects, digest, ...said }) => {
+  const [{ Process }, { Core, loaded }] = await Promise.all(["process", "core"].map((name) => import(`./${name}.js`)));
   globalThis.told = {};
   const message = (said) => { told[said.type] = said; };
   const on = { message, object() {}, status() {}, idle: () => done?.() };
   globalThis.done = null;
-  globalThis.process = new Process({ motion, hello, note, objects, messages: Object.values(said) }, await loaded(), on);
+  const saved = { motion, hello, note, objects, digest, messages: Object.values(said) };
+  globalThis.process = new Process(saved, new Core(await loaded(), hello), on);
   await process.begin();
 }"""
 """A process of its own on a live page, from what a saved page holds; `told` has what it tells."""
@@ -74,6 +75,7 @@ REQUESTS: list[dict[str, Any]] = [
     {"type": "go", "id": 7, "ease": False},
     {"type": "poses", **LIST},
     {"type": "poses", **LIST, "joints": ["elbow"]},
+    {"type": "poses", **LIST, "poses": [{**LIST["poses"][0], "by": "linear"}]},
     {"type": "pose", "name": "zero", "ease": False},
     {"type": "pose", "name": "nowhere", "ease": False},
     {"type": "target", **GIVEN, "theta": [0.1, 0.2, 0.3, 0.4, 0.5]},
@@ -108,6 +110,8 @@ def desk(page: Any, tmp_path: Path) -> Iterator[tuple[Page, Callable[[dict[str, 
 def test_it_answers_as_python_does(desk: Any) -> None:
     python, ask = desk
     for request in REQUESTS:
+        if request["type"] == "target":
+            request = {**request, "stage": python.latest["hello"]["number"]}
         python.ask(**request)
         told = ask(request)
         assert ("error" in told) == ("error" in python.latest), request

@@ -42,7 +42,7 @@ def told(stage: Stage) -> dict[str, Any]:
 def test_what_a_page_has_solved_is_shown_and_told_to_all(ghost: Any) -> None:
     stage = Stage(ROVER)
     stage.load(MOTION, loop=True).play(0.0)
-    assert ask(stage, "target", **{**SOLVED, "ghost": ghost or []}) is None
+    assert ask(stage, "target", stage=stage.number, **{**SOLVED, "ghost": ghost or []}) is None
     assert not stage.running
     assert_array_equal(stage.theta, THETA)
     given = {name: SOLVED[name] for name in ("kind", "position", "xyzw")}
@@ -60,7 +60,7 @@ MOVES: dict[str, Callable[[Stage], Any]] = {
 @pytest.mark.parametrize("moved", MOVES)
 def test_what_moves_the_arm_otherwise_lets_the_target_go(moved: str) -> None:
     stage = Stage(ROVER)
-    ask(stage, "target", **SOLVED)
+    ask(stage, "target", stage=stage.number, **SOLVED)
     MOVES[moved](stage)
     assert told(stage)["given"] is None
 
@@ -73,13 +73,14 @@ def test_what_moves_the_arm_otherwise_lets_the_target_go(moved: str) -> None:
         ({"theta": THETA[:4]}, "wrist_roll; got"),
         ({"theta": [0.6, *THETA[1:]]}, "slide = 0.6 is outside its limits"),
         ({"ghost": [1.0]}, "wrist_roll; got"),
+        ({"stage": 0}, "another arm"),
     ],
 )
 def test_what_can_be_no_answer_is_refused_and_changes_nothing(spoilt: dict[str, Any], reason: str) -> None:
     stage = Stage(ROVER)
     before = stage.theta
     with pytest.raises((InputError, LimitError), match=reason):
-        ask(stage, "target", **{**SOLVED, **spoilt})
+        ask(stage, "target", **{"stage": stage.number, **SOLVED, **spoilt})
     assert stage.theta is before
     assert told(stage)["given"] is None
 
@@ -88,7 +89,7 @@ def test_while_a_servo_drives_there_is_no_target() -> None:
     stage = Stage(ROVER)
     stage.take_commands()
     with pytest.raises(InputError, match="a servo drives rover_arm"):
-        ask(stage, "target", **SOLVED)
+        ask(stage, "target", stage=stage.number, **SOLVED)
 
 
 def test_tolerances_hold_until_others_are_chosen() -> None:

@@ -148,6 +148,8 @@ class Outputs:
         if named and form and named != form:
             raise InputError(f"{name} is named like a file of kind {named}, and --format says {form}")
         kind = named or form or (next(iter(kinds)) if name == STDOUT or len(kinds) == 1 else None)
+        if name == STDOUT and FOLDER in kinds.get(kind or "", ()):
+            raise InputError(f"a {kind} is a folder, which standard output cannot hold; give -o FOLDER/")
         if kind is None:
             endings = " or ".join("FOLDER/" if FOLDER in each else f"*{each[0]}" for each in kinds.values())
             option = f", or --format {'|'.join(kinds)}," if form is None else ""

@@ -157,9 +157,10 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes | Path, *, ov
 
 
 def write_folder(folder: str | os.PathLike[str], contents: Mapping[str, str | bytes]) -> Path:
-    """Write files by name into `folder`, all of them or none. A new folder appears whole.
+    """Write files by name into `folder`. A new folder appears whole.
 
-    Files of the same names are replaced, each in one step in the order given. Others stay. Returns the folder, links
+    In a folder that exists, nothing changes before all are written. Then files of the same names are replaced, each in
+    one step in the order given. Others stay. Returns the folder, links
     followed. Raises InputError as `write_whole`.
     """
     target = writable(folder, folder=True)

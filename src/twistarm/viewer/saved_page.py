@@ -74,13 +74,14 @@ class SceneSnapshot:
         drawing, told = self.drawing.whole(), {k: it for k, it in self.messages.items() if it["type"] not in LIVE}
         if PENDING in told["findings"]["note"] and not told["servo"]["driven"]:
             told["findings"] = doctor_findings(self.arm)
-        return {
-            "hello": self.hello,
+        shown = {
+            "hello": {**self.hello, "number": 0},
             "messages": [drawing.message(), *told.values()],
             "motion": None if self.motion is None else _samples(self.motion),
             "note": f"{defaults_line(self.arm)}; no collisions are checked".removeprefix("; "),
-            "objects": _packed(_joined(drawing.objects), zipped),
         }
+        digest = hashlib.sha256(encode(shown).encode()).hexdigest()[:24]
+        return {**shown, "digest": digest, "objects": _packed(_joined(drawing.objects), zipped)}
 
 
 def of_arm(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | None = None) -> SceneSnapshot:
@@ -227,7 +228,7 @@ def beside(shown: SceneSnapshot) -> tuple[str, dict[str, str]]:
         "core.js": f"globalThis.twistarmCore = {json.dumps(packed_core())};",
         f"meshes_{digest}.js": objects,
     }
-    nonce = hashlib.sha256(encode(data).encode()).hexdigest()[:24]
+    nonce = data["digest"]
     policy = POLICY.replace("script-src 'unsafe-inline'", f"script-src 'nonce-{nonce}'")
     first, *rest = (
         f'<script defer src="{name}" nonce="{nonce}"></script>' for name in ("meshcat.js", *list(scripts)[:0:-1])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import partial
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -41,6 +42,8 @@ from .parts.theory import Theory
 from .scene.core_numbers import core_numbers
 from .scene.kinematics import kinematics
 
+NUMBERS = count(1)  # Of stages: an answer that a page computed for one arm is none for another.
+
 
 class Stage(Show):
     """The state that all pages show, with their requests and messages."""
@@ -49,6 +52,7 @@ class Stage(Show):
         self, arm: Arm, theta: ArrayLike | None = None, scene: Scene | None = None, beside: Arm | None = None
     ) -> None:
         super().__init__(arm, theta)
+        self.number = next(NUMBERS)
         self.scene = scene
         self._beside = beside
         self.findings = loading_findings(arm)
@@ -188,7 +192,8 @@ class Stage(Show):
         if (other := self._beside) is not None:
             others = {name: rest(joint) for name, joint in extra_joints(other).items()}
             beside = {**_described(other, list(others)), "theta": other.ready.tolist(), "others": others}
-        return {"type": "hello", **_described(self.arm, list(self.others)), "links": dict(links), "beside": beside}
+        described = _described(self.arm, list(self.others))
+        return {"type": "hello", "number": self.number, **described, "links": dict(links), "beside": beside}
 
     def messages(self) -> list[Message]:
         """Messages of the whole state, the frame last."""

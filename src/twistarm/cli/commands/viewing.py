@@ -114,7 +114,9 @@ def view(
     for name, given in served.items():
         if out.files and given is not None:
             raise InputError(f"{name} is for a page that is served: it does not go with -o FILE")
-    if kinds == {"site"}:
+    if "site" in kinds:
+        if len(out.files) > 1:
+            raise InputError("-o FOLDER/ is a site: it goes with no other -o")
         if theta is not None or play is not None:
             raise InputError("--theta and --play are for a page of one arm: they do not go with -o FOLDER/")
         _write_site([source, *others], out)

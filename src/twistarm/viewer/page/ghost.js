@@ -15,31 +15,33 @@ const WITHIN = { tool: CONE.from, base: 0.85 * RING.radius }; // px: how long a 
 const NAMED = { pose: [0, 1, 2], approach: [2], position: [] }; // the axes of which a target speaks
 
 export class Ghost {
-  constructor({ view, links }) {
+  constructor({ view, links, state }) {
     this.view = view;
     this.links = links;
-    /** @type {any} what is to be drawn with the next picture */ this.next = null;
+    /** @type {any} */ this.told = null;
+    /** @type {any} what is to be drawn with the next picture, once it is known how large */ this.next = null;
     this.frame = new THREE.Group();
     this.arm = new ArmCopy(view, "--warn", ARM);
     this.axes = [];
     /** @type {any} where the target is */
     this.ball = null;
     beforeRender(view, () => {
-      if (this.next) this.draw(this.next);
+      if (this.next && view.radius !== undefined && state.frame) this.draw(this.next);
       this.share();
     });
     view.viewer.scene.add(this.frame, this.arm.group);
+    view.onDrawn.push(() => (this.next = this.told)); // what the ghost is a copy of has changed
     this.messages = { target: (message) => this.show(message) };
   }
 
   hello() {
-    this.next = null;
+    this.told = this.next = null;
     dispose(this.frame);
     this.arm.clear();
   }
 
   show(message) {
-    this.next = message;
+    this.told = this.next = message;
     this.view.viewer.set_dirty();
   }
 

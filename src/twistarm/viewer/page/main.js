@@ -42,7 +42,7 @@ import { Sight } from "./sight.js";
 import { easeSoftware } from "./software.js";
 import { Solutions } from "./solutions.js";
 import { Tabs } from "./tabs.js";
-import { Target } from "./target.js";
+import { NONE, Target } from "./target.js";
 import { Theory } from "./theory.js";
 import { View } from "./view.js";
 import { Work } from "./work.js";
@@ -50,8 +50,7 @@ import { Work } from "./work.js";
 const QUIET = ["jog", "jog_joints", "needs"]; // asked again and again, or unseen: an error stays to be read
 const SILENCE = "The process has ended or does not answer. You can use the panel again when it answers.";
 const STRANGER = "The view was started anew: open the address that it printed.";
-const LACKING = "This browser cannot run the page, which needs WebAssembly and DecompressionStream. Open it with Firefox 115, Chrome or Edge 115, Safari 16.4, or a later one.";
-const AHEAD = ["target", "frame"]; // what is told here before the process tells it
+const LACKING = "This browser cannot run the page, which needs WebAssembly and DecompressionStream. Open it with Firefox 121, Chrome or Edge 115, Safari 16.4, or a later one.";
 
 const saved = $("data") && JSON.parse($("data").textContent); // where this is a saved page
 const described = globalThis.twistarmSchema ?? fetch("schema.json").then((file) => file.json());
@@ -63,7 +62,8 @@ const state = { hello: null, frame: null, fitted: false };
 const said = {}; // the last message of each type
 let silence = SILENCE; // why nothing can be asked
 let refusal = ""; // of a motion, while the mark stands where it stops
-let ahead = false; // whether the page shows what it has asked for, until the process has answered
+/** @type {any} */
+let ahead = null; // of a frame, what the page has asked for: it stays until the process has answered
 
 const panel = new Panel({
   joint: moveJoint,
@@ -180,9 +180,9 @@ function seek(time) {
 
 // Show at once what was asked for: theta or others, and the target that the arm is moved to.
 function move(to, target) {
-  ahead = true;
+  ahead = { ...ahead, ...to, ...(to.theta && { running: false, rates: null }) };
   if (target) tell({ type: "target", ...target });
-  tell({ ...state.frame, ...(to.theta && { running: false, rates: null }), ...to });
+  tell({ ...state.frame, ...ahead });
 }
 
 // A value beyond a limit is left to the process, which refuses it with the reason.
@@ -192,7 +192,8 @@ function moveJoint(name, value) {
   if (!ask({ type: "joint", name, value }) || !inside || !state.frame) return;
   const i = panel.names.indexOf(name);
   const { theta, others } = state.frame;
-  move(i < 0 ? { others: { ...others, [name]: value } } : { theta: theta.with(i, value) });
+  if (i < 0) move({ others: { ...others, [name]: value } });
+  else move({ theta: theta.with(i, value) }, NONE);
 }
 
 // Nobody was asked: all stands as the process left it.
@@ -208,8 +209,8 @@ function putBack() {
   parts.controls.release();
   if (!state.frame) return;
   if (ahead) {
-    ahead = false;
-    for (const type of AHEAD) tell(said[type]);
+    ahead = null;
+    for (const type of ["target", "frame"]) tell(said[type]);
   }
   parts.scene.release();
   panel.show(state.frame);
@@ -219,8 +220,8 @@ function putBack() {
 const receive = {
   hello(message) {
     Object.assign(state, { hello: message, frame: null });
-    page.core = new Core(module, message);
-    ahead = false;
+    page.core = saved ? link.core : new Core(module, message);
+    ahead = null;
     findings.choose(null);
     view.clear();
     panel.showError("");
@@ -257,7 +258,8 @@ function show(message) {
   const wrong = violation(schema.messages, message);
   if (wrong) return panel.showError(`this page does not understand the process: ${wrong}; load it again`);
   said[message.type] = message;
-  if (!ahead || !AHEAD.includes(message.type)) tell(message);
+  if (message.type === "frame") tell({ ...message, ...ahead });
+  else if (message.type !== "target" || !ahead?.theta) tell(message);
 }
 
 function tell(message) {
@@ -289,7 +291,7 @@ const on = {
   },
 };
 /** @type {any} */
-const link = saved ? new Process(saved, module, on) : new Link(on);
+const link = saved ? new Process(saved, new Core(module, saved.hello), on) : new Link(on);
 if (saved) {
   await link.begin();
   restore(keepers(), link.remembered(JSON.parse($("state").textContent)));

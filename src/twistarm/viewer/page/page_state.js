@@ -11,5 +11,5 @@ export function restore(parts, state) {
   for (const [name, part] of Object.entries(parts)) {
     if (state[name] !== undefined) part.recall?.(state[name]);
   }
-  for (const id of state.pressed ?? []) $(id)?.click(); // what a page begins with that others leave to the reader
+  for (const id of state.pressed ?? []) $(id)?.click(); // such as a switch that the scene of a lesson begins with
 }

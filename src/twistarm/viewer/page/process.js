@@ -1,7 +1,6 @@
 // The process of a saved page: it answers the requests of schema.json in place of Python. It keeps where the arm stands,
 // its poses, its motion and its servo, and tells the page what has changed.
 
-import { Core } from "./core.js";
 import { $$, unzipped } from "./element.js";
 import { Glide } from "./glide.js";
 import { Motion } from "./motion.js";
@@ -26,10 +25,10 @@ export class Process {
   kind = "saved";
 
   // `saved`: hello, the messages of the stage, the motion and the note about limits; `on` as for a Link.
-  constructor(saved, module, on) {
+  constructor(saved, core, on) {
     const said = Object.fromEntries(saved.messages.map((message) => [message.type, message]));
     const { hello, motion, messages } = saved;
-    this.name = `twistarm process ${JSON.stringify(messages).length}`;
+    this.name = `twistarm process ${saved.digest}`;
     /** @type {any} */
     const before = JSON.parse(kept(this.name, { session: true }) ?? "{}"); // this page, until it was loaded again
     const { theta, others, time, running } = before.frame ? { ...before.frame, running: false } : said.frame;
@@ -39,7 +38,7 @@ export class Process {
     this.joints = hello.arm.joints;
     this.theta = theta;
     this.others = others;
-    this.core = new Core(module, hello);
+    this.core = core;
     this.poses = Object.assign(new Poses(hello.arm.joints, said.program), before.poses);
     this.motion = motion && new Motion(motion);
     this.playback = motion && new Playback(this.motion.duration, { ...said.player, ...before.player, time, running });
@@ -69,12 +68,12 @@ export class Process {
     for (const object of parts(await unzipped(objects ?? globalThis.twistarmObjects))) this.on.object(object);
     const own = this.messages().map(({ type }) => type);
     for (const message of messages) if (!own.includes(message.type)) this.on.message(message);
-    this.told.clear(); // what the page has asked meanwhile is told again, after all that it stands on
+    this.told.clear(); // the answers to requests of the page so far are told again, after the messages they rest on
     this.publish();
     if (this.playback?.running) this.tick();
   }
 
-  // Of how the page stood when it was saved: after a reload without what a window keeps itself.
+  // How the page stood when it was saved. After a reload the browser's session has kept tabs and layers.
   remembered(state) {
     return this.again ? { ...state, tabs: undefined, layers: undefined } : state;
   }
@@ -254,7 +253,7 @@ export class Process {
   // the target ---------------------------------------------------------------------------------------
 
   // The page's own answer to a target.
-  take({ theta, met, words, ghost, ...given }) {
+  take({ stage, theta, met, words, ghost, ...given }) {
     if (this.core.solves) this.core.target(given); // which refuses what is none
     this.go(this.checked(theta));
     this.answer = this.theta;

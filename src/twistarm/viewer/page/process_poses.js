@@ -6,6 +6,7 @@ const LONGEST_NAME = 60;
 const MOST_STEPS = 100; // that can be undone
 const ROUNDING = 1e-6; // rad, m: a value may lie this far beyond a limit
 const START = { rad: 0.2, m: 0.02 }; // the first pose, a measured start, this far
+const MOVES = ["joint", "line", "screw", "via", "free"];
 const STALE = "The list has changed since this motion was planned: plan again.";
 
 // An Error where a joint's value is farther beyond its limits than `spare`.
@@ -87,6 +88,7 @@ export class Poses {
   }
 
   pose(name, theta, others, by = "joint") {
+    if (!MOVES.includes(by)) throw new Error(`a pose is reached by ${MOVES.join(", ")}; '${name}' has ${by}`);
     const made = { id: this.made + 1, name: free(name, others), theta, by };
     this.require(made, others.length === 0);
     this.made += 1;

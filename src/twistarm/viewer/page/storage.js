@@ -18,7 +18,7 @@ export function keep(name, text, { session = false } = {}) {
   }
 }
 
-// Files from disk share one storage.
+// The saved pages of a folder share one storage. A live page has another address at each start.
 function here(name) {
-  return `${name} ${location.pathname}`;
+  return document.getElementById("data") ? `${name} ${location.pathname}` : name;
 }

@@ -23,7 +23,7 @@ const DRAGGED = "twistarm dragged"; // whether somebody has, on any page
 const PARALLEL = 0.999; // cosine from which a ring is about the axis that an approach points
 const DRAGGED_SEARCHES = 1; // from where the arm stands: what is near is met so, and what is missed costs little
 /** @type {any} */
-const NONE = { given: null, met: null, words: "", ghost: null };
+export const NONE = { given: null, met: null, words: "", ghost: null };
 
 export class Target {
   // `page` holds view, panel, state, core, ask(request) and move(to, target).
@@ -184,7 +184,8 @@ export class Target {
 
   // Nothing moves where nobody is asked.
   send(theta, { given, met, words, ghost }) {
-    const asked = this.page.ask({ type: "target", ...given, theta, met, words, ghost: ghost ?? [] });
+    const stage = this.page.state.hello.number;
+    const asked = this.page.ask({ type: "target", stage, ...given, theta, met, words, ghost: ghost ?? [] });
     if (asked) this.page.move({ theta }, { given, met, words, ghost });
     else this.gizmo.drop();
   }

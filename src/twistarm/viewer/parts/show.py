@@ -94,6 +94,7 @@ class Show:
     """The arm on show: where it stands, how it moves, and what its parts share."""
 
     def __init__(self, arm: Arm, theta: ArrayLike | None) -> None:
+        self.number = 0
         self.arm = require_arm(arm)
         self.theta = arm.ready if theta is None else checked_theta(arm, theta)
         self.extra_joints = extra_joints(arm)

@@ -42,12 +42,23 @@ class TargetPart(Part):
         }
 
     def _take(
-        self, show: Show, now: float, theta: list[float], met: bool, words: str, ghost: list[float], **given: Any
+        self,
+        show: Show,
+        now: float,
+        stage: int,
+        theta: list[float],
+        met: bool,
+        words: str,
+        ghost: list[float],
+        **given: Any,
     ) -> None:
         """Show the page's answer to its target: theta (n,) inside the limits, and how well that meets it.
 
-        `ghost` (n,): the answer without joint limits, if they are the reason of a miss; else empty.
+        `stage`: the number in the hello of the arm that it is for. `ghost` (n,): the answer without joint limits, if
+        these are the reason of a miss; else empty.
         """
+        if stage != show.number:
+            raise InputError("another arm was loaded meanwhile: give the target again")
         target_asked(show.arm, given)
         answer, free = checked_theta(show.arm, theta), checked_theta(show.arm, ghost or theta)
         require_all_inside(show.arm, answer)

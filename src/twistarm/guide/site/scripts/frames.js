@@ -2,7 +2,7 @@
 "use strict";
 
 {
-  const near = new Set(); // and not yet started
+  const near = new Set(); // frames in reach of the reader that have not started
   let starting = false;
 
   const start = () => {
