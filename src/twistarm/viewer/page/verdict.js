@@ -37,17 +37,48 @@ export function inWords({ arm, core: { reasons } }, core, given, solution, toler
   const errors = missed(given, solution, tolerances);
   if (met) return errors;
   const lines = [`${reasons[stop]} · ${errors}`];
-  const beyond = (unlimited ?? []).flatMap((value, i) => within(arm.joints[i], value, 0));
-  if (beyond.length > 0) lines.push(`without limits it would be met, or missed by less: ${beyond.join(", ")}`);
-  if (given.kind !== "position") {
-    const { impossible, prevented, axis } = core.split(given, theta);
-    if (impossible > NEGLIGIBLE) lines.push(`no joint turns the tool about ${named(axis)}: ${angle(impossible)} of the rotation are missing`);
-    if (prevented > NEGLIGIBLE) lines.push(`${angle(prevented)} of the rotation are prevented by limits or reach`);
-  }
+  const far = solution.positionError > (tolerances.position || DEFAULTS.position);
+  if (unlimited !== null) lines.push(...blocked(arm, core, given, solution, tolerances, far));
+  else if (far) lines.push(`the nearest position inside the limits is ${length(solution.positionError)} away`, ...impossible(core, given, theta));
+  else lines.push(...impossible(core, given, theta), ...prevented(core, given, theta));
   const bounds = theta.flatMap((value, i) => within(arm.joints[i], value, AT_BOUND));
   if (bounds.length > 0) lines.push(`at its limit: ${bounds.join(", ")}`);
   if (solution.certain) lines.push("the arm's closed form has no answer inside the limits: that is certain");
   return lines.join("\n").slice(0, LONGEST).replace(/[\ud800-\udbff]$/, "");
+}
+
+// What limits do: as explain() of a solution says it.
+function blocked({ joints }, core, given, { unlimited, orientationError }, { orientation }, far) {
+  const beyond = unlimited.flatMap((value, i) => within(joints[i], value, 0));
+  const where = beyond.length > 0 ? `for one with ${beyond.join(", ")}` : "a hair beyond them";
+  const turned = turn(core, given, unlimited);
+  if (turned <= (orientation || DEFAULTS.orientation)) return [`without limits it could be met, ${where}`];
+  const more = impossible(core, given, unlimited);
+  if (far) return [`without limits its position could be met, ${where}`, ...more];
+  return [`${angle(orientationError - turned)} of the rotation are prevented by limits`, `without limits it could be met to within ${angle(turned)}, ${where}`, ...more];
+}
+
+function impossible(core, given, theta) {
+  if (given.kind === "position") return [];
+  const { impossible: missing, axis } = core.split(given, theta);
+  return missing > NEGLIGIBLE ? [`no joint turns the tool about ${named(axis)}: ${angle(missing)} of the rotation are missing`] : [];
+}
+
+function prevented(core, given, theta) {
+  if (given.kind === "position") return [];
+  const { prevented: rest } = core.split(given, theta);
+  return rest > NEGLIGIBLE ? [`${angle(rest)} of the rotation are prevented by limits or reach`] : [];
+}
+
+// The rotation error at theta [rad].
+function turn(core, given, theta) {
+  if (given.kind === "position") return 0;
+  const { g } = core.kinematics(theta);
+  const numbers = core.target(given);
+  const off = given.kind === "pose"
+    ? g.slice(0, 3).flatMap((row, i) => row.slice(0, 3).map((value, j) => (value - numbers[4 * i + j]) / Math.SQRT2))
+    : g.slice(0, 3).map((row, i) => row[0] * numbers[6] + row[1] * numbers[7] + row[2] * numbers[8] - numbers[3 + i]);
+  return 2 * Math.asin(Math.min(1, Math.hypot(...off) / 2));
 }
 
 // The two errors.
