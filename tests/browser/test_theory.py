@@ -23,11 +23,8 @@ from waiting import WAIT, after_frames, settled, until
 pytestmark = pytest.mark.browser
 
 Matrix = NDArray[np.float64]
-
 Opened = Callable[[], AbstractContextManager[Any]]
-
 ARM = load_arm("rover_arm")
-
 SMALL = {"width": 960, "height": 480}  # A small window.
 FLOAT = 2e-6  # Meshcat keeps matrices in double precision, three.js's colours and points are float32.
 

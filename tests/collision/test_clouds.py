@@ -97,9 +97,10 @@ def test_a_scene_file_holds_clouds(tmp_path: Path) -> None:
     scene = Scene.load(arm, tmp_path / "scene.toml")
     assert scene.distance([0.5, 1.0]).metres == pytest.approx(0.4, abs=1e-6)
     scene.add_points("heap 1", [[0.0, 0.0, -1.0]], 0.1)
+    scene.add_points("heap_1", [[9.0, 9.0, 9.0]], 0.1)  # its file must have another name
     scene.save(tmp_path / "other.toml")
     again = Scene.load(arm, tmp_path / "other.toml")
-    assert {*again.obstacles} == {"s", "heap 1"}
+    assert {*again.obstacles} == {"s", "heap 1", "heap_1"}
     for theta in ([0.5, 1.0], [0.0, -0.5]):
         assert again.distance(theta).metres == pytest.approx(scene.distance(theta).metres, abs=1e-12)
 

@@ -16,12 +16,11 @@ TILE = 0.5
 MOST_TILES = 300
 # The most voxels of a cloud. A room of 5 × 5 × 3 m has some 200,000 of 2 cm on its walls.
 MOST_VOXELS = 500_000
-Cells = NDArray[np.int64]
 MOST_CELLS = 2**62  # The most cells of the box round a cloud, which are numbered.
-
-
 # Voxels along a side of a part. A distance measures few parts, and a part has few voxels.
 PART = 16
+
+Cells = NDArray[np.int64]
 
 
 class Cloud:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -12,7 +13,7 @@ import numpy as np
 
 from ..support.checks import Array
 from ..support.errors import InputError, listed
-from ..support.files import kind_of, read_bounded
+from ..support.files import kind_of, read_bounded, write_whole
 
 # Bytes of a file of points. 10 million points as float32 have 120 MB.
 LARGEST_FILE = 200_000_000
@@ -121,10 +122,22 @@ def _rows(body: bytes, types: Sequence[tuple[str, str]], count: int, text: bool)
     return points
 
 
+def write_points(points: Array, scene: Path, name: str) -> Path:
+    """Write the points (N, 3) of the cloud `name` as a .npy file beside a scene's file. Return its path.
+
+    Its name has a digest of the points, so it replaces no file with others.
+    """
+    buffer = io.BytesIO()
+    np.save(buffer, points)
+    plain = re.sub(r"[^A-Za-z0-9_-]+", "_", name).strip("_")[:50]
+    digest = hashlib.sha256(buffer.getvalue()).hexdigest()[:12]
+    return write_whole(scene.with_name(f"{scene.stem}_{plain}_{digest}.npy"), buffer.getvalue())
+
+
 # -- octomaps ----------------------------------------------------------------------------------------------------
 
 DEPTH = 16  # Levels of every octomap.
-MOST_NODES = 5_000_000
+MOST_OCCUPIED = 5_000_000
 LEAST_VOXEL, LARGEST_VOXEL = 1e-3, 10.0
 
 
@@ -143,13 +156,14 @@ def octomap_points(message: Mapping[str, Any]) -> tuple[Array, float]:
         raise InputError("a ColorOcTree is read in its binary form only: publish octomap_binary")
     data = (np.array(message["data"], dtype=np.int64) % 256).astype(np.uint8).tobytes()
     cells = [*(_binary_leaves(data) if message["binary"] else _full_leaves(data))]
-    corners: list[Array] = []
-    for corner, level in cells:
-        side = 1 << (DEPTH - level)
-        if side**3 * len(cells) > MOST_NODES:
-            raise InputError(f"an occupied cell of {side * voxel:g} m is too large to take its voxels one by one")
-        corners.append(np.array(corner) + np.indices((side,) * 3).reshape(3, -1).T)
-    points = np.concatenate(corners) if corners else np.empty((0, 3))
+    sides = [1 << (DEPTH - level) for _, level in cells]
+    if (count := sum(side**3 for side in sides)) > MOST_OCCUPIED:
+        raise InputError(f"its cells have {count:,} occupied voxels of {voxel:g} m; at most {MOST_OCCUPIED:,} are read")
+    corners = [
+        np.array(corner) + np.indices((side,) * 3).reshape(3, -1).T
+        for (corner, _), side in zip(cells, sides, strict=True)
+    ]
+    points: Array = np.concatenate(corners) if corners else np.empty((0, 3))
     return (points - (1 << (DEPTH - 1)) + 0.5) * voxel, voxel
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise, product
 from math import inf
 from typing import Any
 
@@ -46,19 +47,9 @@ class NearPairs(Checker):
         shapes, ends = [part for each in parts for part in each], np.cumsum([0, *map(len, parts)]).tolist()
         body_of = np.repeat(np.arange(len(parts)), [len(each) for each in parts])
         # The pair of bodies, and the two shapes, of each pair of parts.
-        self._owner, first, second = (
-            np.array(
-                [
-                    (k, a, b)
-                    for k, (i, j) in enumerate(self.pairs)
-                    for a in range(ends[i], ends[i + 1])
-                    for b in range(ends[j], ends[j + 1])
-                ],
-                dtype=int,
-            )
-            .reshape(-1, 3)
-            .T
-        )
+        places = [range(*each) for each in pairwise(ends)]
+        expanded = [(k, *both) for k, (i, j) in enumerate(self.pairs) for both in product(places[i], places[j])]
+        self._owner, first, second = np.array(expanded, dtype=int).reshape(-1, 3).T
         self.body_pairs = np.column_stack([body_of[first], body_of[second]])
         # What is measured by Coal itself: pairs with a part of a body.
         single = np.array([len(each) == 1 for each in parts], dtype=bool)

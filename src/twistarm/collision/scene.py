@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import io
 import os
-import re
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
@@ -28,8 +26,7 @@ from .allowed_pairs import allowed_pairs
 from .answers import Collision, Contact, Distance
 from .near_pairs import NearPairs
 from .obstacles import Obstacles
-from .obstacles import Placed as Placed
-from .scene_file import Entry, SceneFile, read_scene, scene_text
+from .scene_file import Entry, SceneFile, read_scene, scene_text, with_points_in_files
 from .swept import FINE, Sweep, pair_speeds, shifted
 
 T = TypeVar("T")
@@ -125,8 +122,7 @@ class Scene(Obstacles):
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the obstacles, margins and pairs that may touch as a scene.toml, whole or not at all.
 
-        Comments of a file that is replaced are lost. Meshes are named relative to the file. The points of a cloud that
-        comes from no file go into a .npy file beside it.
+        Comments in the file are lost. Meshes are named relative to it. A cloud without a file is written beside it.
 
         Args:
             path: A file that ends in .toml. An existing one must be a scene.toml.
@@ -145,9 +141,7 @@ class Scene(Obstacles):
                 read_scene(target)
             except TwistarmError as error:
                 raise InputError(f"cannot write {target}: no scene.toml is there; give another name") from error
-        content = self.content()
-        entries = tuple(_with_file(entry, target) for entry in content.entries)
-        text = scene_text(replace(content, entries=entries), target.parent)
+        text = scene_text(with_points_in_files(self.content(), target), target.parent)
         self.file = write_whole(target, text, over_description=True)
         return self.file
 
@@ -207,7 +201,7 @@ class Scene(Obstacles):
         for why, names in self._unreadable.items():
             remedy = "mend the file, or give the link a box or cylinder as collision shape"
             found.append(finding("mesh-unreadable", place, f"{why}; left out of {listed(names)}", remedy))
-        bodies = (*self._links, *(body for body in self._obstacles.values() if body.kind != "points"))
+        bodies = (*self._links, *self._obstacles.values())
         open_ones = dict.fromkeys(body.name for body in bodies if body.solid is not None and not body.solid.closed)
         if open_ones:
             what = f"the triangles are not closed, so what is wholly inside counts as free: {listed(open_ones)}"
@@ -494,16 +488,6 @@ def _made(
     scene._fill(content)
     scene._found_pairs = scene._found_pairs if pairs is None else pairs
     return scene
-
-
-def _with_file(entry: Entry, scene: Path) -> Entry:
-    """The entry; points that are in no file are written into one beside that of the scene."""
-    if not isinstance(entry.mesh, np.ndarray):
-        return entry
-    buffer = io.BytesIO()
-    np.save(buffer, entry.mesh)
-    name = re.sub(r"[^A-Za-z0-9_-]+", "_", entry.name).strip("_")
-    return replace(entry, mesh=write_whole(scene.with_name(f"{scene.stem}_{name}.npy"), buffer.getvalue()))
 
 
 def require_scene(scene: Any, arm: Arm) -> Scene:

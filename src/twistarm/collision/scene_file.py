@@ -21,7 +21,7 @@ from ..support.errors import InputError, TwistarmError, listed, shown
 from ..support.fields import Check, anything, fields, inside, list_of, table_of, text, vector, word
 from ..support.files import read_bounded
 from ..theory.rotations import from_quaternion_wxyz, from_rpy, from_xyzw, to_rpy
-from .cloud_files import octomap_points
+from .cloud_files import octomap_points, write_points
 
 MOST_BYTES = 4_000_000
 """The largest planning scene."""
@@ -165,6 +165,17 @@ def _pose(table: Mapping[str, Any], angle: float) -> Array:
     elif "quaternion_wxyz" in table:
         g[:3, :3] = from_quaternion_wxyz(table["quaternion_wxyz"])
     return g
+
+
+def with_points_in_files(content: SceneFile, scene: Path) -> SceneFile:
+    """The content of a file `scene`, with the points of its clouds in files beside it, which are written."""
+    entries = [
+        replace(entry, mesh=write_points(entry.mesh, scene, entry.name))
+        if isinstance(entry.mesh, np.ndarray)
+        else entry
+        for entry in content.entries
+    ]
+    return replace(content, entries=tuple(entries))
 
 
 def scene_text(content: SceneFile, folder: Path) -> str:

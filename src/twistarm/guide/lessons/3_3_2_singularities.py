@@ -245,12 +245,7 @@ guide.figure(
     f"What joint rates with $|\\dot\\theta| = 1$ make of the tool's velocity: {shape}, its half axes in the ratio "
     f"{' : '.join(f'{s / sigma[0]:.2f}' for s in sigma[:flat])}.",
 )
-guide.scene(
-    arm,
-    theta,
-    caption="The ellipsoid at the tool as the arm moves. Drag the tool outward: which half axis gets short?",
-    quantity="ellipsoid",
-)
+guide.scene(arm, theta, caption="Drag it out: which half axis gets short?", quantity="ellipsoid")
 
 # %% [markdown]
 # ## The worst configuration inside your limits
@@ -344,13 +339,7 @@ guide.figure(
     "grey, the configuration in which it waits",
     f"The worst configuration, and the axes of {', '.join(f'`{name}`' for name in against)}. Grey: waiting.",
 )
-guide.scene(
-    arm,
-    singular,
-    caption="The same configuration to move: the panel names the direction that is lost. Drag the tool that way, then "
-    "another way.",
-    quantity="singular",
-)
+guide.scene(arm, singular, caption="Drag it along the lost direction.", quantity="singular")
 
 # %% [markdown]
 # ## Three patterns to know by sight

@@ -57,7 +57,7 @@ export function numbers({ arm, kinematics }, { joints, length, below }, { transf
 
 // Axis, point nearest to the origin [m], pitch [m/rad] and magnitude of a twist. A translation has the pitch null, which
 // is infinite, and goes through the origin. MLS §2.3.3.
-export function toScrew(xi) {
+function toScrew(xi) {
   const [v, w] = halves(xi);
   const [speed, rate] = [norm(v), norm(w)];
   if (rate <= TURNLESS * speed) return { axis: times(v, 1 / (speed || 1)), point: [0, 0, 0], pitch: null, magnitude: speed };
