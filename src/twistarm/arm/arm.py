@@ -24,7 +24,7 @@ from ..support.checks import (
     require_mapping,
     require_one,
 )
-from ..support.errors import InputError, TwistarmError, listed, shown, unknown_name, warn
+from ..support.errors import InputError, TwistarmError, listed, quote, unknown_name, warn
 from ..theory.manipulability import Manipulability, manipulability_of
 from ..theory.screws import adjoint, inverse
 from . import engine
@@ -313,7 +313,7 @@ class Arm(ArmData):
         """
         g = require_one(as_pose(g_tip_tool, "g_tip_tool"), "g_tip_tool", 2)
         if not isinstance(name, str) or not name.strip():
-            raise InputError(f"the tool's name must be a text, and not an empty one; got {shown(name)}")
+            raise InputError(f"the tool's name must be a text, and not an empty one; got {quote(name)}")
         if name in self.frame_names:
             raise InputError(f"{self.name} has a frame {name!r} already; give the tool another name")
         end = self.home[:3, 3]

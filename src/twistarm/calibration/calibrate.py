@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, as_flag, as_positive, as_theta, require, require_choice
-from ..support.errors import InputError, listed, shown
+from ..support.errors import InputError, listed, quote
 from ..support.units import theta_hint
 from ..theory.rotations import skew
 from .calibration import Calibration
@@ -104,7 +104,7 @@ def calibrate(
 def _read(arm: Arm, measurements: Log | Sequence[Log]) -> Measurements:
     several = [measurements] if isinstance(measurements, (Measurements, str, os.PathLike)) else measurements
     if not isinstance(several, (list, tuple)) or not several:
-        raise InputError(f"measurements must be a log, or a sequence of one log or more; got {shown(measurements)}")
+        raise InputError(f"measurements must be a log, or a sequence of one log or more; got {quote(measurements)}")
     parts = [each if isinstance(each, Measurements) else read_measurements(each, arm) for each in several]
     for part in parts:
         as_theta(part.theta, arm.n, "theta", arm.joint_names)

@@ -13,7 +13,7 @@ from ..arm.arm import Arm
 from ..ik import Approach, Pose, Position
 from ..support.checks import Array
 from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows, is_number, known_columns, lines_in
-from ..support.errors import InputError, listed, shown
+from ..support.errors import InputError, listed, quote
 from ..support.fields import inside
 from ..support.units import angle_hint
 from .command import Shared
@@ -185,7 +185,7 @@ def read_sheet(path: str, usual: Sequence[str]) -> Sheet:
     rows = list(csv_rows(lines, file))
     numeric = [is_number(cell.replace(",", ".")) for cell in rows[0].cells] if rows else []
     if any(numeric) and not all(numeric):
-        raise InputError(f"{file}, line {rows[0].line}: neither a header nor a row of numbers: {shown(rows[0].cells)}")
+        raise InputError(f"{file}, line {rows[0].line}: neither a header nor a row of numbers: {quote(rows[0].cells)}")
     header = tuple(usual) if all(numeric) else tuple(cell.strip() for cell in rows.pop(0).cells)
     if not rows:
         raise InputError(f"{file} holds no rows of numbers")

@@ -27,7 +27,7 @@ from ..support.checks import (
     as_vector,
     require_names,
 )
-from ..support.errors import InputError, listed, shown, unknown_name
+from ..support.errors import InputError, listed, quote, unknown_name
 from ..support.files import as_path
 from ..support.units import TURN
 from .cloud_files import read_points
@@ -279,7 +279,7 @@ class Obstacles:
 
     def _add(self, name: str, kind: str, size: Row, pose: Given | None, mesh: Mesh = None, frame: str = "") -> None:
         if not isinstance(name, str) or not name or not name.isprintable():
-            raise InputError(f"name must be a text on one line that is not empty; got {shown(name)}")
+            raise InputError(f"name must be a text on one line that is not empty; got {quote(name)}")
         if len(self._obstacles) >= MOST_OBSTACLES:
             raise InputError(
                 f"the scene has {MOST_OBSTACLES} obstacles, the most that it takes; join some in one mesh for add_mesh"

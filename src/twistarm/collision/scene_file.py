@@ -17,7 +17,7 @@ from ..arm.bodies import Triangles, along
 from ..description.companions.data_files import parse_toml, parse_yaml, toml_key, toml_text
 from ..description.document import read_text
 from ..support.checks import Array, Given, as_flag, as_floats, as_number, as_vector
-from ..support.errors import InputError, TwistarmError, listed, shown
+from ..support.errors import InputError, TwistarmError, listed, quote
 from ..support.fields import Check, anything, fields, inside, list_of, table_of, text, vector, word
 from ..support.files import read_bounded
 from ..theory.rotations import from_quaternion_wxyz, from_rpy, from_xyzw, to_rpy
@@ -330,7 +330,7 @@ def _left(path: Path, objects: list[tuple[Any, str]]) -> Iterator[tuple[Any, str
             elif done == "ADD" or (done == "APPEND" and name not in left):
                 left[name] = item, place
             else:
-                what = f"operation {shown(given)} of {name!r} is not read; write the object whole, with operation ADD"
+                what = f"operation {quote(given)} of {name!r} is not read; write the object whole, with operation ADD"
                 raise InputError(what)
     yield from left.values()
 

@@ -23,7 +23,7 @@ from ..support.checks import (
     require_one,
 )
 from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows
-from ..support.errors import InputError, listed, shown
+from ..support.errors import InputError, listed, quote
 from ..support.fields import fields, inside, one_of
 from ..support.files import as_path
 from ..support.units import TURN, angle_hint, column, factor
@@ -175,7 +175,7 @@ def _read(row: Mapping[str, Any], i: int) -> dict[str, Any]:
                 continue
             name, unit = column(key, KNOWN)
             if name is None:
-                raise InputError(f"unknown column {shown(key)}; allowed are {', '.join(COLUMNS)}")
+                raise InputError(f"unknown column {quote(key)}; allowed are {', '.join(COLUMNS)}")
             if name in read:
                 raise InputError(f"two values of {name}")
             if name in WORDS:

@@ -13,7 +13,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 from ..support.checks import require_names
-from ..support.errors import InputError, closest, shown
+from ..support.errors import InputError, closest, quote
 from ..support.files import as_path, is_file, open_regular
 from ..support.messages import Text, package_folder
 
@@ -173,7 +173,7 @@ def package_index(
     for dirs in (user_dirs, mesh_dirs):
         for folder in (folders := tuple(map(as_path, dirs))):
             if "\0" in str(folder) or not os.path.isdir(folder):
-                raise InputError(f"package_dirs: {shown(str(folder))} is not a folder; give one that holds packages")
+                raise InputError(f"package_dirs: {quote(str(folder))} is not a folder; give one that holds packages")
         found.append(tuple(folder.resolve() for folder in folders))
     return PackageIndex(file.resolve(), found[0], found[1])
 
@@ -184,7 +184,7 @@ def checked_names(given: object, argument: str) -> tuple[str, ...]:
     names = (given,) if isinstance(given, str) else require_names(given, argument)
     for name in names:
         if not pattern.fullmatch(name):
-            raise InputError(f"{argument} takes {wanted}; got {shown(name)}")
+            raise InputError(f"{argument} takes {wanted}; got {quote(name)}")
     return tuple(dict.fromkeys(names))
 
 

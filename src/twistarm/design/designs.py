@@ -14,7 +14,7 @@ from ..ik.targets import Target
 from ..planning import JointMove, PathError, plan
 from ..support.checks import Array, reporting, require
 from ..support.display import Brief
-from ..support.errors import InputError, LimitError, NotConvergedError, TwistarmError, shown
+from ..support.errors import InputError, LimitError, NotConvergedError, TwistarmError, quote
 from ..support.messages import joined
 from ..sweeps.mapping import sphere
 from ..sweeps.voxel_map import Grid
@@ -72,9 +72,9 @@ def compare_designs(
         InputError: There are fewer than two arms, or a single pose.
     """
     if not isinstance(arms, Sequence) or len(arms) < 2:
-        raise InputError(f"arms must be a list of two or more; got {shown(arms)}")
+        raise InputError(f"arms must be a list of two or more; got {quote(arms)}")
     if not isinstance(poses, Sequence) or len(poses) == 1:
-        raise InputError(f"poses must be a list of two targets or more, or (); got {shown(poses)}")
+        raise InputError(f"poses must be a list of two targets or more, or (); got {quote(poses)}")
     if panel is not None:
         require(panel, Panel, "panel", "which load_panel reads")
     names = [require_arm(arm).name for arm in arms]

@@ -15,7 +15,7 @@ from ..ik.targets import Approach
 from ..planning.segments import CONSTRAINED, ArcMove, Constrained, LineMove, Segment, as_label
 from ..support.checks import Array, as_direction, as_flag, as_number, as_positive
 from ..support.display import Brief
-from ..support.errors import InputError, shown
+from ..support.errors import InputError, quote
 from ..support.fields import Check, anything, fields, inside, list_of, one_of, vector, word
 from ..support.files import as_path
 from ..theory import screws
@@ -205,7 +205,7 @@ def _range(check: Check) -> Check:
     def ends(value: Any, name: str) -> tuple[float, float]:
         lower, upper = list_of(check, 2, 2)(value if isinstance(value, list) else [value, value], name)
         if lower > upper:
-            raise InputError(f"{name} must be a range [least, greatest], and {shown(value)} is empty: swap its ends")
+            raise InputError(f"{name} must be a range [least, greatest], and {quote(value)} is empty: swap its ends")
         return lower, upper
 
     return ends

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, RealArray, as_given, as_positive, as_whole, frozen, require_callback
-from ..support.errors import InputError, shown
+from ..support.errors import InputError, quote
 from .answer import NOT_FINISHED, STOPS, Record, StopReason, record_type
 from .certainty import decide
 from .ranges import joint_ranges
@@ -227,7 +227,7 @@ def targets_for(arm: Arm, targets: Any, taken: Callable[[Arm, Any], AnyTarget] =
     if isinstance(targets, np.ndarray) and (targets.ndim != 3 or targets.shape[1:] != (4, 4)):
         raise InputError(f"targets must be poses of shape (N, 4, 4); got {targets.shape}{shape_hint(targets)}")
     if isinstance(targets, str) or not isinstance(targets, (np.ndarray, Sequence)):
-        raise InputError(f"targets must be poses (N, 4, 4) or a sequence of targets; got {shown(targets)}")
+        raise InputError(f"targets must be poses (N, 4, 4) or a sequence of targets; got {quote(targets)}")
     found: list[AnyTarget] = []
     try:
         for target in targets:

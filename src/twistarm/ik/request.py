@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm
 from ..support.checks import Array, as_floats, as_seed, as_whole, frozen
-from ..support.errors import InputError, listed, shown
+from ..support.errors import InputError, listed, quote
 from .task_space import Tolerances
 
 T = TypeVar("T")
@@ -121,7 +121,7 @@ def _posture(arm: Arm, posture: ArrayLike | str | None, start: Array, count: int
     known = named(arm, posture, start)
     if isinstance(known, str):
         names = listed((*POSTURES, *arm.configurations))
-        raise InputError(f"posture must be one of {names} or a configuration ({arm.n},); got {shown(posture)}")
+        raise InputError(f"posture must be one of {names} or a configuration ({arm.n},); got {quote(posture)}")
     given = start if known is start else arm.theta_from(known, name="posture")
     if given.ndim == 1 or (count is not None and given.shape == (count, arm.n)):
         return frozen(given)
@@ -134,7 +134,7 @@ def as_tolerance(value: float, name: str) -> float:
     """A tolerance. InputError for a value that is not a number, or is too small."""
     number = as_floats(value, name)
     if number.ndim or not number >= LEAST_TOLERANCE:
-        raise InputError(f"{name} must be one number, at least {LEAST_TOLERANCE:g}; got {shown(value)}")
+        raise InputError(f"{name} must be one number, at least {LEAST_TOLERANCE:g}; got {quote(value)}")
     return float(number)
 
 
@@ -143,7 +143,7 @@ def _seconds(value: float | None) -> float:
         return math.inf
     number = as_floats(value, "max_time [s]")
     if number.ndim or not number > 0:
-        raise InputError(f"max_time must be a positive number of seconds, or None for no limit; got {shown(value)}")
+        raise InputError(f"max_time must be a positive number of seconds, or None for no limit; got {quote(value)}")
     return float(number)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
 from ..support.checks import as_flag, as_given, as_number, as_whole, frozen, require_callback
-from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
+from ..support.errors import InputError, NoClosedFormError, quote, unknown_name
 from ..support.messages import Quantity, Text
 from .all_solutions import AllSolutions
 from .answer import Configurations
@@ -201,7 +201,7 @@ def checked_fixed_joints(arm: Arm, fixed_joints: Mapping[str, float] | None) -> 
     if fixed_joints is None:
         return stands
     if not isinstance(fixed_joints, Mapping):
-        raise InputError(f"fixed_joints must be a mapping such as {{'elbow': 0.3}}; got {shown(fixed_joints)}")
+        raise InputError(f"fixed_joints must be a mapping such as {{'elbow': 0.3}}; got {quote(fixed_joints)}")
     for name, value in fixed_joints.items():
         if name not in arm.joint_names:
             raise unknown_name("joint", name, arm.joint_names, within=arm.name, listing="arm.joint_names")

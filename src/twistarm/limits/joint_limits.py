@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..support.checks import LARGEST_ARRAY, Array, as_number, as_reals, as_theta, as_whole, frozen, require_names
 from ..support.display import told
-from ..support.errors import InputError, shown, unknown_name
+from ..support.errors import InputError, quote, unknown_name
 
 FIELDS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 RATES = FIELDS[2:]
@@ -108,7 +108,7 @@ class JointLimits:
         """
         if not isinstance(changes, Mapping):
             wanted = "a JointLimits or a mapping such as {'velocity': 1.0}"
-            raise InputError(f"limits must be {wanted}; got {shown(changes)}")
+            raise InputError(f"limits must be {wanted}; got {quote(changes)}")
         names = require_names(names, "names")
         if len(names) != self.lower.size:
             raise InputError(f"names must be those of {self.lower.size} joints; got {len(names)}")

@@ -12,7 +12,7 @@ import numpy as np
 from ..arm.arm import Arm, require_arm
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
-from ..support.errors import InputError, shown
+from ..support.errors import InputError, quote
 from .joint_space import completed
 from .segments import Move, Segment, as_segments
 from .time_law import PathBounds
@@ -71,7 +71,7 @@ def active_limits(
     """
     require_arm(arm)
     if not isinstance(motion, Trajectory) or motion.joint_names != arm.joint_names:
-        raise InputError(f"motion must be a Trajectory of the arm's joints; got {shown(motion)}")
+        raise InputError(f"motion must be a Trajectory of the arm's joints; got {quote(motion)}")
     moves = [] if isinstance(segments, Sequence) and not segments else as_segments(segments)
     if moves and len(moves) + 1 != len(motion.times):
         raise InputError(

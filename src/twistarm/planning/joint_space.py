@@ -14,7 +14,7 @@ from ..arm.arm import Arm, require_arm
 from ..arm.usual_limits import defaults_line, with_defaults
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, as_flag, as_positive, require_callback, require_choice
-from ..support.errors import InputError, shown
+from ..support.errors import InputError, quote
 from ..support.messages import Text
 from . import spline
 from .piecewise import JointPath, bernstein, side_by_side
@@ -208,7 +208,7 @@ def as_limits(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> Joint
         return arm.limits.with_(limits, arm.joint_names)
     if not isinstance(limits, JointLimits) or len(limits.lower) != arm.n:
         raise InputError(
-            f"limits must be JointLimits of {arm.n} joints or a mapping such as dict(velocity=1.0); got {shown(limits)}"
+            f"limits must be JointLimits of {arm.n} joints or a mapping such as dict(velocity=1.0); got {quote(limits)}"
         )
     return limits
 

@@ -17,7 +17,7 @@ from ..description.companions.data_files import parse_toml, toml_key
 from ..ik.targets import Approach, Pose, Position, TolerancedPose
 from ..support.checks import Array, as_flag, as_number, as_positive, as_theta
 from ..support.code_text import filled
-from ..support.errors import InputError, listed, shown
+from ..support.errors import InputError, listed, quote
 from ..support.fields import Check, anything, fields, inside, list_of, numbers, one_of, only, table_of, vector, word
 from ..support.files import as_path
 from ..theory.rotations import from_quaternion_wxyz, from_rpy
@@ -140,7 +140,7 @@ class _Reader:
                 first = [way.pop("by")] if "by" in way else []  # whose name in Python is `offset`
                 return make(*first, **way, **table)
         if kind == "arc":
-            raise InputError(f"arc takes via and to, or axis, centre and angle; got {shown(value)}")
+            raise InputError(f"arc takes via and to, or axis, centre and angle; got {quote(value)}")
         return KINDS[kind](self._goal(value, kind), **table)
 
     def _via(self, value: Any, name: str) -> Goal:
@@ -164,7 +164,7 @@ class _Reader:
         if isinstance(value, list):
             return as_theta(value, self.arm.n, "a configuration", names) * sizes
         if not isinstance(value, dict) or not value:
-            raise InputError(f'a goal is "ready", {{ elbow = 0.5 }} or {{ xyz = [0.5, 0.0, 0.6] }}; got {shown(value)}')
+            raise InputError(f'a goal is "ready", {{ elbow = 0.5 }} or {{ xyz = [0.5, 0.0, 0.6] }}; got {quote(value)}')
         if "xyz" in value or not value.keys() & {*names}:
             return self._target(value, name)
         only(value, names)

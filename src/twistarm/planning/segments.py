@@ -12,7 +12,7 @@ from ..ik.request import as_tolerance
 from ..ik.targets import KINDS, AnyTarget, Pose, one_direction, one_vector
 from ..support.checks import Array, Row, as_flag, as_floats, as_number, as_positive, frozen, require_choice
 from ..support.display import Brief
-from ..support.errors import InputError, shown
+from ..support.errors import InputError, quote
 
 # End of a move: a configuration (n,), {joint: value}, its name, a target, or a pose (4, 4).
 Goal = Row | Mapping[str, float] | str | AnyTarget
@@ -286,11 +286,11 @@ def as_segments(
     Move(**whole)  # says what is wrong with them
     given = [segments] if isinstance(segments, SEGMENTS) else list(segments) if np.iterable(segments) else None
     if not given or isinstance(segments, str):
-        raise InputError(f"segments must be one or more of JointMove, LineMove, …, Dwell; got {shown(segments)}")
+        raise InputError(f"segments must be one or more of JointMove, LineMove, …, Dwell; got {quote(segments)}")
     for i, segment in enumerate(given):
         if not isinstance(segment, SEGMENTS):
             allowed = "a JointMove, FreeMove, LineMove, ScrewMove, ArcMove or Dwell"
-            raise InputError(f"segment {i + 1} must be {allowed}; got {shown(segment)}")
+            raise InputError(f"segment {i + 1} must be {allowed}; got {quote(segment)}")
         if isinstance(segment, Move):
             given[i] = replace(segment, **{name: whole[name] for name in names if getattr(segment, name) is None})
             if segment.blend and (i + 1 == len(given) or isinstance(given[i + 1], Dwell)):
@@ -316,7 +316,7 @@ def as_goal(value: Any) -> Goal:
 def as_label(value: Any) -> str:
     """Check a label: one line of text."""
     if not isinstance(value, str) or len(value) > LABEL_LENGTH or not (value.isprintable() or not value):
-        raise InputError(f"label must be one line of text of at most {LABEL_LENGTH} characters; got {shown(value)}")
+        raise InputError(f"label must be one line of text of at most {LABEL_LENGTH} characters; got {quote(value)}")
     return value
 
 

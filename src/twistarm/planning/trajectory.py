@@ -14,7 +14,7 @@ from ..limits.actuators import Actuators
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, as_floats, as_number, frozen, require, require_names
 from ..support.display import in_brief, told
-from ..support.errors import InputError, listed, shown
+from ..support.errors import InputError, listed, quote
 from .piecewise import derivative, evaluate, largest
 
 Progress = Callable[[float], object]  # Called with the fraction done, in (0, 1].
@@ -162,15 +162,15 @@ def _as_labels(labels: Iterable[tuple[float, str]], duration: float) -> tuple[tu
     try:
         pairs = [(time, text) for time, text in labels]
     except (TypeError, ValueError) as error:
-        raise InputError(f"labels must be pairs such as (1.5, 'close gripper'); got {shown(labels)}") from error
+        raise InputError(f"labels must be pairs such as (1.5, 'close gripper'); got {quote(labels)}") from error
     checked, earliest = [], 0.0
     for time, text in pairs:
         at = as_number(time, "the time of a label")
         if not earliest <= at <= duration:
             allowed = f"must not decrease and lie within [0, {duration:g}] s"
-            raise InputError(f"the times of labels {allowed}; got {at:g} s of {shown(text)}")
+            raise InputError(f"the times of labels {allowed}; got {at:g} s of {quote(text)}")
         if not isinstance(text, str) or not text.strip() or not text.isprintable():
-            raise InputError(f"a label must be one line of text, such as 'close gripper'; got {shown(text)}")
+            raise InputError(f"a label must be one line of text, such as 'close gripper'; got {quote(text)}")
         checked.append((at, text))
         earliest = at
     return tuple(checked)
@@ -178,7 +178,7 @@ def _as_labels(labels: Iterable[tuple[float, str]], duration: float) -> tuple[tu
 
 def _check_order(order: int) -> None:
     if not isinstance(order, int | np.integer) or not 0 <= order < len(RATE_UNITS):
-        raise InputError(f"order must be 0 (position), 1, 2 or 3 (jerk); got {shown(order)}")
+        raise InputError(f"order must be 0 (position), 1, 2 or 3 (jerk); got {quote(order)}")
 
 
 def motors_of(trajectory: Trajectory, actuators: Actuators | None) -> Actuators | None:

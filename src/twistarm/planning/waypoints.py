@@ -18,7 +18,7 @@ from ..ik.targets import TargetLike
 from ..ik.task_space import USUAL, Tolerances
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, RealArray, Row, as_floats, as_reals
-from ..support.errors import InputError, NotConvergedError, shown
+from ..support.errors import InputError, NotConvergedError, quote
 from ..support.messages import Argument, Quantity, Text, joined
 from .spline import scipy
 from .within import LONGEST, SHORTEST
@@ -53,7 +53,7 @@ def as_tolerances(position_tol: float | None, orientation_tol: float | None) -> 
 def as_waypoints(arm: Arm, waypoints: Waypoints, met: Tolerances, unwrap: bool) -> tuple[Array, list[str]]:
     """Return waypoints (k, n), k ≥ 1, from arrays, {joint: value} mappings, names and targets; and notes."""
     if isinstance(waypoints, str | Mapping) or not np.iterable(waypoints):
-        raise InputError(f"waypoints must be a sequence of configurations; got {shown(waypoints)}")
+        raise InputError(f"waypoints must be a sequence of configurations; got {quote(waypoints)}")
     rows = waypoints if isinstance(waypoints, np.ndarray) else np.zeros(0)
     if rows.shape[1:] == (arm.n,) and len(rows) and (np.abs(np.diff(rows, axis=0)) <= HALF_TURN).all():
         return np.array(arm.theta_from(rows, name="waypoints")), []  # there is nothing to solve or to unwrap

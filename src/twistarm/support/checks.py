@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import SHOWN, InputError, RoundedPoseWarning, closest, one_line, shown, warn
+from .errors import QUOTED, InputError, RoundedPoseWarning, closest, one_line, quote, warn
 
 Array = NDArray[np.float64]
 
@@ -60,8 +60,8 @@ def as_reals(value: Given, name: str, what: str = "an array of real numbers") ->
             raise ValueError("some are masked")
         return np.asarray(array, dtype=np.float64)
     except Exception as error:  # an object's own conversion may raise anything, as that of a tensor with a gradient
-        why = one_line(str(error), SHOWN)
-        raise InputError(f"{name} must be {what}; got {shown(value)} ({why})") from error
+        why = one_line(str(error), QUOTED)
+        raise InputError(f"{name} must be {what}; got {quote(value)} ({why})") from error
 
 
 def as_given(value: Any) -> Any:
@@ -105,21 +105,21 @@ def _within(real: float, given: Any, name: str, least: float, most: float, unit:
     size = f", {most:g} or less" if high and not low else size
     kind = "a number" if least == -inf or most == inf else "a finite number"
     point = "; decimals have a point" if isinstance(given, str) and given.count(",") == 1 else ""
-    raise InputError(f"{name} must be {kind}{size}{unit and f' [{unit}]'}; got {shown(given)}{point}")
+    raise InputError(f"{name} must be {kind}{size}{unit and f' [{unit}]'}; got {quote(given)}{point}")
 
 
 def as_positive(value: Any, name: str, most: float = LARGEST, unit: str = "") -> float:
     """`value` as one number above 0."""
     real = as_number(value, name, -LARGEST, most, unit)
     if real <= 0.0:
-        raise InputError(f"{name} must be above 0; got {shown(value)}")
+        raise InputError(f"{name} must be above 0; got {quote(value)}")
     return real
 
 
 def as_whole(value: Any, name: str, least: int = 0, most: int = LARGEST_WHOLE) -> int:
     """`value` as a whole number in [least, most]."""
     if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or not least <= value <= most:
-        raise InputError(f"{name} must be a whole number, at least {least}, at most {most}; got {shown(value)}")
+        raise InputError(f"{name} must be a whole number, at least {least}, at most {most}; got {quote(value)}")
     return int(value)
 
 
@@ -132,7 +132,7 @@ def as_shape(value: Any, name: str) -> tuple[int, ...]:
 def as_flag(value: Any, name: str) -> bool:
     """`value` as True or False."""
     if not isinstance(value, (bool, np.bool_)):
-        raise InputError(f"{name} must be True or False; got {shown(value)}")
+        raise InputError(f"{name} must be True or False; got {quote(value)}")
     return bool(value)
 
 
@@ -142,7 +142,7 @@ def as_seed(rng: Any) -> int:
         return int(rng.integers(2**63))
     if isinstance(rng, (int, np.integer)) and not isinstance(rng, bool) and 0 <= rng < SEEDS:
         return int(rng)
-    raise InputError(f"rng must be a seed, an integer from 0 to 2^64 − 1, or a numpy Generator; got {shown(rng)}")
+    raise InputError(f"rng must be a seed, an integer from 0 to 2^64 − 1, or a numpy Generator; got {quote(rng)}")
 
 
 def as_generator(rng: Any) -> np.random.Generator:
@@ -154,7 +154,7 @@ def require(value: Any, kind: type[T], name: str, how: str) -> T:
     """`value`, or InputError where it is no `kind`; `how` says where one comes from."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIO" else "a"
-        raise InputError(f"{name} must be {article} {kind.__name__}, {how}; got {shown(value)}")
+        raise InputError(f"{name} must be {article} {kind.__name__}, {how}; got {quote(value)}")
     return value
 
 
@@ -162,14 +162,14 @@ def require_choice(value: Any, choices: Collection[str], name: str) -> str:
     """`value`, or InputError if it is not one of the texts `choices`."""
     if not isinstance(value, str) or value not in choices:
         allowed = " or ".join(", ".join(map(repr, choices)).rsplit(", ", 1))
-        raise InputError(f"{name} must be {allowed}; got {shown(value)}{closest(value, choices)}")
+        raise InputError(f"{name} must be {allowed}; got {quote(value)}{closest(value, choices)}")
     return value
 
 
 def require_mapping(value: Any, name: str, example: str) -> Mapping[str, Any]:
     """`value`, or InputError where it maps no names to anything."""
     if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
-        raise InputError(f"{name} must be a mapping such as {example}; got {shown(value)}")
+        raise InputError(f"{name} must be a mapping such as {example}; got {quote(value)}")
     return value
 
 
@@ -180,14 +180,14 @@ def require_names(values: Any, name: str) -> tuple[str, ...]:
     except TypeError:
         names = (None,)
     if not all(isinstance(one, str) for one in names):
-        raise InputError(f"{name} must be a sequence of names; got {shown(values)}")
+        raise InputError(f"{name} must be a sequence of names; got {quote(values)}")
     return tuple(str(one) for one in names)
 
 
 def require_callback(value: Any, name: str, arguments: str) -> Callable[..., object] | None:
     """`value`, or InputError where it is neither a function nor None."""
     if value is not None and not callable(value):
-        raise InputError(f"{name} must be a function of {arguments}, or None; got {shown(value)}")
+        raise InputError(f"{name} must be a function of {arguments}, or None; got {quote(value)}")
     return value
 
 
@@ -199,14 +199,14 @@ def reporting(progress: Any) -> Callable[[float], object]:
 def require_clock(value: Any, name: str) -> Callable[[], Any]:
     """`value`, or InputError where it is no function."""
     if not callable(value):
-        raise InputError(f"{name} must be a function that returns the time; got {shown(value)}")
+        raise InputError(f"{name} must be a function that returns the time; got {quote(value)}")
     return value
 
 
 def require_method(value: T, name: str, method: str) -> T:
     """`value`, or InputError where it has no such method."""
     if isinstance(value, type) or not callable(getattr(value, method, None)):
-        raise InputError(f"{name} must be an object with a method {method}; got {shown(value)}")
+        raise InputError(f"{name} must be an object with a method {method}; got {quote(value)}")
     return value
 
 
@@ -276,7 +276,7 @@ def as_pose(value: Given, name: str = "pose") -> Array:
     if g.shape[-2:] != (4, 4):
         raise InputError(f"{name} must have shape (..., 4, 4); got {g.shape}")
     if not np.abs(g[..., 3, :] - [0.0, 0.0, 0.0, 1.0]).max(initial=0.0) <= LAST_ROW_TOL:
-        raise InputError(f"{name} is not in SE(3): its last row must be 0 0 0 1; got {shown(g[..., 3, :])}")
+        raise InputError(f"{name} is not in SE(3): its last row must be 0 0 0 1; got {quote(g[..., 3, :])}")
     clean = np.zeros(g.shape)
     clean[..., :3, :3] = as_rotation(g[..., :3, :3], f"rotation of the {name}")
     clean[..., :3, 3] = g[..., :3, 3]

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .errors import shown
+from .errors import quote
 
 LONGEST_ROW = 8  # Numbers in a row before the shape alone is told.
 ZERO = 1e-12  # Smaller numbers are the rounding of a zero.
@@ -40,7 +40,7 @@ def in_brief(value: Any) -> str:
         more = [f"… {len(value)} in all"] if len(value) > LONGEST_ROW else []
         texts = [each if isinstance(each, str) else in_brief(each) for each in value[:LONGEST_ROW]]
         return f"[{', '.join([*texts, *more])}]"
-    return repr(value) if isinstance(value, Brief) else shown(value)
+    return repr(value) if isinstance(value, Brief) else quote(value)
 
 
 def _array(array: np.ndarray[Any, Any]) -> str:

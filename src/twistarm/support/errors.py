@@ -17,10 +17,10 @@ from .messages import Text
 
 PACKAGE = os.path.dirname(os.path.dirname(__file__))  # The folder of this package.
 # Characters of a value that a message repeats: it is the caller's own, and names or the first numbers are enough.
-SHOWN = 80
+QUOTED = 80
 
 _BRIEF = Repr()
-_BRIEF.maxstring = _BRIEF.maxother = SHOWN
+_BRIEF.maxstring = _BRIEF.maxother = QUOTED
 
 # Characters of a message: a description may hold names of any length, and a line has to be read.
 LONGEST = 1800
@@ -125,7 +125,7 @@ def unknown_name(kind: str, given: Any, names: Iterable[str], *, within: str, li
     """`no frame 'tool_0' in ur5; closest: 'tool0' (12 frames: arm.frame_names)`."""
     what = "no {kind} {given} in {within}{near} ({listing})"
     near = closest(given, names)
-    return UnknownNameError(Text(what, kind=kind, given=shown(given), within=within, near=near, listing=listing))
+    return UnknownNameError(Text(what, kind=kind, given=quote(given), within=within, near=near, listing=listing))
 
 
 def closest(given: Any, names: Iterable[str]) -> str:
@@ -145,13 +145,13 @@ def listed(names: Iterable[str], limit: int = 12) -> str:
     return text if len(every) <= limit else f"{text}, … ({len(every)} in all)"
 
 
-def shown(value: Any) -> str:
+def quote(value: Any) -> str:
     """A given value for a message: on one line and short, with the shape only for a larger array."""
     shape = getattr(value, "shape", ())
     if isinstance(shape, tuple) and len(shape) > 1:
         return f"{type(value).__name__} of shape {shape}"
     try:
-        return one_line(" ".join(_BRIEF.repr(value).split()), SHOWN)
+        return one_line(" ".join(_BRIEF.repr(value).split()), QUOTED)
     except Exception:  # what an object's own repr raises must not hide what is wrong
         return f"an object of type {type(value).__name__}"
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .checks import as_number, require_choice
-from .errors import InputError, TwistarmError, closest, listed, shown
+from .errors import InputError, TwistarmError, closest, listed, quote
 
 # What a field may hold: it makes of the value, and the field's name for errors, what the field means.
 Check = Callable[[Any, str], Any]
@@ -36,7 +36,7 @@ def fields(
     """The checked fields of a table: all that are `needed`, some that are `optional`, and no others."""
     known = {**needed, **(optional or {})}
     if not isinstance(value, Mapping):
-        raise InputError(f"{name} must be a table with {', '.join(known) or 'no fields'}; got {shown(value)}")
+        raise InputError(f"{name} must be a table with {', '.join(known) or 'no fields'}; got {quote(value)}")
     only(value, known, name)
     if missing := [key for key in needed if key not in value]:
         raise InputError(f"{name or 'it'} needs {listed(missing)}; it has {listed(map(str, value)) or 'nothing'}")
@@ -49,7 +49,7 @@ def only(table: Mapping[str, Any], allowed: Iterable[str], name: str = "") -> No
     for key in table:
         if key not in names:
             place = f" in {name}" if name else ""
-            raise InputError(f"unknown entry {shown(key)}{place}{closest(key, names)} (allowed: {listed(names, 30)})")
+            raise InputError(f"unknown entry {quote(key)}{place}{closest(key, names)} (allowed: {listed(names, 30)})")
 
 
 def table_of(check: Check, least: int = 0) -> Check:
@@ -57,7 +57,7 @@ def table_of(check: Check, least: int = 0) -> Check:
 
     def entries(value: Any, name: str) -> dict[str, Any]:
         if not isinstance(value, Mapping) or len(value) < least:
-            raise InputError(f"{name} must be a table of name = value; got {shown(value)}")
+            raise InputError(f"{name} must be a table of name = value; got {quote(value)}")
         return {str(key): check(entry, f"{name}.{key}") for key, entry in value.items()}
 
     return entries
@@ -69,7 +69,7 @@ def list_of(check: Check, least: int = 0, most: float = inf) -> Check:
     def entries(value: Any, name: str) -> list[Any]:
         if not isinstance(value, (list, tuple)) or not least <= len(value) <= most:
             count = f" of {least:,} to {most:,} entries" if most < inf else f" of {least:,} or more" if least else ""
-            raise InputError(f"{name} must be a list{count}; got {shown(value)}")
+            raise InputError(f"{name} must be a list{count}; got {quote(value)}")
         return [check(entry, f"{name}[{k}]") for k, entry in enumerate(value)]
 
     return entries
@@ -83,7 +83,7 @@ def one_of(words: Sequence[str]) -> Check:
 def numbers(value: Any, name: str, size: int | None = None, **bounds: Any) -> list[float]:
     """A list of numbers, `size` of them if given, each as `number` with these bounds."""
     if not isinstance(value, (list, tuple)) or (size is not None and len(value) != size):
-        raise InputError(f"{name} must be a list of {'' if size is None else f'{size} '}numbers; got {shown(value)}")
+        raise InputError(f"{name} must be a list of {'' if size is None else f'{size} '}numbers; got {quote(value)}")
     return [as_number(each, f"{name}[{k}]", **bounds) for k, each in enumerate(value)]
 
 
@@ -95,14 +95,14 @@ def vector(value: Any, name: str, size: int = 3) -> NDArray[np.float64]:
 def text(value: Any, name: str) -> str:
     """A text."""
     if not isinstance(value, str):
-        raise InputError(f"{name} must be a text; got {shown(value)}")
+        raise InputError(f"{name} must be a text; got {quote(value)}")
     return value
 
 
 def word(value: Any, name: str) -> str:
     """A text that is not empty."""
     if not text(value, name).strip():
-        raise InputError(f"{name} must not be empty; got {shown(value)}")
+        raise InputError(f"{name} must not be empty; got {quote(value)}")
     return str(value)
 
 

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import BinaryIO
 
-from .errors import InputError, shown
+from .errors import InputError, quote
 
 # Names, in any letters, of what a team wrote itself: no output takes its place unasked.
 DESCRIPTIONS = (".urdf", ".xacro", ".srdf", ".sdf", ".xml", ".toml", ".yaml", ".yml")
@@ -109,7 +109,7 @@ def as_path(path: str | os.PathLike[str]) -> Path:
     try:
         given = Path(path)
     except TypeError as error:
-        raise InputError(f"a path must be a string or a Path; got {shown(path)}") from error
+        raise InputError(f"a path must be a string or a Path; got {quote(path)}") from error
     try:
         return given.expanduser()
     except RuntimeError:
@@ -121,7 +121,7 @@ def as_paths(paths: Iterable[str | os.PathLike[str]], name: str) -> tuple[Path, 
     try:
         return tuple(map(as_path, [paths] if isinstance(paths, (str, os.PathLike)) else paths))
     except TypeError as error:
-        raise InputError(f"{name} must be a path or several; got {shown(paths)}") from error
+        raise InputError(f"{name} must be a path or several; got {quote(paths)}") from error
 
 
 def write_whole(path: str | os.PathLike[str], content: str | bytes | Path, *, over_description: bool = False) -> Path:
@@ -195,7 +195,7 @@ def writable(path: str | os.PathLike[str], *, over_description: bool = False, fo
         target = Path(os.path.realpath(os.fspath(path)))
         exists = target.exists()
     except (TypeError, ValueError) as error:
-        raise InputError(f"the path of a file to write must be a string or a Path; got {shown(path)}") from error
+        raise InputError(f"the path of a file to write must be a string or a Path; got {quote(path)}") from error
     except OSError as error:
         raise InputError(f"cannot write {str(path)[:60]}…: {error.strerror or error}") from error
     above, why = target.parent, ""

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from .errors import SHOWN, InputError, one_line, shown
+from .errors import QUOTED, InputError, one_line, quote
 
 LARGEST_MESSAGE = 64 * 1024  # Bytes of a message: a joint state of a thousand joints is half of it.
 # Made once: making it takes a tenth of the time that a frame of the view takes to encode.
@@ -21,7 +21,7 @@ def encode(message: Mapping[str, Any]) -> str:
 def decoded(text: str | bytes) -> dict[str, Any]:
     """The JSON object that `text` holds, UTF-8 where it is bytes. Raises InputError for anything else."""
     if not isinstance(text, (str, bytes)):
-        raise InputError(f"a message is a text or bytes; got {shown(text)}")
+        raise InputError(f"a message is a text or bytes; got {quote(text)}")
     if len(text) > LARGEST_MESSAGE:
         raise InputError(f"a message has at most {LARGEST_MESSAGE} bytes; got {len(text)}")
     try:
@@ -29,9 +29,9 @@ def decoded(text: str | bytes) -> dict[str, Any]:
     except InputError:
         raise
     except ValueError as error:
-        raise InputError(f"a message is one JSON object; {one_line(str(error), SHOWN)}: {shown(text)}") from error
+        raise InputError(f"a message is one JSON object; {one_line(str(error), QUOTED)}: {quote(text)}") from error
     if not isinstance(message, dict):
-        raise InputError(f"a message is one JSON object; got {shown(message)}")
+        raise InputError(f"a message is one JSON object; got {quote(message)}")
     return message
 
 
@@ -53,7 +53,7 @@ def parsed(text: str) -> Any:
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     message = dict(pairs)
     if len(message) != len(pairs):
-        raise InputError(f"an object has each name once; got {shown([name for name, _ in pairs])}")
+        raise InputError(f"an object has each name once; got {quote([name for name, _ in pairs])}")
     return message
 
 

@@ -10,7 +10,7 @@ from math import isfinite, pi
 import numpy as np
 
 from .checks import Array
-from .errors import InputError, shown
+from .errors import InputError, quote
 from .messages import Quantity, Text
 
 UNITS: Mapping[str, Mapping[str, float]] = {
@@ -52,7 +52,7 @@ def factor(unit: str, quantity: str) -> float:
     if not unit.strip():
         return 1.0
     if size is None or power != given_power:
-        raise InputError(f"the unit must be one of {', '.join(units_of(quantity))}; got {shown(unit)}")
+        raise InputError(f"the unit must be one of {', '.join(units_of(quantity))}; got {quote(unit)}")
     return size
 
 
@@ -70,7 +70,7 @@ def parse(text: str, quantity: str, default: str = "") -> float:
     found = NUMBER.fullmatch(text)
     value = float(found[1].replace("−", "-")) * factor(found[2] or default, quantity) if found else float("nan")
     if not isfinite(value):
-        raise InputError(f"a finite number in {' or '.join(units_of(quantity))} is wanted; got {shown(text)}")
+        raise InputError(f"a finite number in {' or '.join(units_of(quantity))} is wanted; got {quote(text)}")
     return value
 
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 import twistarm
 
 from ..support.checks import as_whole, reporting, require_method
-from ..support.errors import SHOWN, InputError, TwistarmError, one_line
+from ..support.errors import QUOTED, InputError, TwistarmError, one_line
 from ..support.files import as_path, open_regular, write_whole
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -89,7 +89,7 @@ class Sweep:
                 except TwistarmError:
                     raise
                 except Exception as error:  # an executor may raise anything
-                    why = one_line(f"{type(error).__name__}: {error}".removesuffix(": "), 2 * SHOWN)
+                    why = one_line(f"{type(error).__name__}: {error}".removesuffix(": "), 2 * QUOTED)
                     go_on = "give a folder to resume from" if kept is None else f"the same call goes on in {kept}"
                     left_off = f"{done} of {total} chunks are done; {go_on}"
                     raise InputError(f"the executor failed ({why}); {left_off}") from error

@@ -18,7 +18,7 @@ from ..arm.arm import Arm, require_arm
 from ..arm.baking import text_of
 from ..arm.loading.load import load_arm
 from ..support.checks import Array, require_mapping, require_names
-from ..support.errors import InputError, TwistarmError, listed, shown
+from ..support.errors import InputError, TwistarmError, listed, quote
 from .chunks import Arrays, Sweep
 
 Arms = Mapping[str, Arm] | Callable[..., Arm] | str | os.PathLike[str]
@@ -39,7 +39,7 @@ class DesignTable:
     def column(self, name: str) -> Array:
         """The values (N,) of a measure, or of a parameter of numbers. InputError for another name."""
         if not isinstance(name, str) or any(name not in row for row in self.rows):
-            raise InputError(f"no column {shown(name)}; columns: {listed(self.rows[0])}")
+            raise InputError(f"no column {quote(name)}; columns: {listed(self.rows[0])}")
         return np.array([row[name] for row in self.rows], dtype=np.float64)
 
     def pareto(self, *, most: Sequence[str] = (), least: Sequence[str] = ()) -> DesignTable:
@@ -92,7 +92,7 @@ def sweep(
         InputError: An argument cannot be used, a function failed, or the executor did.
     """
     if not callable(measure):
-        raise InputError(f"measure must be a function from an arm to {{name: number}}; got {shown(measure)}")
+        raise InputError(f"measure must be a function from an arm to {{name: number}}; got {quote(measure)}")
     named = isinstance(arms, Mapping)
     if named == (parameters is not None) or not (named or callable(arms) or isinstance(arms, (str, os.PathLike))):
         raise InputError("give {name: arm} alone, or parameters with a function that makes an arm, or a xacro file")
@@ -100,7 +100,7 @@ def sweep(
     axes: dict[str, list[Any]] = {"arm": list(arms)} if isinstance(arms, Mapping) else {}
     for name, values in given.items():
         if isinstance(values, str) or np.ndim(values) != 1:
-            raise InputError(f"parameters[{name!r}] must be a sequence of values; got {shown(values)}")
+            raise InputError(f"parameters[{name!r}] must be a sequence of values; got {quote(values)}")
         axes[name] = values.tolist() if isinstance(values, np.ndarray) else list(values)
     if not 0 < (count := prod(map(len, axes.values()))) <= MOST_DESIGNS:
         raise InputError(f"parameters must make 1 to {MOST_DESIGNS:,} designs; got {count:,}")

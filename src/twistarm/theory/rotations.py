@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..support.checks import Array, as_direction, as_floats, as_rotation, as_vector, nearest_rotation, require_broadcast
-from ..support.errors import InputError, shown
+from ..support.errors import InputError, quote
 
 HALF_TURN_TOL = 5e-16
 """A quaternion's scalar part below this is rounding: a half turn, for which Q and −Q are equally good."""
@@ -353,7 +353,7 @@ def _euler_axes(order: str) -> tuple[tuple[int, int, int], bool]:
     """The axes of the factors of R from left to right, and whether that is the order's list backwards."""
     if not isinstance(order, str) or order not in EULER_ORDERS:
         raise InputError(
-            f"no Euler order {shown(order)}: give three letters of XYZ (about the moving axes) or xyz (about the "
+            f"no Euler order {quote(order)}: give three letters of XYZ (about the moving axes) or xyz (about the "
             "fixed axes), neighbours different, for example 'ZYZ', 'ZYX' or 'xyz'"
         )
     fixed = order.islower()

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..support.checks import as_flag, as_number, as_whole
-from ..support.errors import InputError, shown, without_places
+from ..support.errors import InputError, quote, without_places
 from ..support.fields import Check, fields, list_of, numbers, one_of
 from ..support.strict_json import decoded, encode
 
@@ -42,7 +42,7 @@ def parse(message: str | bytes) -> PageRequest:
     asked = decoded(message)
     kind = asked.pop("type", None)
     if not isinstance(kind, str) or kind not in REQUESTS:
-        raise InputError(f"unknown message type {shown(kind)}; one of {', '.join(REQUESTS)}")
+        raise InputError(f"unknown message type {quote(kind)}; one of {', '.join(REQUESTS)}")
     count = as_whole(asked.pop("number", 0), "number")
     return PageRequest(kind, fields(asked, "", REQUESTS[kind]), count)
 
@@ -69,7 +69,7 @@ def packed(values: Any, kind: str) -> str:
 def as_name(value: Any, name: str) -> str:
     """`value` as text that is short enough for a page."""
     if not isinstance(value, str) or len(value) > LONGEST_NAME:
-        raise InputError(f"{name} must be text of at most {LONGEST_NAME} characters; got {shown(value)}")
+        raise InputError(f"{name} must be text of at most {LONGEST_NAME} characters; got {quote(value)}")
     return value
 
 

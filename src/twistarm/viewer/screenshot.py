@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm
 from ..planning.trajectory import Trajectory
-from ..support.errors import InputError, TwistarmError, shown
+from ..support.errors import InputError, TwistarmError, quote
 from ..support.files import writable, write_whole
 from .parts.arm_data import loading_findings
 from .parts.player import NO_PLOTS
@@ -196,7 +196,7 @@ def png_of(size: tuple[int, int], show: Callable[[], SceneSnapshot]) -> bytes:
         width = height = 0
     if not (SMALLEST <= width <= LARGEST and SMALLEST <= height <= LARGEST):
         wanted = f"width and height in whole pixels, {SMALLEST} to {LARGEST} each, as (1280, 720)"
-        raise InputError(f"size must be {wanted}; got {shown(size)}")
+        raise InputError(f"size must be {wanted}; got {quote(size)}")
     with browser_at_work("draw") as (browser, folder):
         snapshot = show()
         plain = snapshot.saying(NO_PLOTS, {**loading_findings(snapshot.arm), "note": ""})

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..arm.arm import Arm, require_arm
-from ..support.errors import InputError, TwistarmError, printable, shown
+from ..support.errors import InputError, TwistarmError, printable, quote
 from ..support.files import writable, write_folder
 from .parts.arm_data import doctor_findings
 from .saved_page import SceneSnapshot, beside, of_arm, page_text
@@ -69,7 +69,7 @@ def site_of(
     try:
         several = [require_arm(arm) for arm in arms]
     except TypeError as error:
-        raise InputError(f"arms must be a list of arms; got {shown(arms)}") from error
+        raise InputError(f"arms must be a list of arms; got {quote(arms)}") from error
     if not several:
         raise InputError("a site needs one arm at least")
     cards: dict[str, dict[str, Any]] = {}  # by the names of their files, in small letters

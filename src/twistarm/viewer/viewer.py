@@ -21,7 +21,7 @@ from ..control.stream import Cycle, Inbox
 from ..ik import AllSolutions
 from ..planning.trajectory import Trajectory
 from ..support.checks import Array, as_flag, as_number, as_positive, require, require_callback
-from ..support.errors import InputError, shown
+from ..support.errors import InputError, quote
 from ..support.files import writable, write_whole
 from ..support.interrupts import Closeable
 from ..sweeps import ReachMap
@@ -82,7 +82,7 @@ class Viewer(Closeable):
         if scene is not None:
             require_scene(scene, arm)
         if not isinstance(host, str):
-            raise InputError(f"host must be the name or address of an interface; got {shown(host)}")
+            raise InputError(f"host must be the name or address of an interface; got {quote(host)}")
         self._host = host
         self._watches: list[Watch] = []
         self._closed = threading.Event()
@@ -298,7 +298,7 @@ class Viewer(Closeable):
             )
 
         call = require_callback(on_change, "on_change", "the value")
-        inside = partial(as_number, name=f"value of {shown(name)}", least=lower, most=upper)
+        inside = partial(as_number, name=f"value of {quote(name)}", least=lower, most=upper)
         return self._control(name, lower if value is None else value, inside, call, (lower, upper))
 
     def button(self, name: str, on_click: Callable[[], object]) -> Control[None]:
@@ -364,8 +364,8 @@ class Viewer(Closeable):
         return self.inline().html
 
     def _exhibit(self, trajectory: Trajectory | None = None) -> SceneSnapshot:
-        shown = self._server.ask(lambda stage: on_show(stage, self._server.drawing))
-        return shown if trajectory is None else shown.playing(trajectory)
+        snapshot = self._server.ask(lambda stage: on_show(stage, self._server.drawing))
+        return snapshot if trajectory is None else snapshot.playing(trajectory)
 
     def save_png(self, path: str | os.PathLike[str], *, size: tuple[int, int] = (1280, 720)) -> Path:
         """Write a picture of what is on show.

@@ -21,7 +21,7 @@ from ...description.urdf import build_description
 from ...description.writing import add_joint, add_mimic
 from ...limits.joint_limits import JointLimits
 from ...support.checks import Array, as_floats, as_number, as_pose, as_positive, frozen, require_names, require_one
-from ...support.errors import InputError, shown
+from ...support.errors import InputError, quote
 from ...support.fields import fields, inside
 from ...theory import joints
 from ...theory.lower_pairs import lower_pairs
@@ -265,7 +265,7 @@ def arm_of_urdf(
 
 def _checked(name: object, what: str = "a joint's name") -> str:
     if not isinstance(name, str) or not name.strip() or not name.isprintable():
-        raise InputError(f"{what} must be a text of printable characters; got {shown(name)}")
+        raise InputError(f"{what} must be a text of printable characters; got {quote(name)}")
     return name
 
 

@@ -31,7 +31,7 @@ from ...description.dh import (
 from ...limits.joint_limits import JointLimits
 from ...support.checks import Array, as_number, require_choice
 from ...support.csv_lines import csv_text
-from ...support.errors import InputError, shown
+from ...support.errors import InputError, quote
 from ...support.messages import Argument, Text
 from ...theory.joints import plane_axes
 from ...theory.rotations import to_euler
@@ -96,7 +96,7 @@ def arm_from_dh(
             raise InputError(UNDECIDED)
         made = DhTable(made, convention)
     elif convention not in (None, table.convention):
-        raise InputError(f"the table is {table.convention}; got convention={shown(convention)}")
+        raise InputError(f"the table is {table.convention}; got convention={quote(convention)}")
     given = {"joints": joints, "types": types, "base": base, "tool": tool}
     made = replace(made, **{key: value for key, value in given.items() if value is not None})
     ArmBuilder(name)  # which checks the name

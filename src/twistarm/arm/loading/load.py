@@ -23,7 +23,7 @@ from ...description.tree import Description, Semantics
 from ...description.urdf import build_description, read_description
 from ...limits.joint_limits import JointLimits
 from ...support.checks import require_mapping
-from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, listed, shown
+from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, listed, quote
 from ...support.files import FOLDER, NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
 from ...support.messages import Argument, Text, plural
 from ..arm import Arm
@@ -166,9 +166,9 @@ def specify(
     """The specification of `load_arm`. The caller's wishes win over those of an arm.toml."""
     for name, value in {"base": base, "tip": tip}.items():
         if value is not None and not (isinstance(value, str) and value.strip()):
-            raise InputError(f"{name} must be the name of a link; got {shown(value)}")
+            raise InputError(f"{name} must be the name of a link; got {quote(value)}")
     if srdf is not None and not isinstance(srdf, (str, os.PathLike)):
-        raise InputError(f"srdf must be the path of an SRDF file; got {shown(srdf)}")
+        raise InputError(f"srdf must be the path of an SRDF file; got {quote(srdf)}")
     arguments = {} if xacro_args is None else require_mapping(xacro_args, "xacro_args", "{'dof': 7}")
     standing = {} if locked_joints is None else require_mapping(locked_joints, "locked_joints", "{'slide': 0.1}")
     specification = _specification(source)
@@ -246,7 +246,7 @@ def _descriptions_in(folder: Path) -> list[str]:
 def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
     """The specification of a path or a catalogue name. An existing file wins over a name."""
     if not isinstance(source, (str, os.PathLike)):
-        raise InputError(f"source must be a path or a name; got {shown(source)}")
+        raise InputError(f"source must be a path or a name; got {quote(source)}")
     text = str(os.fspath(source))
     path = as_path(text)
     if is_baked(path):

@@ -24,7 +24,7 @@ from ...support.checks import (
     require_one,
 )
 from ...support.display import Brief
-from ...support.errors import InputError, listed, shown
+from ...support.errors import InputError, listed, quote
 
 TOOL, BASE = "tool", "base"
 FRAMES = (TOOL, BASE)
@@ -152,7 +152,7 @@ def held_components(hold: Any) -> tuple[bool, ...]:
     several = tuple(hold) if row else ()
     if len(several) == 6 and all(isinstance(each, (bool, np.bool_)) for each in several):
         return tuple(bool(each) for each in several)
-    raise InputError(f"hold must be {listed(HELD)} or six booleans (vx, vy, vz, wx, wy, wz); got {shown(hold)}")
+    raise InputError(f"hold must be {listed(HELD)} or six booleans (vx, vy, vz, wx, wy, wz); got {quote(hold)}")
 
 
 def _speed(value: float, name: str) -> float:

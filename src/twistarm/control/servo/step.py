@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ...arm.arm import Arm, require_arm
 from ...support.checks import Array, as_pose, as_theta, frozen, require
 from ...support.display import Brief
-from ...support.errors import InputError, shown
+from ...support.errors import InputError, quote
 from .command import AnyCommand, CommandLike, JogCommand, PoseCommand, TwistCommand
 from .output import REASON_OF_CAUSE, CoreStep, ServoOutput, ServoReason, StepRequest, output_of
 from .settings import ServoBounds, ServoSettings, bounds_of
@@ -132,7 +132,7 @@ def servo_step(
         require_scene(scene, arm)
     step = _seconds(dt)
     if not 0.0 < step <= settings.max_dt:
-        return _refused(arm, state, f"dt must be more than 0 and at most {settings.max_dt:g} s; got {shown(dt)}")
+        return _refused(arm, state, f"dt must be more than 0 and at most {settings.max_dt:g} s; got {quote(dt)}")
     checked, reason = _usable(arm, command)
 
     def solve(command: AnyCommand | None, near: Array | None = None) -> CoreStep:
@@ -200,7 +200,7 @@ def _clean(arm: Arm, state: ServoState) -> ServoState:
         raise InputError(f"held_pose must be one pose, shape (4, 4); got {pose.shape}")
     period = _seconds(state.period)
     if not 0.0 <= period <= MAX_VALUE:
-        raise InputError(f"period must be a time from 0 to {MAX_VALUE:g} s; got {shown(state.period)}")
+        raise InputError(f"period must be a time from 0 to {MAX_VALUE:g} s; got {quote(state.period)}")
     return ServoState(plain.theta, plain.theta_dot, pose, state.held_flags, period)
 
 

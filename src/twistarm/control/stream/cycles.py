@@ -16,7 +16,7 @@ from ...arm.arm import Arm, require_arm
 from ...arm.usual_limits import defaults_line, usually_limited
 from ...support.checks import LARGEST_ARRAY, Array, as_flag, as_positive, as_whole, frozen, require, require_method
 from ...support.display import Brief
-from ...support.errors import InputError, TwistarmError, shown
+from ...support.errors import InputError, TwistarmError, quote
 from ...support.interrupts import ended_like_ctrl_c
 from ..servo import ServoOutput, ServoSettings, ServoState, servo_step
 from .drives import RateObserver, with_reserve
@@ -351,7 +351,7 @@ class Metronome:
         Raises InputError for a time that is not finite or at least 1e12 s, and keeps the grid.
         """
         if not abs(require_time(now)) < LATEST:
-            raise InputError(f"now must be seconds of a clock, below {LATEST:g}; got {shown(now)}")
+            raise InputError(f"now must be seconds of a clock, below {LATEST:g}; got {quote(now)}")
         if self._origin == -inf:
             return self._begin(now, 1)
         phase = (now - self._origin) / self.period

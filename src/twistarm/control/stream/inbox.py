@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm, require_arm
 from ...support.checks import as_number, as_positive, as_theta, frozen, require, require_choice, require_mapping
-from ...support.errors import InputError, closest, listed, one_line, shown
+from ...support.errors import InputError, closest, listed, one_line, quote
 from ...support.strict_json import LARGEST_MESSAGE
 from ..servo import AnyCommand, JogCommand, ServoState, TwistCommand
 from ..servo.step import COMMANDS
@@ -117,7 +117,7 @@ class Arrivals:
 
     def _arrive(self, sender: str, now: float | None, number: int | None, values: Mapping[str, Any]) -> None:
         if number is not None and not isinstance(number, (int, float)):
-            raise InputError(f"number must be a counter, a whole number; got {shown(number)}")
+            raise InputError(f"number must be a counter, a whole number; got {quote(number)}")
         name, at = _name(sender), moment(now)
         with self._lock:
             for part, value in values.items():

@@ -23,7 +23,7 @@ from ...support.checks import (
     require_mapping,
     require_method,
 )
-from ...support.errors import InputError, TwistarmError, listed, shown
+from ...support.errors import InputError, TwistarmError, listed, quote
 from ...support.fields import Check, anything, fields, list_of, numbers, one_of
 from ...support.fields import text as any_text
 from ...support.strict_json import decoded
@@ -138,8 +138,8 @@ def command_of(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
     if kind is None:
         if "interlock" in message:
             also = "and may have reason and number"
-            raise InputError(f"a word to the interlock is one of {listed(WORDS)}, {also}; got {shown(message)}")
-        raise InputError(f"a command has one of {listed(_COMMANDS)}; got {shown(sorted(message))}")
+            raise InputError(f"a word to the interlock is one of {listed(WORDS)}, {also}; got {quote(message)}")
+        raise InputError(f"a command has one of {listed(_COMMANDS)}; got {quote(sorted(message))}")
     needed, optional, build = _COMMANDS[kind]
     given = fields(message, "", needed, {**optional, "number": as_whole})
     try:
@@ -242,8 +242,8 @@ def setpoint_message(arm: Arm, setpoint: Setpoint, motors: MotorSide | None = No
 
 def _rates(rates: Any, name: str) -> dict[str, float]:
     if not isinstance(rates, Mapping) or not rates:
-        raise InputError(f'jog must be {{"joint": rate}}, rates in rad/s or m/s; got {shown(rates)}')
-    return {name: as_number(rate, f"jog of {shown(name)}") for name, rate in rates.items()}
+        raise InputError(f'jog must be {{"joint": rate}}, rates in rad/s or m/s; got {quote(rates)}')
+    return {name: as_number(rate, f"jog of {quote(name)}") for name, rate in rates.items()}
 
 
 def _pose(given: Any, name: str) -> Array:
@@ -251,7 +251,7 @@ def _pose(given: Any, name: str) -> Array:
     if isinstance(given, list) and len(given) == 4:
         return np.array([numbers(row, f"pose[{k}]", 4) for k, row in enumerate(given)])
     if not isinstance(given, Mapping):
-        raise InputError(f"pose must be four rows of four numbers, or position and quaternion_wxyz; got {shown(given)}")
+        raise InputError(f"pose must be four rows of four numbers, or position and quaternion_wxyz; got {quote(given)}")
     parts = fields(given, "pose", {"position": partial(numbers, size=3), "quaternion_wxyz": partial(numbers, size=4)})
     quaternion = np.array(parts["quaternion_wxyz"])
     length = float(np.linalg.norm(quaternion))
@@ -263,7 +263,7 @@ def _pose(given: Any, name: str) -> Array:
 
 def _true(value: Any, name: str) -> bool:
     if value is not True:
-        raise InputError(f"{name} must be true; got {shown(value)}")
+        raise InputError(f"{name} must be true; got {quote(value)}")
     return True
 
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from ...support.checks import Array, as_flag, as_floats, as_positive, as_reals, require, require_choice
 from ...support.display import Brief
-from ...support.errors import InputError, TwistarmError, one_line, shown
+from ...support.errors import InputError, TwistarmError, one_line, quote
 from ..servo import AnyCommand, ServoOutput, ServoState
 
 # Seconds that a command or a joint state is valid: five messages at 25 Hz, which pages and game pads manage. Most
@@ -79,7 +79,7 @@ def _check(reason: Any, **seconds: Any) -> None:
     """InputError for a reason that is no text, or seconds that are no number."""
     for name, value in seconds.items():
         if type(value) is not float and (value is None or as_reals(value, name, "seconds").ndim):
-            raise InputError(f"{name} must be seconds, one number; got {shown(value)}")
+            raise InputError(f"{name} must be seconds, one number; got {quote(value)}")
     require(reason, str, "reason", "such as 'no joint state has arrived'")
 
 
@@ -129,7 +129,7 @@ class Clock(Protocol):
 def require_time(value: Any, name: str = "now") -> float:
     """`value`, a number of seconds; a broken clock's NaN is one too."""
     if not isinstance(value, float) and not (isinstance(value, int) and abs(value) < LATEST):
-        raise InputError(f"{name} must be seconds of a clock, below {LATEST:g}; got {shown(value)}")
+        raise InputError(f"{name} must be seconds of a clock, below {LATEST:g}; got {quote(value)}")
     return float(value)
 
 
@@ -239,7 +239,7 @@ def one_or_each(given: ArrayLike, n: int, name: str) -> Array:
     """Positive numbers (n,), one for each joint in its unit, from one number or n. Raises InputError otherwise."""
     values = as_floats(given, name)
     if values.shape not in ((), (n,)) or not (values > 0.0).all():
-        raise InputError(f"{name} must be one positive number or {n}; got {shown(given)}")
+        raise InputError(f"{name} must be one positive number or {n}; got {quote(given)}")
     return np.broadcast_to(values, (n,))
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...support.checks import as_theta, as_whole
-from ...support.errors import InputError, missing_extra, shown
+from ...support.errors import InputError, missing_extra, quote
 from ...support.interrupts import Closeable
 from ..servo import STATUSES
 from .inbox import CommandInput, StateInput
@@ -51,9 +51,9 @@ def parse_state_line(arm: Arm, line: bytes, motors: MotorSide | None = None) -> 
     """The joint state in a line. Raises InputError unless it is a number, n finite values and the checksum."""
     body, star, given = line.strip().rpartition(b"*")
     if len(line) > LONGEST_LINE or not star:
-        raise InputError(f"a joint state line ends with * and a checksum; got {shown(line)}")
+        raise InputError(f"a joint state line ends with * and a checksum; got {quote(line)}")
     if given.upper() != b"%02X" % checksum(body):
-        raise InputError(f"the checksum of a joint state line is {checksum(body):02X}; got {shown(given)}")
+        raise InputError(f"the checksum of a joint state line is {checksum(body):02X}; got {quote(given)}")
     try:
         number, *values = body.decode("ascii").split(",")
         interlock = STATE_OF.get(values[-1]) if values else None
@@ -127,4 +127,4 @@ def _opened(port: str, baudrate: int) -> Any:
     try:
         return serial.Serial(port, baudrate, timeout=0, write_timeout=LONGEST_WRITE, exclusive=True)
     except (OSError, ValueError) as error:
-        raise InputError(f"cannot open serial port {shown(port)} at {baudrate} baud: {error}") from error
+        raise InputError(f"cannot open serial port {quote(port)} at {baudrate} baud: {error}") from error

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...support.checks import Array, as_positive, require, require_callback, require_method
-from ...support.errors import InputError, shown
+from ...support.errors import InputError, quote
 from ..servo import AnyCommand, ServoSettings, servo_step
 from .cycles import Cycle, Cycles, call_device, drive
 from .protocols import MESSAGE_TIMEOUT, Clock, Feedback, LoopOptions, Reading, Setpoint, Sink, Source
@@ -216,5 +216,5 @@ def _current(settings: ServoSettings | Callable[[], ServoSettings] | None) -> Ca
     try:
         signature(settings).bind()
     except (TypeError, ValueError):  # it takes arguments, or nobody can tell
-        raise InputError(f"settings must be a ServoSettings, {how}; got {shown(settings)}") from None
+        raise InputError(f"settings must be a ServoSettings, {how}; got {quote(settings)}") from None
     return lambda: require(settings(), ServoSettings, "settings", how)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection, Iterator
 
 from ...arm.arm import Arm, require_arm
 from ...support.checks import require, require_clock, require_names
-from ...support.errors import InputError, listed, shown
+from ...support.errors import InputError, listed, quote
 from ...support.files import as_path, read_bounded
 from ...support.interrupts import Closeable
 from ...support.strict_json import LARGEST_MESSAGE, encode
@@ -176,7 +176,7 @@ def named(host: str, port: int) -> str:
 def _resolved(host: str, port: int, smallest: int) -> tuple[socket.AddressFamily, tuple[str, int]]:
     require(host, str, "host", "such as '127.0.0.1', with the port beside it")
     if not isinstance(port, int) or isinstance(port, bool) or not smallest <= port <= 65535:
-        raise InputError(f"a port is a whole number from {smallest} to 65535; got {shown(port)}")
+        raise InputError(f"a port is a whole number from {smallest} to 65535; got {quote(port)}")
     try:
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
     except (OSError, UnicodeError, ValueError) as error:
@@ -200,7 +200,7 @@ def read_key(path: str | os.PathLike[str]) -> bytes:
         key = read_bounded(file, 2048).strip()
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
-        raise InputError(f"cannot read the key {shown(str(path))}: {why}") from error
+        raise InputError(f"cannot read the key {quote(str(path))}: {why}") from error
     return checked_key(key)
 
 

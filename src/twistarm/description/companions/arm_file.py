@@ -14,7 +14,7 @@ import numpy as np
 
 from ...limits.joint_limits import FIELDS, RATES
 from ...support.checks import Array, as_number, as_positive, frozen
-from ...support.errors import InputError, shown
+from ...support.errors import InputError, quote
 from ...support.fields import Check, anything, fields, list_of, numbers, table_of, text, word
 from ...support.files import as_path, is_file
 from ...support.units import angle_hint
@@ -153,7 +153,7 @@ def _specification(content: Mapping[str, Any], path: Path) -> ArmSpecification:
     tool, doubtful = content.get("tool"), []
     for name, table in {"tool": tool or {}, "dh.base": content.get("dh", {}).get("base", {})}.items():
         if hint := angle_hint(np.array(table.get("rpy", ()))):
-            what, remedy = f"{name}.rpy {shown(table['rpy'])}: {hint}", "write radians: 90 degrees are 1.5707963"
+            what, remedy = f"{name}.rpy {quote(table['rpy'])}: {hint}", "write radians: 90 degrees are 1.5707963"
             doubtful.append(finding("unit-doubtful", Place(str(path)), what, remedy))
     return ArmSpecification(
         description=files.get("source", path),

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ...arm.arm import Arm
-from ...support.errors import InputError, UnknownNameError, closest, listed, shown
+from ...support.errors import InputError, UnknownNameError, closest, listed, quote
 from ...support.files import read_bounded, why_no_file
 from ..exercises import LESSONS, Exercise, every_exercise, exercises_of
 from .results import HEADER, verdicts_on
@@ -34,7 +34,7 @@ def check(function: Callable[..., Any], arm: Arm, seed: int = 0) -> Report:
         UnknownNameError: There is no exercise of its name.
     """
     if not callable(function) or not hasattr(function, "__code__"):
-        raise InputError(f"check takes a function, as in check(rotation_z), without a call; got {shown(function)}")
+        raise InputError(f"check takes a function, as in check(rotation_z), without a call; got {quote(function)}")
     name = function.__name__
     if function.__module__.startswith("twistarm."):
         raise InputError(f"{name} is that of {function.__module__}: check takes the one that you have written")

@@ -13,7 +13,7 @@ from ...arm.arm import Arm
 from ...description.companions.data_files import parse_yaml
 from ...limits.actuators import Actuators
 from ...support.checks import Array, as_number
-from ...support.errors import DescriptionError, InputError, closest, listed, shown
+from ...support.errors import DescriptionError, InputError, closest, listed, quote
 from ...support.fields import numbers
 from ...support.files import read_bounded, why_no_file
 from ...support.strict_json import parsed
@@ -94,7 +94,7 @@ def points_in(arm: Arm, message: Any, file: str) -> Points:
 
 def _entry(mapping: Any, name: str, place: str) -> Any:
     if not isinstance(mapping, dict):
-        raise InputError(f"{place}: a mapping with {name!r} is needed; got {shown(mapping)}")
+        raise InputError(f"{place}: a mapping with {name!r} is needed; got {quote(mapping)}")
     if name not in mapping:
         raise InputError(f"{place}: {name!r} is missing{closest(name, map(str, mapping))}")
     return mapping[name]
@@ -103,7 +103,7 @@ def _entry(mapping: Any, name: str, place: str) -> Any:
 def _listed(mapping: Any, name: str, place: str) -> list[Any]:
     value = _entry(mapping, name, place)
     if not isinstance(value, list):
-        raise InputError(f"{place}: {name} must be a list; got {shown(value)}")
+        raise InputError(f"{place}: {name} must be a list; got {quote(value)}")
     return value
 
 
@@ -121,7 +121,7 @@ def _time(point: Any, place: str) -> float:
     time = _entry(point, "time_from_start", place)
     parts = [_entry(time, name, f"{place}, time_from_start") for name in ("sec", "nanosec")]
     if not all(isinstance(part, int) and not isinstance(part, bool) and 0 <= part < 2**32 for part in parts):
-        raise InputError(f"{place}: time_from_start is in whole sec and nanosec from 0; got {shown(time)}")
+        raise InputError(f"{place}: time_from_start is in whole sec and nanosec from 0; got {quote(time)}")
     return float(parts[0] + parts[1] * NANOSECOND)
 
 

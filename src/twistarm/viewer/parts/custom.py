@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...support.checks import Array, as_floats, as_pose, as_positive, require_one
-from ...support.errors import InputError, one_line, shown, unknown_name
+from ...support.errors import InputError, one_line, quote, unknown_name
 from ..jobs import Job, Progress
 from ..messages import LARGEST_VALUE, Message, as_name
 from ..scene import drawing
@@ -120,7 +120,7 @@ def _rows(given: Any, name: str) -> Array:
 def _shares(colour: ArrayLike) -> Array:
     shares = as_floats(colour, "colour")
     if shares.ndim == 0 or shares.shape[-1] not in (3, 4) or (shares < 0.0).any() or (shares > 1.0).any():
-        raise InputError(f"colour must be (r, g, b) or (r, g, b, opacity), each from 0 to 1; got {shown(colour)}")
+        raise InputError(f"colour must be (r, g, b) or (r, g, b, opacity), each from 0 to 1; got {quote(colour)}")
     return shares
 
 

@@ -20,7 +20,7 @@ from tornado.netutil import bind_sockets
 from tornado.web import Application
 
 from ...arm.arm import Arm
-from ...support.errors import InputError, TwistarmError, shown
+from ...support.errors import InputError, TwistarmError, quote
 from ...support.strict_json import encode
 from ..jobs import Job, Progress, Workers
 from ..messages import ChangePublisher, Message, PageRequest, Source, failure, number_of, parse
@@ -344,7 +344,7 @@ class Server:
 def bind(host: str, port: int) -> list[socket]:
     """Sockets that listen on `host` and `port` (0: a free one). InputError where that is impossible."""
     if not isinstance(port, int) or isinstance(port, bool) or not 0 <= port <= 65535:
-        raise InputError(f"port must be 0 (a free one) … 65535; got {shown(port)}")
+        raise InputError(f"port must be 0 (a free one) … 65535; got {quote(port)}")
     try:
         return bind_sockets(port, host or None)
     except (OSError, UnicodeError) as error:
