@@ -4,8 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from play import play_if_asked
 
-from twistarm import Approach, FreeMove, JointMove, LineMove, Position, Scene, load_arm, plan, solve_ik
-from twistarm.testing import assert_free
+from twistarm import Approach, FreeMove, JointMove, LineMove, Position, Scene, assert_free, load_arm, plan, solve_ik
 
 PITCH, TRAVEL, CLEARANCE, SPEED = 0.019, 0.004, 0.03, 0.1  # m: between keys, into a key, above one; m/s
 ROWS = {"QWERTYUIOP": 0.0, "ASDFGHJKL": 0.25, "ZXCVBNM": 0.75}  # how far each row is moved right, in keys

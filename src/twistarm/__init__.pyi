@@ -1,4 +1,3 @@
-from . import testing as testing
 from .arm.arm import Arm as Arm
 from .arm.arm_data import Coupling as Coupling
 from .arm.arm_data import Proof as Proof
@@ -11,6 +10,8 @@ from .arm.loading.load import available_arms as available_arms
 from .arm.loading.load import load_arm as load_arm
 from .calibration import calibrate as calibrate
 from .calibration import check_wiring as check_wiring
+from .checking.assertions import assert_arm as assert_arm
+from .checking.assertions import assert_free as assert_free
 from .checking.crosscheck import CrossCheck as CrossCheck
 from .checking.crosscheck import EngineComparison as EngineComparison
 from .checking.crosscheck import crosscheck as crosscheck
@@ -33,11 +34,15 @@ from .control.servo import TwistCommand as TwistCommand
 from .control.servo import servo_step as servo_step
 from .description.dh import DhTable as DhTable
 from .description.findings import Finding as Finding
+from .design import DesignTable as DesignTable
+from .design import ReachMap as ReachMap
 from .design import best_parking as best_parking
 from .design import check_panel as check_panel
 from .design import compare_designs as compare_designs
 from .design import load_panel as load_panel
 from .design import payload as payload
+from .design import reach_map as reach_map
+from .design import sweep as sweep
 from .export.urdf import to_urdf as to_urdf
 from .ik import AllSolutions as AllSolutions
 from .ik import AllSolutionsBatch as AllSolutionsBatch
@@ -84,10 +89,6 @@ from .support.errors import NotConvergedError as NotConvergedError
 from .support.errors import TwistarmError as TwistarmError
 from .support.errors import UnitsWarning as UnitsWarning
 from .support.errors import UnknownNameError as UnknownNameError
-from .sweeps import DesignTable as DesignTable
-from .sweeps import ReachMap as ReachMap
-from .sweeps import reach_map as reach_map
-from .sweeps import sweep as sweep
 from .theory import joints as joints
 from .theory import poe as poe
 from .theory import rotations as rotations

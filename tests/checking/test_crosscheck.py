@@ -13,9 +13,8 @@ import pytest
 
 import twistarm
 from test_loading import REAL
-from twistarm import arm_from_screws, crosscheck, load_arm
+from twistarm import arm_from_screws, assert_arm, crosscheck, load_arm
 from twistarm.support.errors import ComparisonError, InputError, MissingExtraError
-from twistarm.testing import assert_arm
 from urdf_text import joint, robot, two_joints, write
 
 PINOCCHIO_TOL, YOURDFPY_TOL = 1e-12, 1e-9  # What every arm of the catalogue must keep to.

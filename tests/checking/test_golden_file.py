@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from baked_arms import sealed
-from twistarm import Arm, compare, freeze, load_arm
+from twistarm import Arm, assert_arm, compare, freeze, load_arm
 from twistarm.cli.application import run
 from twistarm.support.errors import ComparisonError, DescriptionError, InputError
-from twistarm.testing import assert_arm
 from urdf_text import joint, robot, write
 
 LINKS = ("base_link", "upper", "fore", "hand", "tool0")

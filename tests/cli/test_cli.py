@@ -346,7 +346,9 @@ def test_the_help_leaves_room_for_its_text(command: str, capsys: Capture, monkey
 
 
 def test_version_commands_and_what_is_installed(capsys: Capture) -> None:
-    done = subprocess.run([sys.executable, "-m", "twistarm", "--version"], capture_output=True, text=True, timeout=60)
+    done = subprocess.run(
+        [sys.executable, "-m", "twistarm.cli", "--version"], capture_output=True, text=True, timeout=60
+    )
     assert (done.returncode, done.stdout) == (0, f"twistarm {twistarm.__version__}\n")
     content = answer(capsys, "info")
     assert content["twistarm"] == twistarm.__version__

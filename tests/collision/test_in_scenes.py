@@ -22,6 +22,7 @@ from twistarm import (
     Position,
     Scene,
     StopReason,
+    assert_free,
     load_arm,
     plan,
     plan_joint,
@@ -31,7 +32,6 @@ from twistarm import (
     solve_ik_batch,
 )
 from twistarm.planning import free_moves
-from twistarm.testing import assert_free
 
 
 def beside_a_plate(name: str) -> tuple[Arm, Scene]:

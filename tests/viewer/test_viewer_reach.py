@@ -16,9 +16,9 @@ from catalogue import load
 from recorded_poses import done
 from twistarm import Arm, InputError, ReachMap, Viewer, reach_map
 from twistarm.cli.application import run
+from twistarm.design.mapping import sphere
+from twistarm.design.voxel_map import Grid
 from twistarm.support.strict_json import encode
-from twistarm.sweeps.mapping import sphere
-from twistarm.sweeps.voxel_map import Grid
 from twistarm.viewer.parts.reach import drawing, hull
 from twistarm.viewer.stage import Stage
 from viewer_page import Page, stored

@@ -39,7 +39,7 @@ def _many_descriptors() -> Iterator[None]:
 def served() -> Iterator[tuple[int, int, str]]:
     """The rover's arm on show, by the command line: the process, the port, the token."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "twistarm", "view", "rover_arm", "--no-browser"],
+        [sys.executable, "-m", "twistarm.cli", "view", "rover_arm", "--no-browser"],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,

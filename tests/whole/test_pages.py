@@ -17,7 +17,7 @@ from typing import NamedTuple
 import pytest
 
 import twistarm
-from twistarm import stream, testing
+from twistarm import stream
 from twistarm.cli import application
 from twistarm.design import parking
 
@@ -170,16 +170,12 @@ def test_what_a_page_links_to_is_there(page):
             assert (ROOT / ours[1] if ours else page.parent / target).exists(), target
 
 
-MODULES = ("", "screws", "joints", "poe", "rotations", "control.stream", "testing", "viewer", "calibration")
+MODULES = ("", "screws", "joints", "poe", "rotations", "control.stream", "viewer", "calibration")
 
 
 def public_names(module: str) -> set[str]:
     """What a module offers: its `__all__`, or the functions and classes that it defines."""
-    found = (
-        import_module(f"twistarm.{module}")
-        if module in ("control.stream", "testing", "viewer", "calibration")
-        else twistarm
-    )
+    found = import_module(f"twistarm.{module}") if module in ("control.stream", "viewer", "calibration") else twistarm
     found = getattr(twistarm, module) if module in twistarm.__all__ else found
     names = getattr(found, "__all__", None) or [
         name
@@ -223,7 +219,6 @@ def public_functions():
         visit(name, getattr(twistarm, name))
     for name in stream.__all__:
         visit(f"stream.{name}", getattr(stream, name))
-    visit("testing", testing)
     return found
 
 
@@ -254,4 +249,4 @@ def test_files_that_rules_and_recipes_name_are_there() -> None:
 
 
 def test_modules_among_the_public_names_can_be_imported_first():
-    subprocess.run([sys.executable, "-c", "from twistarm import stream, testing"], check=True)
+    subprocess.run([sys.executable, "-c", "from twistarm import stream, viewer"], check=True)

@@ -249,7 +249,7 @@ def test_a_module_beside_the_description_is_never_imported(tmp_path: Path) -> No
 def test_ctrl_c_ends_what_takes_long(tmp_path: Path) -> None:
     path = laid(expression("9**9**9"), tmp_path)
     program = subprocess.Popen(
-        [sys.executable, "-m", "twistarm", "doctor", str(path)],
+        [sys.executable, "-m", "twistarm.cli", "doctor", str(path)],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,

@@ -16,12 +16,12 @@ from ..support.checks import Array, reporting, require
 from ..support.display import Brief
 from ..support.errors import InputError, LimitError, NotConvergedError, TwistarmError, quote
 from ..support.messages import joined
-from ..sweeps.mapping import sphere
-from ..sweeps.voxel_map import Grid
 from ..theory.manipulability import Manipulability, scaled_jacobian
+from .mapping import sphere
 from .panel import Panel
 from .parking import Progress, best_parking
 from .payload import payload, with_extremes
+from .voxel_map import Grid
 
 SAMPLES, CUBES = 2000, 40  # Configurations, and cubes along the diameter of the ball that holds the tool.
 

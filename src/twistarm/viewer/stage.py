@@ -13,11 +13,11 @@ from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm
 from ..collision import Scene
+from ..design.voxel_map import digest_of
 from ..limits.joint_limits import unit_of
 from ..planning.trajectory import Trajectory
 from ..planning.within import require_within, returning
 from ..support.errors import LimitError, listed, unknown_name
-from ..sweeps.voxel_map import digest_of
 from .jobs import Job
 from .messages import Message, PageRequest, Source
 from .parts.arm_data import (

@@ -18,13 +18,13 @@ from ..arm.arm import Arm, require_arm
 from ..collision import Scene, require_scene
 from ..control.servo import ServoOutput, ServoSettings
 from ..control.stream import Cycle, Inbox
+from ..design import ReachMap
 from ..ik import AllSolutions
 from ..planning.trajectory import Trajectory
 from ..support.checks import Array, as_flag, as_number, as_positive, require, require_callback
 from ..support.errors import InputError, quote
 from ..support.files import writable, write_whole
 from ..support.interrupts import Closeable
-from ..sweeps import ReachMap
 from .messages import LARGEST_VALUE, Message, as_name
 from .parts.arm_data import NO_PATH, check_trajectory, checked_theta, tool_path
 from .parts.custom import Control, Draw, V

@@ -7,11 +7,20 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from ...design import Needs, PanelReport, Payload, best_parking, check_panel, compare_designs, load_panel
+from ...design import (
+    Needs,
+    PanelReport,
+    Payload,
+    ReachMap,
+    best_parking,
+    check_panel,
+    compare_designs,
+    load_panel,
+    reach_map,
+)
 from ...design import payload as payload_of
 from ...support.checks import Array
 from ...support.errors import InputError
-from ...sweeps import ReachMap, reach_map
 from ...theory.rotations import to_rpy
 from ..numbers import PLACE, argument, numbers, option, parse_numbers, quantity, whole
 from ..options import Answer, ArmArgument, Avoid, CsvAnswer, Source, Theta, answers, avoided

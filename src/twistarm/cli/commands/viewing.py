@@ -14,9 +14,9 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...collision import Scene
+from ...design import ReachMap
 from ...support.checks import Array
 from ...support.errors import InputError, TwistarmError
-from ...sweeps import ReachMap
 from ...viewer import Viewer, page_html
 from ...viewer.saved_page import of_arm
 from ...viewer.screenshot import png_of

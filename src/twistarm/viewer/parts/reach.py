@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arm.arm import Arm
+from ...design import ReachMap, reach_map
+from ...design.mapping import sphere
 from ...support.checks import Array
-from ...sweeps import ReachMap, reach_map
-from ...sweeps.mapping import sphere
 from ..jobs import Job, Progress
 from ..messages import Message, packed
 from .show import Part, Show

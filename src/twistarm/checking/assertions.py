@@ -5,16 +5,16 @@ from __future__ import annotations
 import os
 from typing import Any
 
-from .arm.arm import Arm, require_arm
-from .arm.loading.load import load_arm
-from .checking.crosscheck import crosscheck
-from .checking.difference import compare
-from .checking.other_readers import require_yourdfpy
-from .collision import Scene, require_scene
-from .planning import Trajectory, load_trajectory
-from .planning.free_moves import first_collision
-from .support.checks import require
-from .support.errors import ComparisonError
+from ..arm.arm import Arm, require_arm
+from ..arm.loading.load import load_arm
+from ..collision import Scene, require_scene
+from ..planning import Trajectory, load_trajectory
+from ..planning.free_moves import first_collision
+from ..support.checks import require
+from ..support.errors import ComparisonError
+from .crosscheck import crosscheck
+from .difference import compare
+from .other_readers import require_yourdfpy
 
 
 def assert_arm(

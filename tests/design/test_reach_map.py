@@ -10,9 +10,9 @@ import pytest
 
 from catalogue import load
 from twistarm import Approach, InputError, ReachMap, Scene, arm_from_screws, joints, load_arm, reach_map, solve_ik
-from twistarm.sweeps import mapping
-from twistarm.sweeps.mapping import sphere
-from twistarm.sweeps.voxel_map import Grid
+from twistarm.design import mapping
+from twistarm.design.mapping import sphere
+from twistarm.design.voxel_map import Grid
 from urdf_text import joint, robot, write
 
 

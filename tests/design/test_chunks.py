@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from twistarm import InputError, reach_map
-from twistarm.sweeps import Sweep
+from twistarm.design import Sweep
 
 COUNT, SIZE = 50, 7
 

@@ -1,5 +1,0 @@
-"""`python -m twistarm`: the program."""
-
-from .cli import main
-
-main()

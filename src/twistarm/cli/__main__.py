@@ -1,0 +1,5 @@
+"""`python -m twistarm.cli`: the program."""
+
+from . import main
+
+main()
