@@ -153,14 +153,14 @@ def require_true(arm: Arm) -> None:
     for theta in postures:
         linear, angular, R = differences(arm, theta)
         assert np.abs(said.immovable @ linear).max(initial=0.0) < NONE
-        assert np.abs(said.unturned @ angular).max(initial=0.0) < NONE
+        assert np.abs(said.unrotated @ angular).max(initial=0.0) < NONE
         _, sizes, Vt = np.linalg.svd(linear)
         positions.append(int((sizes > NONE).sum()))
         held = angular @ Vt[said.position :].T
         U, sizes, _ = np.linalg.svd(held)
         turnings.append(int((sizes > NONE).sum()))
         free = U[:, : said.turning]
-        for axes in (said.turned_base, said.turned_tool @ R.T):
+        for axes in (said.rotated_base, said.rotated_tool @ R.T):
             assert np.abs(axes - axes @ free @ free.T).max(initial=0.0) < NONE
     assert max(positions) == said.position
     assert max(turnings) == said.turning

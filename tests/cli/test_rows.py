@@ -56,7 +56,7 @@ def test_positions_without_a_header_take_the_orientation_that_is_typed(tmp_path:
     require_core(arm)
     file.write_text("# picks\n0.4,0.1,0.3\n\n9,9,9\n0.4,-0.1,0.3\n", "utf-8")
     typed = ["--targets", str(file), "--direction", "0", "0", "-1", "--axis", "-x", "-o", str(out)]
-    assert answer(capsys, "ik", "ur5", *typed, code=1)["met"] == 2
+    assert answer(capsys, "ik", "ur5", *typed, code=1)["converged"] == 2
     rows = list(csv.DictReader(io.StringIO(out.read_text())))
     assert [(row["line"], row["answer"]) for row in rows] == [
         ("2", "CONVERGED"), ("4", "OUT_OF_REACH"), ("5", "CONVERGED"),

@@ -109,8 +109,8 @@ def span(arm: Arm, theta: Array, half: Half, before: Sequence[int], frame: str) 
     Only motions that leave the components `before` at rest count, as in `lacks`.
     """
     g, J = arm.fk_and_body_jacobian(theta)
-    turned = J if frame == "tool" else np.kron(np.eye(2), g[:3, :3]) @ J
-    rows = scaled_jacobian(turned, arm.prismatic, arm.reach)
+    rotated = J if frame == "tool" else np.kron(np.eye(2), g[:3, :3]) @ J
+    rows = scaled_jacobian(rotated, arm.prismatic, arm.reach)
     _, size, Vt = np.linalg.svd(rows[list(before)])
     free = Vt[int((size > NO_MOTION).sum()) :].T
     U, size, _ = np.linalg.svd(rows[list(half)] @ free)
@@ -129,9 +129,9 @@ class Abilities(NamedTuple):
     position: int
     turning: int
     immovable: Array
-    unturned: Array
-    turned_base: Array
-    turned_tool: Array
+    unrotated: Array
+    rotated_base: Array
+    rotated_tool: Array
 
     @property
     def rank(self) -> int:
@@ -157,9 +157,9 @@ def abilities_of(arm: Arm) -> Abilities:
         position=largest_rank(arm, LINEAR, (), "base"),
         turning=largest_rank(arm, ANGULAR, LINEAR, "base"),
         immovable=common(0.0, LINEAR, (), "base"),
-        unturned=common(0.0, ANGULAR, (), "base"),
-        turned_base=common(1.0, ANGULAR, LINEAR, "base"),
-        turned_tool=common(1.0, ANGULAR, LINEAR, "tool"),
+        unrotated=common(0.0, ANGULAR, (), "base"),
+        rotated_base=common(1.0, ANGULAR, LINEAR, "base"),
+        rotated_tool=common(1.0, ANGULAR, LINEAR, "tool"),
     )
 
 

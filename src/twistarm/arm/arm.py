@@ -90,7 +90,7 @@ class Arm(ArmData):
         """g_st (..., 4, 4), J^s and J^b (..., 6, n) by Pinocchio, independent of the engine of `fk`."""
         x = self._asked_at(theta)
         answers = self.pinocchio.kinematics(x.reshape(-1, self.n), self.base, self.tip_link)
-        g, spatial, body = (each.reshape(*x.shape[:-1], *each.shape[1:]) for each in answers)
+        g, spatial, body = (answer.reshape(*x.shape[:-1], *answer.shape[1:]) for answer in answers)
         return g @ self.tool, spatial, adjoint(inverse(self.tool)) @ body
 
     # -- forward kinematics --------------------------------------------------------------------------------------

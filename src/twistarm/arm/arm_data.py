@@ -27,7 +27,7 @@ from ..support.checks import (
     require_names,
     require_one,
 )
-from ..support.display import in_brief, told
+from ..support.display import in_brief, short_repr
 from ..support.errors import InputError, TwistarmError, UnitsWarning, listed, unknown_name, warn
 from ..support.messages import plural
 from ..support.units import theta_hint
@@ -107,7 +107,7 @@ class Coupling(NamedTuple):
     b: Array
 
     def __repr__(self) -> str:
-        return told("Coupling", self._asdict())
+        return short_repr("Coupling", self._asdict())
 
 
 class Proof(NamedTuple):
@@ -164,7 +164,7 @@ class ArmData:
         object.__setattr__(self, "couplings", MappingProxyType(dict(self.couplings)))
 
     def __reduce__(self) -> tuple[type[ArmData], tuple[Any, ...]]:
-        values = (getattr(self, each.name) for each in fields(self))
+        values = (getattr(self, field.name) for field in fields(self))
         # A mapping proxy cannot be pickled.
         return type(self), tuple(dict(value) if isinstance(value, MappingProxyType) else value for value in values)
 
@@ -388,8 +388,8 @@ def roll_axis(body_screws: Array, coupling: Array, reach: float) -> Array:
         if across @ across < ALIGNED**2:
             return Z
         # Along the common perpendicular of the two lines: from the foot on the last axis to the tool's origin.
-        apart = cross(w[before], v[before]) - near
-        out = float(cross(apart, w[before]) @ across) / float(across @ across)
+        offset = cross(w[before], v[before]) - near
+        out = float(cross(offset, w[before]) @ across) / float(across @ across)
     if aside > max(abs(out), ALIGNED * reach):
         return Z
     decisive = next(value for value in last[[2, 0, 1]] if abs(value) >= DECISIVE * np.linalg.norm(last))

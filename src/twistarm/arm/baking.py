@@ -150,8 +150,8 @@ def unsealed(path: Path, *kinds: Kind) -> dict[str, Any]:
     first = kinds[0]
     try:
         content = parsed(read_text(path, MAX_BYTES))
-        said = content.get("format") if isinstance(content, dict) else None
-        kind = next((each for each in kinds if each.format == said), None)
+        format_name = content.get("format") if isinstance(content, dict) else None
+        kind = next((known for known in kinds if known.format == format_name), None)
         if kind is None:
             raise ValueError(f"it does not say 'format': {first.format!r}")
         _, version, digest = (content.pop(key, None) for key in ("format", "version", "digest"))

@@ -92,7 +92,11 @@ class Checker:
         columns = np.asfortranarray(Q.T)
         found = [self._pin.computeCollisionsInParallel(threads, pool, columns, True) for pool in self._pools(threads)]
         hit = np.any(np.array(found, dtype=bool), axis=0)
-        return np.array([each or self.collides(q) for each, q in zip(hit, Q, strict=True)]) if self._solids else hit
+        return (
+            np.array([overlaps or self.collides(q) for overlaps, q in zip(hit, Q, strict=True)])
+            if self._solids
+            else hit
+        )
 
     def overlapping(self, q: Array) -> list[int]:
         """The indices of the pairs that overlap or come nearer than their margin at q (nq,)."""
@@ -150,15 +154,15 @@ class Checker:
         margins = np.zeros((len(self.bodies), len(self.bodies)))
         margins[first, second] = margins[second, first] = self.margins
         widest = np.full(len(self.bodies), -np.inf)
-        for each in (first, second):
-            np.maximum.at(widest, each, self.margins)
+        for bodies in (first, second):
+            np.maximum.at(widest, bodies, self.margins)
         return np.asfortranarray(margins), np.asfortranarray(np.maximum.outer(widest, widest))
 
     def _with_pairs(self, pairs: Iterable[int]) -> Any:
         """The geometry with these of the pairs."""
         model = self._pin.GeometryModel()
-        for each in self._geometry.geometryObjects:
-            model.addGeometryObject(each)
+        for shape in self._geometry.geometryObjects:
+            model.addGeometryObject(shape)
         for k in pairs:
             model.addCollisionPair(self._pin.CollisionPair(*self.pairs[k]))
         return model
@@ -172,8 +176,8 @@ class Checker:
             flat = [k for k, pair in enumerate(self.pairs) if any(self.bodies[i].kind == "plane" for i in pair)]
             rest = sorted({*range(len(self.pairs))}.difference(flat))
             model = self._with_pairs(rest)
-            for each, body in zip(model.geometryObjects, self.bodies, strict=True):
-                each.disableCollision = body.kind == "plane"
+            for shape, body in zip(model.geometryObjects, self.bodies, strict=True):
+                shape.disableCollision = body.kind == "plane"
             pools = [self._pin.BroadPhaseManagerPool_DynamicAABBTreeCollisionManager(self._model.model, model, threads)]
             if flat:
                 pools.append(self._pin.GeometryPool(self._model.model, self._with_pairs(flat), threads))

@@ -65,7 +65,7 @@ class Mechanism:
 
     def regular(self, theta: Array, samples: Array) -> bool:
         """Whether the tool moves in as many directions at theta (n,) as at some of `samples` (N, n)."""
-        ranks = [(each > SINGULAR).sum(1) for each in self.look(np.vstack([theta, samples]))[1]]
+        ranks = [(ratios > SINGULAR).sum(1) for ratios in self.look(np.vstack([theta, samples]))[1]]
         return all(bool(rank[0] >= rank[1:].max()) for rank in ranks)
 
     @cached_property
@@ -91,12 +91,12 @@ class Mechanism:
         """
         moved = poe.motions(self.screws, theta @ self.A.T)
         still = np.broadcast_to(np.eye(4), (len(theta), 1, 4, 4))
-        each = np.concatenate([still, moved, moved[:, -1:]], axis=1)
-        placed = np.einsum("nkij,kj->nki", each[..., :3, :3], self.corners) + each[..., :3, 3]
+        poses = np.concatenate([still, moved, moved[:, -1:]], axis=1)
+        corners = np.einsum("nkij,kj->nki", poses[..., :3, :3], self.corners) + poses[..., :3, 3]
         J = poe.columns(moved, self.screws) @ self.A
-        J[:, :3] += np.swapaxes(cross(np.swapaxes(J[:, 3:], 1, 2), placed[:, -1:]), 1, 2)
+        J[:, :3] += np.swapaxes(cross(np.swapaxes(J[:, 3:], 1, 2), corners[:, -1:]), 1, 2)
         J = scaled_jacobian(J, np.array(self.units) == "m", self.reach)
-        return placed, [_ratios(rows) for rows in ([J] if J.shape[2] >= 6 else [J, J[:, :3]])]
+        return corners, [_ratios(rows) for rows in ([J] if J.shape[2] >= 6 else [J, J[:, :3]])]
 
 
 def _ratios(J: Array) -> Array:
@@ -110,36 +110,40 @@ class Merit:
 
     def __init__(self, arm: Mechanism, samples: Array) -> None:
         self._arm = arm
-        placed, ratios = arm.look(samples)
-        self._ranks = [int((each > LOST).sum(1).max()) for each in ratios]
+        corners, ratios = arm.look(samples)
+        self._ranks = [int((half > LOST).sum(1).max()) for half in ratios]
         # The corners before the first revolute joint are the mount.
         self._first = 1 + int(np.argmax(np.sum(arm.screws[3:] ** 2, axis=0) > 0.5))
         strokes = np.diff(arm.corners[self._first :], axis=0)
         self._size = float(np.linalg.norm(strokes, axis=1).sum()) or 1.0
-        self._rising = np.ptp(placed[..., 2], axis=0) > 1e-3 * self._size
+        self._rising = np.ptp(corners[..., 2], axis=0) > 1e-3 * self._size
         self._shoulder = max(0, int(np.argmax(self._rising)) - 1)
         far = np.linalg.norm(arm.corners - arm.tool, axis=-1) > 0.03 * self._size
         self._wrist = int(np.flatnonzero(far)[-1]) if far.any() else 0
 
     def costs(self, theta: Array) -> Array:
         """Costs (N,) of theta (N, n)."""
-        placed, ratios = self._arm.look(theta)
-        least = np.min([each[:, rank - 1] for each, rank in zip(ratios, self._ranks, strict=True)], axis=0)
-        measures = {"agility": np.log2(least), **self._front(placed / self._size), **self._heights(placed / self._size)}
+        corners, ratios = self._arm.look(theta)
+        least = np.min([half[:, rank - 1] for half, rank in zip(ratios, self._ranks, strict=True)], axis=0)
+        measures = {
+            "agility": np.log2(least),
+            **self._front(corners / self._size),
+            **self._heights(corners / self._size),
+        }
         cost = FORBIDDEN * (least < SINGULAR)
         for name, measure in measures.items():
             wanted, price = WANTED[name]
             cost = cost + price * np.maximum(0.0, wanted - measure)
         return np.asarray(cost.round(DECIMALS))
 
-    def _front(self, placed: Array) -> dict[str, Array]:
+    def _front(self, corners: Array) -> dict[str, Array]:
         """The measures seen from above, and those of the hand."""
-        out = (placed - placed[:, self._first, None])[..., :2]
+        out = (corners - corners[:, self._first, None])[..., :2]
         distance = np.linalg.norm(out[:, -1], axis=-1)
         ahead = out[:, -1] / np.maximum(distance, 1e-12)[:, None]
         ahead[distance < NEAR_AXIS] = 1.0, 0.0
         aside = out[:, self._first :, 1] * ahead[:, None, 0] - out[:, self._first :, 0] * ahead[:, None, 1]
-        hand = placed[:, -1] - placed[:, self._wrist]
+        hand = corners[:, -1] - corners[:, self._wrist]
         hand = hand / np.maximum(np.linalg.norm(hand, axis=-1, keepdims=True), 1e-12)
         level = np.linalg.norm(hand[:, :2], axis=-1)
         return {
@@ -151,18 +155,18 @@ class Merit:
             "hand square": -np.minimum(np.abs(hand[:, 2]), level),
         }
 
-    def _heights(self, placed: Array) -> dict[str, Array]:
+    def _heights(self, corners: Array) -> dict[str, Array]:
         """The measures of corners and tool above the base plane, and above the line from shoulder to tool."""
-        z, shoulder = placed[..., 2], placed[:, self._shoulder]
+        z, shoulder = corners[..., 2], corners[:, self._shoulder]
         measures = {}
         if self._rising.any():
             measures["clearance"] = z[:, self._rising].min(-1)
             measures["height"] = z[:, -1] - np.maximum(LIFTED, shoulder[:, 2] - HANGING)
-        if self._rising.any() and placed.shape[1] > self._shoulder + 2:
-            way = placed[:, -1] - shoulder
-            corners = placed[:, self._shoulder + 1 : -1] - shoulder[:, None]
-            share = np.sum(corners * way[:, None], axis=-1) / np.maximum(np.sum(way * way, axis=-1), 1e-12)[:, None]
-            above = corners[..., 2] - np.clip(share, 0.0, 1.0) * way[:, None, 2]
+        if self._rising.any() and corners.shape[1] > self._shoulder + 2:
+            way = corners[:, -1] - shoulder
+            between = corners[:, self._shoulder + 1 : -1] - shoulder[:, None]
+            share = np.sum(between * way[:, None], axis=-1) / np.maximum(np.sum(way * way, axis=-1), 1e-12)[:, None]
+            above = between[..., 2] - np.clip(share, 0.0, 1.0) * way[:, None, 2]
             measures |= {"arch": above.max(-1), "sag": above.min(-1)}
         return measures
 

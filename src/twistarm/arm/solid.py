@@ -29,7 +29,7 @@ class Solid:
         _, edge, count = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
         self.closed = bool(len(count)) and not (count % 2).any()
         # Faces that are all turned one way tell a cavity from a part that overlaps another one.
-        self._turned = not np.bincount(edge.ravel(), np.where(start < end, 1.0, -1.0)).any()
+        self._oriented = not np.bincount(edge.ravel(), np.where(start < end, 1.0, -1.0)).any()
         part = components(start, end, len(points))[numbers[faces[:, 0]]] if len(faces) else np.zeros(0)
         self.samples = points[faces[np.unique(part, return_index=True)[1], 0]]
         corners = points[faces] @ SKEW
@@ -38,9 +38,9 @@ class Solid:
 
     def contains(self, points: Array) -> bool:
         """Whether one of the points (k, 3) is inside, by the faces that a ray from it passes through."""
-        turned = points @ SKEW
-        near = ((turned > self._least) & (turned < self._most)).all(axis=1)
-        return self.closed and any(map(self._inside, turned[near]))
+        rotated = points @ SKEW
+        near = ((rotated > self._least) & (rotated < self._most)).all(axis=1)
+        return self.closed and any(map(self._inside, rotated[near]))
 
     def _inside(self, point: Array) -> bool:
         beside = ((self._low[:, :2] <= point[:2]) & (self._high[:, :2] >= point[:2])).all(axis=1)
@@ -49,4 +49,4 @@ class Solid:
         through = (areas > 0.0).all(axis=0) | (areas < 0.0).all(axis=0)
         whole = areas.sum(axis=0)
         ahead = through & ((areas * np.stack([a[2], b[2], c[2]])).sum(axis=0) * whole > 0.0)
-        return bool(np.sign(whole[ahead]).sum() if self._turned else np.count_nonzero(ahead) % 2)
+        return bool(np.sign(whole[ahead]).sum() if self._oriented else np.count_nonzero(ahead) % 2)

@@ -19,7 +19,7 @@ from ..description.packages import package_index
 from ..description.source_text import SourceText
 from ..description.urdf import build_description
 from ..support.checks import Array, as_flag, as_theta, require
-from ..support.display import told
+from ..support.display import short_repr
 from ..support.errors import InputError
 from ..theory.rotations import skew, to_rpy
 from ..theory.screws import exp, inverse_of
@@ -80,7 +80,7 @@ class Calibration:
     faults: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        return told("Calibration", {"arm": self.arm.name, "held_out": self.held_out, "confirmed": self.confirmed})
+        return short_repr("Calibration", {"arm": self.arm.name, "held_out": self.held_out, "confirmed": self.confirmed})
 
     @property
     def _p(self) -> Array:

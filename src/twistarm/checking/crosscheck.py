@@ -124,11 +124,11 @@ def crosscheck(
         InputError: An argument cannot be used. A difference raises nothing here: see `CrossCheck.require`.
     """
     theta = require_arm(arm).random_theta(rng, as_whole(samples, "samples", 1, MOST_SAMPLES))
-    tell, parts = reporting(progress), (_kinematics, _differences, _links, _as_written, _yourdfpy)
+    report_progress, parts = reporting(progress), (_kinematics, _differences, _links, _as_written, _yourdfpy)
     rows: list[EngineComparison] = []
     for done, part in enumerate(parts, start=1):
         rows += part(arm, theta)
-        tell(done / len(parts))
+        report_progress(done / len(parts))
     if arm.description is not None and arm.description.gravity is not None:  # an MJCF
         rows.append(_skipped("all links", "mujoco", "MuJoCo has read the file: it is no second account"))
     return CrossCheck(arm.name, tuple(rows))

@@ -117,7 +117,7 @@ def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
     changes = _changes(_facts(then, masses if with_masses else None), _facts(arm, now if with_masses else None))
     for kind, was, names in (
         ("joints", then.joint_names, arm.joint_names),
-        ("motors", *(() if each.actuators is None else each.actuators.names for each in (then, arm))),
+        ("motors", *(() if side.actuators is None else side.actuators.names for side in (then, arm))),
     ):
         if was != names and sorted(was) == sorted(names):
             changes.append(f"order of the {kind}: {', '.join(was)} to {', '.join(names)}")
@@ -218,13 +218,13 @@ def _changes(before: Facts, after: Facts) -> list[str]:
                 tolerance = max(then.tolerance, now.tolerance)
                 same = np.allclose(then.value, now.value, rtol=0.0, atol=tolerance, equal_nan=True)
             if not same:  # in as few digits, six at least, as tell the values apart
-                pairs = ((_shown(then.value, digits), _shown(now.value, digits)) for digits in (6, 9, 12, 17))
+                pairs = ((_digits(then.value, digits), _digits(now.value, digits)) for digits in (6, 9, 12, 17))
                 was, is_ = next((pair for pair in pairs if pair[0] != pair[1]), ("", ""))
                 changes.append(f"{part} of {owner}: {was} to {is_}{now.unit and f' {now.unit}'}")
     return changes
 
 
-def _shown(value: str | Array, digits: int) -> str:
+def _digits(value: str | Array, digits: int) -> str:
     if isinstance(value, str):
         return value
     numbers = [f"{x:.{digits}g}" if np.isfinite(x) else "not given" for x in value]
@@ -268,8 +268,8 @@ def _axis_change(before: Array, now: Array, tool: Array, new_tool: Array) -> tup
     turning = bool(np.isfinite(old.pitch) and np.isfinite(new.pitch))
     anchor = _nearest(old, tool[:3, 3]) if turning else tool[:3, 3]
     motion = new_tool @ inverse(tool)
-    turned = np.abs(new.axis - old.axis).max() > SAME_TOL
-    if turned and np.abs(adjoint(motion) @ before - now).max() <= SAME_TOL:
+    rotated = np.abs(new.axis - old.axis).max() > SAME_TOL
+    if rotated and np.abs(adjoint(motion) @ before - now).max() <= SAME_TOL:
         return _motion_words(motion, anchor), motion
     cosine = float(old.axis @ new.axis)
     words, turn = [], np.eye(3)
@@ -294,9 +294,9 @@ def _nearest(line: Screw, point: Array) -> Array:
 
 def _motion_words(motion: Array, anchor: Array) -> list[str]:
     """The turn of a line, and its motion at `anchor`, the point nearest to the tool."""
-    turned = _turn_words(motion[:3, :3])
+    rotated = _turn_words(motion[:3, :3])
     moved = _shift_words(motion[:3, :3] @ anchor + motion[:3, 3] - anchor)
-    return turned + [f"{word} where it is nearest the tool" if turned else word for word in moved]
+    return rotated + [f"{word} where it is nearest the tool" if rotated else word for word in moved]
 
 
 def _turn_words(turn: Array) -> list[str]:

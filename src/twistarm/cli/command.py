@@ -43,9 +43,9 @@ class _Options:
         super().__init__(*args, **keywords)
         arguments = inspect.signature(keywords["callback"], eval_str=True).parameters.values()
         self.shared = {
-            each.name: of
-            for each in arguments
-            for of in getattr(each.annotation, "__metadata__", ())
+            argument.name: of
+            for argument in arguments
+            for of in getattr(argument.annotation, "__metadata__", ())
             if isinstance(of, Shared)
         }
         own = [param for param in self.params if param.name not in self.shared]
@@ -82,7 +82,7 @@ class _Options:
 
 def _read(value: Any, option: str, radians: bool) -> Any:
     if isinstance(value, (list, tuple)):
-        return [_read(each, option, radians) for each in value]
+        return [_read(entry, option, radians) for entry in value]
     return value.read(value.text, option, radians) if isinstance(value, Typed) else value
 
 

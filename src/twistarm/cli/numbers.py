@@ -78,8 +78,8 @@ def typed_number(text: str, quantity: str = NUMBER, *, radians: bool = False) ->
 def parse_numbers(text: str, units: str, option: str, radians: bool = False) -> Array:
     """Numbers [rad, m] separated by spaces or commas, one for each of `units`, such as 'm m rad'."""
     typed, quantities = separate(text), units.split()
-    values = [typed_number(*each, radians=radians) for each in zip(typed, quantities, strict=False)]
-    wrong = [each.strip() for each, value in zip(typed, values, strict=False) if not np.isfinite(value)]
+    values = [typed_number(*pair, radians=radians) for pair in zip(typed, quantities, strict=False)]
+    wrong = [written.strip() for written, value in zip(typed, values, strict=False) if not np.isfinite(value)]
     if len(typed) != len(quantities) or wrong:
         zeros = " ".join("0" for _ in quantities)
         why = f", where {wrong[0]!r} is none" if wrong else ""
@@ -98,27 +98,27 @@ class Typed:
     read: Callable[[str, str, bool], Any]
 
 
-def option(metavar: str | None, told: str, *names: str, **more: Any) -> Any:
+def option(metavar: str | None, help_text: str, *names: str, **more: Any) -> Any:
     """An option with its value as `--help` calls it, and its help."""
-    return Option(*names, metavar=metavar, help=told, **more)
+    return Option(*names, metavar=metavar, help=help_text, **more)
 
 
-def switch(told: str, *names: str, **more: Any) -> Any:
+def switch(help_text: str, *names: str, **more: Any) -> Any:
     """An option without a value."""
-    return Option(*names, help=told, **more)
+    return Option(*names, help=help_text, **more)
 
 
-def argument(metavar: str, told: str, **more: Any) -> Any:
+def argument(metavar: str, help_text: str, **more: Any) -> Any:
     """An argument as `--help` calls it, and its help."""
-    return Argument(metavar=metavar, help=told, **more)
+    return Argument(metavar=metavar, help=help_text, **more)
 
 
-def typed_option(read: Callable[[str, str, bool], Any], metavar: str, told: str, *names: str) -> Any:
+def typed_option(read: Callable[[str, str, bool], Any], metavar: str, help_text: str, *names: str) -> Any:
     """An option with the value that `read` makes of its text, its name and whether --rad was typed."""
-    return option(metavar, told, *names, parser=lambda text: Typed(str(text), read))
+    return option(metavar, help_text, *names, parser=lambda text: Typed(str(text), read))
 
 
-def numbers(units: str, metavar: str, told: str, *names: str) -> Any:
+def numbers(units: str, metavar: str, help_text: str, *names: str) -> Any:
     """An option of several numbers, one for each of `units`, which gives them in SI as an array."""
 
     def read(text: str, option: str, radians: bool) -> Array:
@@ -127,29 +127,29 @@ def numbers(units: str, metavar: str, told: str, *names: str) -> Any:
         turning = [unit == ANGLE and not radians for unit in units.split()]
         return np.where(turning, np.fmod(values, 2.0 * np.pi), values)
 
-    return typed_option(read, metavar, told, *names)
+    return typed_option(read, metavar, help_text, *names)
 
 
-def quantity(units: str, told: str, *names: str, zero: bool = False) -> Any:
+def quantity(units: str, help_text: str, *names: str, zero: bool = False) -> Any:
     """An option of a number above 0, or with `zero` from 0, that may have a unit. It gives the number in SI.
 
     Of two `units`, for turns and slides, it gives `OfJoints`; a number without a unit is then in both, in SI.
     """
-    each = units.split()
+    choices = units.split()
 
     def read(text: str, option: str, radians: bool) -> Any:
-        radians = radians or len(each) > 1
-        values = {unit.partition("/")[0]: typed_number(text, unit, radians=radians) for unit in each}
+        radians = radians or len(choices) > 1
+        values = {unit.partition("/")[0]: typed_number(text, unit, radians=radians) for unit in choices}
         found = {unit: value for unit, value in values.items() if 0.0 < value < math.inf or (zero and value == 0.0)}
         if not found:
             least = "of 0 or more" if zero else "above 0"
             raise InputError(f"{option} takes a number {least} such as {SUCH_AS[units]}; got {text!r}")
-        return found if len(each) > 1 else found[each[0].partition("/")[0]]
+        return found if len(choices) > 1 else found[choices[0].partition("/")[0]]
 
-    return typed_option(read, METAVARS[units], told, *names)
+    return typed_option(read, METAVARS[units], help_text, *names)
 
 
-def whole(least: int, most: int, told: str, *names: str) -> Any:
+def whole(least: int, most: int, help_text: str, *names: str) -> Any:
     """An option of a whole number in [least, most]."""
 
     def read(text: str, option: str, _: bool) -> int:
@@ -158,7 +158,7 @@ def whole(least: int, most: int, told: str, *names: str) -> Any:
                 return value
         raise InputError(f"{option} takes a whole number from {least} to {most}; got {text!r}")
 
-    return typed_option(read, "N", told, *names)
+    return typed_option(read, "N", help_text, *names)
 
 
 def of_joints(arm: Arm, typed: OfJoints, otherwise: float, option: str) -> Array:
@@ -246,6 +246,6 @@ class JointValues:
         return names, values
 
 
-def joint_values(metavar: str, told: str, *names: str) -> Any:
+def joint_values(metavar: str, help_text: str, *names: str) -> Any:
     """An option of `JointValues`."""
-    return typed_option(JointValues, metavar, told, *names)
+    return typed_option(JointValues, metavar, help_text, *names)

@@ -158,9 +158,9 @@ ArmOption = Annotated[
 ]
 
 
-def _loading(name: str, told: str) -> Any:
+def _loading(name: str, help_text: str) -> Any:
     typed, metavar = OPTIONS[name]
-    return option(metavar, told, typed)
+    return option(metavar, help_text, typed)
 
 
 def _keywords(
@@ -218,8 +218,8 @@ def _locked(source: Source, pairs: list[str], radians: bool) -> dict[str, float]
 
 
 LOADING = params_of(_keywords)
-for each in LOADING:
-    each.rich_help_panel = "Loading the arm"
+for parameter in LOADING:
+    parameter.rich_help_panel = "Loading the arm"
 
 
 class _Loading:
@@ -235,10 +235,10 @@ class _Loading:
         """Hand the typed options to each `Source`."""
         typed = {option.name: ctx.params.pop(option.name) for option in LOADING}
         sources = [
-            each
+            entry
             for value in ctx.params.values()
-            for each in (value if isinstance(value, (list, tuple)) else [value])
-            if isinstance(each, Source)
+            for entry in (value if isinstance(value, (list, tuple)) else [value])
+            if isinstance(entry, Source)
         ]
         if any(typed.values()) and not sources:
             raise InputError("give an ARM: the other options are about one")

@@ -75,7 +75,7 @@ def plain(value: Any) -> Any:
             return {str(plain(key)): plain(item) for key, item in value.items()}
         case Finding():
             place, here = value.place, Path(value.place.file)
-            what, remedy = (without_places(words(each, radians=True), here) for each in (value.what, value.remedy))
+            what, remedy = (without_places(words(text, radians=True), here) for text in (value.what, value.remedy))
             of_place = {"file": without_places(place.file, here)} | entries(place, "line element name")
             found = entries(value, "code severity") | of_place | {"what": what, "remedy": remedy}
             return plain(found)
@@ -143,7 +143,7 @@ class Outputs:
 
     def _kind(self, name: str) -> str:
         kinds, form = self.kinds, self.form
-        ending = f"{name}{FOLDER}" if os.path.isdir(name) and any(FOLDER in each for each in kinds.values()) else name
+        ending = f"{name}{FOLDER}" if os.path.isdir(name) and any(FOLDER in ends for ends in kinds.values()) else name
         named = next((kind for kind, endings in kinds.items() if ending.lower().endswith(endings)), None)
         if named and form and named != form:
             raise InputError(f"{name} is named like a file of kind {named}, and --format says {form}")
@@ -151,7 +151,7 @@ class Outputs:
         if name == STDOUT and FOLDER in kinds.get(kind or "", ()):
             raise InputError(f"a {kind} is a folder, which standard output cannot hold; give -o FOLDER/")
         if kind is None:
-            endings = " or ".join("FOLDER/" if FOLDER in each else f"*{each[0]}" for each in kinds.values())
+            endings = " or ".join("FOLDER/" if FOLDER in ends else f"*{ends[0]}" for ends in kinds.values())
             option = f", or --format {'|'.join(kinds)}," if form is None else ""
             raise InputError(f"-o takes {endings}; got {name}: another name{option} says the kind")
         return kind
@@ -159,8 +159,8 @@ class Outputs:
     @property
     def words(self) -> TextIO:
         """The stream for people: stderr if standard output is JSON or one of the files."""
-        taken = self.json or any(name == STDOUT for _, name in self.files)
-        return sys.stderr if taken else sys.stdout
+        stdout_used = self.json or any(name == STDOUT for _, name in self.files)
+        return sys.stderr if stdout_used else sys.stdout
 
     def show(
         self,
@@ -176,8 +176,8 @@ class Outputs:
         names = written if files is None else self.write(files)
         if self.json:
             document = dict(data)
-            for each in parts:
-                document |= each.entries() if isinstance(each, Table) else {}
+            for part in parts:
+                document |= part.entries() if isinstance(part, Table) else {}
             print_json(document if names is None else document | {"written": names})
             return
         for part in parts:

@@ -76,19 +76,21 @@ class TypedTargets:
         if self.axis is not None and not self.direction:
             raise InputError("--axis says which axis of the tool --direction points: give a direction too")
         count = len(self.xyz or ())
-        turned = max(len(getattr(self, name) or ()) for name in TURNS)
-        if turned > 1 and turned != count:
-            raise InputError(f"give one {given[0]} for all positions, or one for each: {turned} go with {count} --xyz")
+        orientations = max(len(getattr(self, name) or ()) for name in TURNS)
+        if orientations > 1 and orientations != count:
+            raise InputError(
+                f"give one {given[0]} for all positions, or one for each: {orientations} go with {count} --xyz"
+            )
 
     @property
-    def turned(self) -> bool:
+    def has_orientation(self) -> bool:
         """Whether an orientation is wanted."""
         return any(getattr(self, name) for name in TURNS)
 
     def at(self, p: Array, k: int = 0) -> Target:
         """The target with the tool's origin at p (3,) [m], turned as the k-th."""
         rpy, wxyz, xyzw, direction = (
-            each[k % len(each)] if each else None for each in (getattr(self, name) for name in TURNS)
+            values[k % len(values)] if values else None for values in (getattr(self, name) for name in TURNS)
         )
         if direction is not None:
             return Approach(p, direction, self.axis)
@@ -100,7 +102,7 @@ class TypedTargets:
 
     def all(self) -> list[Target]:
         """The targets at the typed positions."""
-        if self.turned and not self.xyz:
+        if self.has_orientation and not self.xyz:
             raise InputError("an orientation turns the tool at the positions of --xyz: give --xyz too")
         return [self.at(p, k) for k, p in enumerate(self.xyz or ())]
 
@@ -225,18 +227,18 @@ def targets_in(path: str, typed: TypedTargets) -> tuple[list[int], list[Target]]
     kind = kinds[0] if kinds else ()
     if missing := [name for name in (*POSITION, *kind) if name not in columns]:
         raise sheet.lacks(f"no column {', '.join(missing)}; targets have {TARGET_COLUMNS}")
-    if len(kinds) > 1 or (kinds and typed.turned):
+    if len(kinds) > 1 or (kinds and typed.has_orientation):
         raise InputError(f"{sheet.file}: its columns and the options turn the tool in more than one way; keep one")
     targets: list[Target] = []
     for line, values in zip(sheet.lines, np.stack([columns[name] for name in (*POSITION, *kind)], axis=1), strict=True):
-        p, turned = values[:3], values[3:]
+        p, orientation = values[:3], values[3:]
         with inside(sheet.file, f"line {line}"):
-            if kind == ANGLES and (hint := angle_hint(turned)):
+            if kind == ANGLES and (hint := angle_hint(orientation)):
                 raise InputError(f"{hint}: name the column 'roll [deg]'")
             if kind == ANGLES:
-                targets.append(Pose.from_rpy(p, turned))
+                targets.append(Pose.from_rpy(p, orientation))
             elif kind == QUATERNION:
-                targets.append(Pose.from_quaternion(p, xyzw=turned))
+                targets.append(Pose.from_quaternion(p, xyzw=orientation))
             else:
-                targets.append(Approach(p, turned, typed.axis) if kind else typed.at(p))
+                targets.append(Approach(p, orientation, typed.axis) if kind else typed.at(p))
     return sheet.lines, targets

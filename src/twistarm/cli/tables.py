@@ -73,7 +73,9 @@ class Table:
         if self.key is None:
             return {}
         named = [
-            (each.key or each.name.replace(" ", "_"), each.values) for each in self.columns if each.key is not None
+            (column.key or column.name.replace(" ", "_"), column.values)
+            for column in self.columns
+            if column.key is not None
         ]
         if not self.key:
             return dict(named)
@@ -82,13 +84,13 @@ class Table:
 
     def csv(self) -> str:
         """The columns as CSV in SI, the unit of all values behind the name."""
-        heads = [f"{each.name} [{each.unit}]" if each.unit else each.name for each in self.columns]
-        return csv_text(heads, zip(*(np.asarray(each.values).tolist() for each in self.columns), strict=True))
+        heads = [f"{column.name} [{column.unit}]" if column.unit else column.name for column in self.columns]
+        return csv_text(heads, zip(*(np.asarray(column.values).tolist() for column in self.columns), strict=True))
 
     def print_on(self, out: Console, radians: bool = False) -> None:
         """Print it, unless it is empty. Text is folded to the console's width, numbers never: lines may be longer."""
         heads, cells, texts = [], [], []
-        for head, column, is_text in self._shown(radians):
+        for head, column, is_text in self._in_units(radians):
             heads.append(printable(head))
             cells.append([printable(str(cell)) for cell in column])
             texts.append(is_text)
@@ -111,13 +113,13 @@ class Table:
             out.print(f"[bold]{escape(printable(self.title))}[/bold]")
         out.print(made)
 
-    def _shown(self, radians: bool) -> Iterator[tuple[str, list[str], bool]]:
+    def _in_units(self, radians: bool) -> Iterator[tuple[str, list[str], bool]]:
         """Heads, cells, and whether they are text. The rows' units stand before the first column that has them."""
-        units_shown, rows = False, range(len(self.columns[0].values)) if self.rows is None else self.rows
-        for column in filter(lambda each: each.people, self.columns):
+        units_written, rows = False, range(len(self.columns[0].values)) if self.rows is None else self.rows
+        for column in filter(lambda column: column.people, self.columns):
             cells = column.cells(radians)
-            if not isinstance(column.unit, str) and not units_shown:
-                units_shown = True
+            if not isinstance(column.unit, str) and not units_written:
+                units_written = True
                 units = [unit_text(unit, radians) for unit in column.unit]
                 yield "unit", [units[i] for i in rows], True
             is_text = all(isinstance(value, (str, tuple)) for value in column.values)
@@ -157,7 +159,7 @@ def outside(arm: Arm, theta: Array, radians: bool) -> Iterator[str]:
     ends = zip(theta.tolist(), arm.limits.lower.tolist(), arm.limits.upper.tolist(), strict=True)
     for name, unit, (x, low, high) in zip(arm.joint_names, arm.units, ends, strict=True):
         if not low <= x <= high:
-            value, lower, upper = (quantity_text(each, unit, radians) for each in (x, low, high))
+            value, lower, upper = (quantity_text(coordinate, unit, radians) for coordinate in (x, low, high))
             its = unit_text(unit, radians)
             yield f"{name} = {value} {its} lies outside its limits {lower} … {upper} {its}"
 

@@ -54,8 +54,8 @@ def written(value: Value, *, radians: bool = False) -> str:
     if isinstance(value, Quantity):
         return str(value) if radians or value.unit[:3] != "rad" else f"{_number(value)}°{value.unit[3:]}"
     if isinstance(value, Posture):
-        each = (Quantity(*pair, digits=4) for pair in zip(value.theta, value.units, strict=True))
-        return f'"{" ".join(_number(one, radians=radians) for one in each)}" ({"rad" if radians else "°"} and m)'
+        quantities = (Quantity(*pair, digits=4) for pair in zip(value.theta, value.units, strict=True))
+        return f'"{" ".join(_number(one, radians=radians) for one in quantities)}" ({"rad" if radians else "°"} and m)'
     return _option(*OPTIONS[value.name], value.value, radians) if value.name in OPTIONS else str(value)
 
 
@@ -69,10 +69,10 @@ def _number(of: Quantity, *, radians: bool = False) -> str:
 def _option(option: str, metavar: str, value: Any, radians: bool) -> str:
     """`--tip wrist`, `--env NAME`, `--xacro dof:=7`."""
     if isinstance(value, Mapping):
-        pairs = [f"{key}:={'VALUE' if isinstance(each, EllipsisType) else each}" for key, each in value.items()]
+        pairs = [f"{key}:={'VALUE' if isinstance(text, EllipsisType) else text}" for key, text in value.items()]
         return " ".join(shlex.join([option, pair]) for pair in pairs)
     if isinstance(value, Sequence) and not isinstance(value, str):
-        return " ".join(_option(option, metavar, each, radians) for each in value)
+        return " ".join(_option(option, metavar, entry, radians) for entry in value)
     if value is None or value is True:
         return option
     typed = _number(value, radians=radians) if isinstance(value, Quantity) else str(value)

@@ -103,9 +103,9 @@ def note_softened(joints: Iterable[Joint], reading: Reading) -> None:
     """Add one finding for all joints with the range of a controller."""
     narrower = [joint for joint in joints if (joint.lower, joint.upper) != joint.hard]
     if narrower:
-        shown = [f"{one.name} [{one.lower:g}, {one.upper:g}]" for one in narrower[:MOST_SHOWN]]
+        ranges = [f"{one.name} [{one.lower:g}, {one.upper:g}]" for one in narrower[:MOST_SHOWN]]
         more = f" and {len(narrower) - MOST_SHOWN} more" if len(narrower) > MOST_SHOWN else ""
-        what = f"the soft limits of <safety_controller> are kept, inside those of <limit>: {', '.join(shown)}{more}"
+        what = f"the soft limits of <safety_controller> are kept, inside those of <limit>: {', '.join(ranges)}{more}"
         reading.note("limits-adjusted", None, what, "give lower and upper in arm.toml for other limits")
 
 
@@ -121,10 +121,10 @@ def note_commanded(robot: ET.Element, joints: Mapping[str, Joint], reading: Read
             continue
         rates = {"velocity": joint.velocity, "effort": joint.effort}
         bounds = {"position": (joint.lower, joint.upper)} | {name: (-most, most) for name, most in rates.items()}
-        if any(each.get("enable", "").lower() in ("false", "0") for each in element.iter("limits")):
+        if any(limits.get("enable", "").lower() in ("false", "0") for limits in element.iter("limits")):
             odd[f"{joint.name} off"] = None
         for interface in element.findall("command_interface"):
-            written = {each.get("name"): (each.text or "").strip() for each in interface.findall("param")}
+            written = {param.get("name"): (param.text or "").strip() for param in interface.findall("param")}
             lower, upper = bounds.get(name := interface.get("name", ""), (np.inf, -np.inf))
             ends = written.get("min", "-inf"), written.get("max", "inf")
             try:

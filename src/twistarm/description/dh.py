@@ -140,10 +140,12 @@ def table_of_rows(
     read = [_read(row, i) for i, row in enumerate(rows, start=1)]
     if not read:
         raise InputError("it has no rows of a, alpha, d, theta")
-    said = {str(each) for each in (convention, *(row.get("convention") for row in read)) if each is not None}
-    if len(said) != 1:
-        raise InputError(f"it has the conventions {listed(sorted(said))}: keep one" if said else UNDECIDED)
-    (convention,) = said
+    conventions = {str(words) for words in (convention, *(row.get("convention") for row in read)) if words is not None}
+    if len(conventions) != 1:
+        raise InputError(
+            f"it has the conventions {listed(sorted(conventions))}: keep one" if conventions else UNDECIDED
+        )
+    (convention,) = conventions
     require_choice(convention, CONVENTIONS, "convention")
     moving = [i for i, row in enumerate(read) if row.get("type") != FIXED]
     first, end = (moving[0], moving[-1] + 1) if moving else (0, 0)

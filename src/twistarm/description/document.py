@@ -129,8 +129,8 @@ def read_text(path: Path, most: int = MAX_BYTES) -> str:
     try:
         data = read_bounded(path, most)
     except (OSError, ValueError) as error:
-        told, number = str(getattr(error, "strerror", None) or error), getattr(error, "errno", None)
-        what = told if number in (errno.EFBIG, errno.EINVAL) else f"cannot be read: {told}"
+        reason, number = str(getattr(error, "strerror", None) or error), getattr(error, "errno", None)
+        what = reason if number in (errno.EFBIG, errno.EINVAL) else f"cannot be read: {reason}"
         remedies = {
             errno.EFBIG: "is it the right file?",
             errno.EINVAL: "give a file",

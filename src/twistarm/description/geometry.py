@@ -178,7 +178,7 @@ def bodies(description: Description) -> dict[str, Body]:
         if inertial is None:
             continue
         mass, inertia, g = inertial.find("mass"), inertial.find("inertia"), read_origin(inertial)
-        xx, xy, xz, yy, yz, zz = (0.0 if inertia is None else float(inertia.get(each, "0")) for each in INERTIA)
+        xx, xy, xz, yy, yz, zz = (0.0 if inertia is None else float(inertia.get(key, "0")) for key in INERTIA)
         about = g[:3, :3] @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ g[:3, :3].T
         body = Body(0.0 if mass is None else float(mass.get("value", "0")), g[:3, 3], about)
         if body.mass > 0 or body.inertia.any():

@@ -261,7 +261,9 @@ def _children(folder: Path) -> list[Path]:
     """The visible folders in a folder, by their names. None in an unreadable one."""
     try:
         with os.scandir(folder) as inside:
-            names = sorted(each.name for each in inside if each.name[0] != "." and (each.is_symlink() or each.is_dir()))
+            names = sorted(
+                entry.name for entry in inside if entry.name[0] != "." and (entry.is_symlink() or entry.is_dir())
+            )
     except OSError:
         return []
     return [folder / name for name in names if os.path.isdir(folder / name)]

@@ -78,13 +78,13 @@ def _parts(joint: ET.Element, names: tuple[str, str, str], between: list[str], a
     return parts
 
 
-def free_name(name: str, taken: set[str]) -> str:
+def free_name(name: str, used: set[str]) -> str:
     """The name, with an underscore, a number or more underscores added if it is taken. It goes into `taken`."""
-    for more in ("_", str(len(taken))):
-        name += more if name in taken else ""
-    while name in taken:
+    for more in ("_", str(len(used))):
+        name += more if name in used else ""
+    while name in used:
         name += "_"
-    taken.add(name)
+    used.add(name)
     return name
 
 

@@ -78,14 +78,14 @@ def plain(name: str) -> str:
     return re.sub(r"[^a-z0-9]+", "_", words).strip("_")
 
 
-def tells_of(part: str, *names: str) -> bool:
+def named_like(part: str, *names: str) -> bool:
     """Whether one of the names is that of a `part`, a key of `PARTS`."""
     return any(PARTS[part].search(plain(name)) for name in names)
 
 
 def tool_rank(name: str) -> int | None:
     """The rank of a link's name among usual names of tools, 0 the most usual, None for any other name."""
-    if tells_of("ornament", name) or tells_of("jaw", name):
+    if named_like("ornament", name) or named_like("jaw", name):
         return None
     return next((rank for rank, usual in enumerate(TOOLS) if usual.search(plain(name))), None)
 
@@ -97,7 +97,7 @@ def is_tool(name: str) -> bool:
 
 def is_flange(name: str) -> bool:
     """Whether the name is that of a flange."""
-    return tells_of("flange", name) and not tells_of("ornament", name)
+    return named_like("flange", name) and not named_like("ornament", name)
 
 
 # The kind of a body. A `limb` may be part of an arm.
@@ -200,10 +200,10 @@ def _wheels(body: Body) -> Sequence[Body]:
         if child.children:
             if len(child.on("locomotion")) == len(child.children):
                 rolling.append(child)
-        elif tells_of("locomotion", *child.names, *child.links):
+        elif named_like("locomotion", *child.names, *child.links):
             rolling.append(child)
         elif child.joint and child.joint.type == "continuous" and not child.holds_tool:
-            spinning += [] if tells_of("finger", *child.names) else [child]
+            spinning += [] if named_like("finger", *child.names) else [child]
     return [*rolling, *spinning] if rolling or (len(spinning) > 1 and body.depth < CARRIED) else ()
 
 
@@ -215,7 +215,7 @@ def _fingers(body: Body) -> Sequence[Body]:
     if body.joint is None:
         return ()
     short = [child for child in body.on("limb") if child.height < max(2, body.depth) and not child.holds_tool]
-    hand: Sequence[Body] = [child for child in short if tells_of("finger", *child.names)]
+    hand: Sequence[Body] = [child for child in short if named_like("finger", *child.names)]
     if len(hand) < 2:
         hand = _alike(short) if body.depth >= CARRIED or any(map(is_tool, body.links)) else ()
         hand = hand or [child for child in short if _is_jaw(child, body)]
@@ -254,19 +254,19 @@ def _is_jaw(child: Body, body: Body) -> bool:
     """
     carrying = {link for one in body.children if one.joint for link in body.inward(one.joint.parent)}
     fixed = [link for link, on in body.links.items() if on]
-    frames = [link for link in fixed if link not in carrying and (is_tool(link) or tells_of("carrier", link))]
+    frames = [link for link in fixed if link not in carrying and (is_tool(link) or named_like("carrier", link))]
     if frames and len(body.on("limb")) == 1:
         return all(beyond.follows for beyond in child.children)
-    fingers = [one for one in body.on("limb") if not one.holds_tool and tells_of("finger", *one.names)]
-    if fingers != [child] or child.children or tells_of("wrist", *child.names) or tells_of("jaw", *body.names):
+    fingers = [one for one in body.on("limb") if not one.holds_tool and named_like("finger", *one.names)]
+    if fingers != [child] or child.children or named_like("wrist", *child.names) or named_like("jaw", *body.names):
         return False  # the last joint of a finger is no jaw
-    return body.holds_tool or any(tells_of("jaw", link) for link in (*fixed, child.names[-1]))
+    return body.holds_tool or any(named_like("jaw", link) for link in (*fixed, child.names[-1]))
 
 
 def _rods(body: Body) -> Sequence[Body]:
     """Rods and cylinders beside a limb: those with such names, and shorter branches of mimics only."""
     limbs = [child for child in body.on("limb") if not child.holds_tool]
-    named = [child for child in limbs if tells_of("linkage", *child.names)]
+    named = [child for child in limbs if named_like("linkage", *child.names)]
     longest = max((child.height for child in body.on("limb") if child not in named), default=-1)
     return [child for child in limbs if longest >= 0 and (child in named or (child.follows and child.height < longest))]
 
@@ -275,7 +275,7 @@ def _heads(body: Body) -> Sequence[Body]:
     """Heads, masts and cameras: branches with only such names, beside limbs or wheels."""
     limbs = body.on("limb")
     heads = [child for child in limbs if not child.holds_tool]
-    heads = [child for child in heads if all(tells_of("sensor", *one.names) for one in child.beyond())]
+    heads = [child for child in heads if all(named_like("sensor", *one.names) for one in child.beyond())]
     beside = len(heads) < len(limbs) or body.on("locomotion")
     return [one for child in heads for one in child.beyond()] if beside else ()
 
@@ -401,7 +401,7 @@ def _tips(description: Description, end: Body) -> tuple[str, list[str], list[str
         reasons += [("the fingers move on it" if len(fingers) > 1 else "the finger moves on it", [palm])]
     else:
         fork = end.fork(ends)
-        handles = flanges or [link for link in ends if tells_of("carrier", link)]
+        handles = flanges or [link for link in ends if named_like("carrier", link)]
         others = [*ends, *flanges]
         reasons = [
             ("it is the end of the chain", ends if len(ends) == 1 else []),
@@ -419,8 +419,8 @@ def _outer_links(end: Body) -> list[str]:
     left = dict(end.links)
     while True:
         outer = [link for link in left if link not in left.values()]
-        fingers = [link for link in outer if tells_of("finger", link) and not tells_of("carrier", link)]
-        loose = [link for link in outer if tells_of("ornament", link) or (len(fingers) > 1 and link in fingers)]
+        fingers = [link for link in outer if named_like("finger", link) and not named_like("carrier", link)]
+        loose = [link for link in outer if named_like("ornament", link) or (len(fingers) > 1 and link in fingers)]
         if not loose or not left[loose[0]]:
             return outer
         for link in loose:
@@ -445,8 +445,8 @@ def _unclear(
         moved = (link for link, body in _leaves(description, found).items() if body.joint and body.part != "locomotion")
         remedy = Text("to take one of its chains all the same, pass {tip}", tip=Argument("tip", *[*likely, *moved][:1]))
         return refusal("no-tip", description.place(), what, remedy)
-    shown = [f"{listed([link])} ({plural(end.depth, 'joint')})" for link, end in likely.items()]
-    what = f"several links could be the tip: {', '.join(shown[:SHOWN])}"
+    candidates = [f"{listed([link])} ({plural(end.depth, 'joint')})" for link, end in likely.items()]
+    what = f"several links could be the tip: {', '.join(candidates[:SHOWN])}"
     if len(likely) > SHOWN:
         what += f", … ({len(likely)} in all)"
     if offered := ", ".join(groups):

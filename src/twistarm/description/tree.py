@@ -79,7 +79,7 @@ class Semantics:
         known = set(links)
         default = {pair(a, b) for a in self.silent_links for b in known if a in known and a != b}
         named = (default - self.checked_pairs) | self.disabled
-        return frozenset(each for each in named if known.issuperset(each))
+        return frozenset(two for two in named if known.issuperset(two))
 
 
 JointType = Literal["revolute", "continuous", "prismatic", "fixed", "planar", "floating"]
@@ -251,9 +251,9 @@ class Description:
     def beyond(self, joint: str) -> frozenset[str]:
         """The links that `joint` carries, all branches included."""
         carried = {self.joints[joint].child}
-        for each in self.outward_joints():
-            if each.parent in carried:
-                carried.add(each.child)
+        for outer in self.outward_joints():
+            if outer.parent in carried:
+                carried.add(outer.child)
         return frozenset(carried)
 
     def outward_joints(self) -> tuple[Joint, ...]:

@@ -78,7 +78,7 @@ def _parts(capsule: ET.Element) -> Iterator[ET.Element]:
             part, along = deepcopy(capsule), np.eye(4)
             part.tail, along[2, 3] = None, z
             g = read_origin(part) @ along
-            part[:] = [each for each in part if each.tag not in ("origin", "geometry")]
+            part[:] = [child for child in part if child.tag not in ("origin", "geometry")]
             part.attrib.pop("name", None)  # names of shapes are unique
             add_origin(part, g)
             ET.SubElement(ET.SubElement(part, "geometry"), shape, size)

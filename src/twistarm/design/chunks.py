@@ -65,7 +65,7 @@ class Sweep:
         Raises:
             InputError: An argument cannot be used, or the executor failed. The message says how to resume.
         """
-        tell = reporting(progress)
+        report_progress = reporting(progress)
         threads = as_whole(os.cpu_count() if workers is None else workers, "workers", 1, MOST_WORKERS)
         if executor is not None:
             require_method(executor, "executor", "submit")
@@ -80,7 +80,7 @@ class Sweep:
                 continue
             done += 1
             yield first, found
-            tell(done / total)
+            report_progress(done / total)
         own = nullcontext(executor) if executor is not None else ThreadPoolExecutor(threads)
         with own as pool, closing(self._results(pool, left)) as results:
             while done < total:
@@ -99,7 +99,7 @@ class Sweep:
                     write_whole(self._file(kept, first), file.getvalue())
                 done += 1
                 yield first, arrays
-                tell(done / total)
+                report_progress(done / total)
 
     def _results(self, pool: Executor, left: list[int]) -> Generator[tuple[int, Arrays], None, None]:
         """The chunks that begin at these items, as they are done."""
@@ -113,8 +113,8 @@ class Sweep:
                     return
                 finished = wait(waiting, return_when=FIRST_COMPLETED).done
                 # What is done comes before a failure, which ends the sweep: the first of several, by the items.
-                failed = {each: each.cancelled() or each.exception() is not None for each in finished}
-                for future in sorted(finished, key=lambda each: (failed[each], waiting[each])):
+                failed = {future: future.cancelled() or future.exception() is not None for future in finished}
+                for future in sorted(finished, key=lambda done: (failed[done], waiting[done])):
                     yield waiting.pop(future), future.result()
         finally:
             for future in waiting:

@@ -79,10 +79,10 @@ def compare_designs(
         require(panel, Panel, "panel", "which load_panel reads")
     names = [require_arm(arm).name for arm in arms]
     names = [f"{name} ({i + 1})" if names.count(name) > 1 else name for i, name in enumerate(names)]
-    tell, found = reporting(progress), list[Design]()
+    report_progress, found = reporting(progress), list[Design]()
     for name, arm in zip(names, arms, strict=True):
         found.append(_design(name, arm, poses, panel))
-        tell(len(found) / len(arms))
+        report_progress(len(found) / len(arms))
     return tuple(found)
 
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from ..collision import Scene
 
 # The 26 directions to the neighbours of a cube.
-AROUND = tuple(each for each in product((-1.0, 0.0, 1.0), repeat=3) if any(each))
+AROUND = tuple(offset for offset in product((-1.0, 0.0, 1.0), repeat=3) if any(offset))
 
 MOST_DIRECTIONS = 10_000
 
@@ -82,42 +82,47 @@ def reach_map(
     side, towards = as_positive(voxel, "voxel"), _directions(directions)
     count = as_whole(samples, "samples", 1, 10**12)
     by_ik = require_choice(method, ("ik", "fk"), "method") == "ik"
-    told: list[Any] = []
+    scene_identity: list[Any] = []
     if scene is not None:
         from ..collision import require_scene
         from ..collision.scene_file import scene_text
 
         require_scene(scene, arm).find_allowed_pairs()
-        told = [scene_text(scene.content(), Path()), scene._description.text, scene.exact, sorted(scene.allowed)]
-    each = max(len(towards), 1)
-    grid = _grid(require_arm(arm), side, each)
+        scene_identity = [
+            scene_text(scene.content(), Path()),
+            scene._description.text,
+            scene.exact,
+            sorted(scene.allowed),
+        ]
+    per_cube = max(len(towards), 1)
+    grid = _grid(require_arm(arm), side, per_cube)
     settings = {"method": method, "samples": count, "scene": "" if scene is None else repr(scene)}
     sweep = Sweep(
         _by_ik if by_ik else _by_fk,
         pickle.dumps((arm, scene, grid, towards)),
         grid.count if by_ik else count,
-        max(CHUNK // each, 64) if by_ik else 8 * CHUNK,
-        [text_of(arm), side, towards.tolist(), told],
+        max(CHUNK // per_cube, 64) if by_ik else 8 * CHUNK,
+        [text_of(arm), side, towards.tolist(), scene_identity],
     )
-    seen = np.zeros(grid.count * each, dtype=np.bool_)
+    seen = np.zeros(grid.count * per_cube, dtype=np.bool_)
     best = {name: np.full(grid.count, np.nan, dtype=np.float32) for name in ("manipulability", "margin")}
     for _, found in sweep.run(workers=workers, executor=executor, folder=folder, progress=progress):
         seen[found["codes"]] = True
         for name, values in best.items():
-            np.fmax.at(values, found["codes"] // each, found[name])
-    counts = seen.reshape(*grid.shape, each).sum(axis=-1, dtype=np.uint16)
+            np.fmax.at(values, found["codes"] // per_cube, found[name])
+    counts = seen.reshape(*grid.shape, per_cube).sum(axis=-1, dtype=np.uint16)
     quantities = {name: values.reshape(grid.shape) for name, values in best.items()}
     return ReachMap(arm.name, arm.base, digest_of(arm), grid, towards, counts, **quantities, settings=settings)
 
 
-def _grid(arm: Arm, side: float, each: int) -> Grid:
+def _grid(arm: Arm, side: float, per_cube: int) -> Grid:
     """The grid for so many directions. InputError for cubes larger than the arm, and for a map beyond the memory."""
     centre, radius = sphere(arm)
     if side > radius:
         raise InputError(f"voxel must be at most the arm's reach, {radius:.3g} m; got {side:g}: lengths are in metres")
     grid = Grid.about(centre, radius, side)
-    if grid.count * (each + 12) > MOST_BYTES:
-        fits = side * (grid.count * (each + 12) / MOST_BYTES) ** (1 / 3)
+    if grid.count * (per_cube + 12) > MOST_BYTES:
+        fits = side * (grid.count * (per_cube + 12) / MOST_BYTES) ** (1 / 3)
         many = f"{grid.count:,} cubes, too many for {MOST_BYTES / 1e9:g} GB of memory"
         raise InputError(f"a voxel of {side:g} m makes {many}; a voxel of {1.1 * fits:.2g} m fits")
     return grid
@@ -153,11 +158,11 @@ def _by_ik(data: bytes, first: int, end: int) -> Arrays:
     arm, scene, grid, towards = _job(data)
     cells, found = np.arange(first, end), []
     if len(towards) > 1:  # where the position is out of reach, so is every direction
-        cells = cells[_met(arm, None, grid.centres(cells), None)[0]]
+        cells = cells[_reached(arm, None, grid.centres(cells), None)[0]]
     p = grid.centres(cells)
     for k, direction in enumerate(towards if len(towards) else (None,)):
-        met, theta = _met(arm, scene, p, direction)
-        found.append((cells[met] * max(len(towards), 1) + k, theta[met]))
+        reached, theta = _reached(arm, scene, p, direction)
+        found.append((cells[reached] * max(len(towards), 1) + k, theta[reached]))
     return _measured(arm, *map(np.concatenate, zip(*found, strict=True)))
 
 
@@ -175,15 +180,15 @@ def _by_fk(data: bytes, first: int, end: int) -> Arrays:
     return _measured(arm, codes[kept], theta[kept])
 
 
-def _met(arm: Arm, scene: Scene | None, p: Array, direction: Array | None) -> tuple[NDArray[np.bool_], Array]:
+def _reached(arm: Arm, scene: Scene | None, p: Array, direction: Array | None) -> tuple[NDArray[np.bool_], Array]:
     """Which targets (k,) are met, and the configurations (k, n)."""
-    met, theta = reachable(arm, p, direction=direction, restarts=RESTARTS)
+    reached, theta = reachable(arm, p, direction=direction, restarts=RESTARTS)
     if scene is not None:
-        hit = np.flatnonzero(met)[scene.collides(theta[met])]
+        hit = np.flatnonzero(reached)[scene.collides(theta[reached])]
         targets = [Position(p[i]) if direction is None else Approach(p[i], direction) for i in hit]
         free = solve_ik_batch(arm, targets, scene=scene)
-        met[hit], theta[hit] = free.converged, free.theta
-    return met, theta
+        reached[hit], theta[hit] = free.converged, free.theta
+    return reached, theta
 
 
 def _measured(arm: Arm, codes: NDArray[np.int64], theta: Array) -> Arrays:

@@ -125,13 +125,13 @@ def load_panel(path: str | os.PathLike[str]) -> Panel:
             "panel": partial(fields, needed={}, optional=PLACED), "parking": partial(fields, needed={}, optional=stand),
         }  # fmt: skip
         top = fields(content, "", {"task": list_of(anything, 1, MOST_TASKS)}, optional)
-        placed = {"xyz": np.zeros(3), "normal": -np.eye(3)[0], "up": np.eye(3)[2], **top.get("panel", {})}
-        z, g = placed["normal"], np.eye(4)
-        across = np.cross(placed["up"], z)
+        frame = {"xyz": np.zeros(3), "normal": -np.eye(3)[0], "up": np.eye(3)[2], **top.get("panel", {})}
+        z, g = frame["normal"], np.eye(4)
+        across = np.cross(frame["up"], z)
         if np.linalg.norm(across) < 1e-6:
             raise InputError("panel: normal and up are parallel: of a panel that lies flat, say which side is up")
         x = across / np.linalg.norm(across)
-        g[:3, :3], g[:3, 3] = np.stack([x, np.cross(z, x), z], axis=-1), placed["xyz"]
+        g[:3, :3], g[:3, 3] = np.stack([x, np.cross(z, x), z], axis=-1), frame["xyz"]
     tasks: dict[str, PanelTask] = {}
     for i, table in enumerate(top["task"]):
         with inside(file, f"task {i + 1}"):
@@ -139,7 +139,7 @@ def load_panel(path: str | os.PathLike[str]) -> Panel:
             if task.name in tasks:
                 raise InputError(f"name: another task is already called {task.name!r}; give each its own name")
             tasks[task.name] = task
-    more = {name: placed[name] for name in ("size", "gap") if name in placed} | top.get("parking", {})
+    more = {name: frame[name] for name in ("size", "gap") if name in frame} | top.get("parking", {})
     tolerances: dict[str, float] = {name: top[name] for name in ("position_tol", "orientation_tol") if name in top}
     return Panel(tuple(tasks.values()), g, tolerances=tolerances, clearance=top.get("clearance", 0.05), **more)
 

@@ -99,9 +99,9 @@ class PanelReport(Brief):
             raise InputError("no task of the panel is done, so there is no motion: results say why")
         to = JointMove if self.scene is None else FreeMove
         g, segments = screws.inverse(self.base) @ self.panel.pose, list[Segment]()
-        for each in self.done:
-            moves = each.task.seen_from(g).moves(self.arm.tool_axis, self.panel.clearance)
-            segments += [to(each.theta[0]), *moves]
+        for result in self.done:
+            moves = result.task.seen_from(g).moves(self.arm.tool_axis, self.panel.clearance)
+            segments += [to(result.theta[0]), *moves]
         return plan(self.arm, segments, **{"scene": self.scene, **self.panel.tolerances, **options})
 
 
@@ -124,7 +124,7 @@ def check_panel(
         InputError: An argument cannot be used.
     """
     inside, results = _scene(arm, panel, scene), []
-    tell = reporting(progress)
+    report_progress = reporting(progress)
     origin = as_frame(as_pose(np.eye(4) if base is None else base, "base"), "base")
     g = screws.inverse(origin) @ panel.pose
     if inside is not None and panel.size is not None:
@@ -136,7 +136,7 @@ def check_panel(
         inside.add_box("panel", panel.size, g @ behind)
     for k, task in enumerate(panel.tasks):
         results.append(_result(arm, panel, task, g, inside))
-        tell((k + 1) / len(panel.tasks))
+        report_progress((k + 1) / len(panel.tasks))
     return PanelReport(arm, panel, origin, tuple(results), inside, np.empty((0, 4)))
 
 
@@ -158,7 +158,7 @@ def best_parking(arm: Arm, panel: Panel, scene: Scene | None = None, progress: P
         TwistarmError: The arm is not in the compiled core. The message says how to get it.
     """
     inside = _scene(arm, panel, scene)
-    tell = reporting(progress)
+    report_progress = reporting(progress)
     around = ranges = _within_reach(arm, panel)
     seen, best, most = np.empty((0, 4)), ranges.mean(axis=1), (-1, 0.0)
     for grid in range(2):
@@ -171,11 +171,13 @@ def best_parking(arm: Arm, panel: Panel, scene: Scene | None = None, progress: P
                 at = places[order[0]]
                 tasks = tuple(task for task, is_met in zip(panel.tasks, met[:, order[0]], strict=True) if is_met)
                 found = check_panel(arm, replace(panel, tasks=tasks), panel.base_at(*at), inside)
-                best, most = max((best, most), (at, (len(found.done), found.margin)), key=lambda each: each[1])
+                best, most = max(
+                    (best, most), (at, (len(found.done), found.margin)), key=lambda candidate: candidate[1]
+                )
                 order = order[(np.abs(places[order] - at) > 1.5 * step).any(axis=1)]  # no neighbours of it
-            tell((grid + (k + 1) / CANDIDATES) / 3.0)
+            report_progress((grid + (k + 1) / CANDIDATES) / 3.0)
         around = np.clip(np.stack([best - step, best + step], axis=-1), ranges[:, :1], ranges[:, 1:])
-    last = check_panel(arm, panel, panel.base_at(*best), inside, lambda part: tell((2.0 + part) / 3.0))
+    last = check_panel(arm, panel, panel.base_at(*best), inside, lambda part: report_progress((2.0 + part) / 3.0))
     return replace(last, places=seen)
 
 
@@ -257,8 +259,8 @@ def _grid(panel: Panel, ranges: Array) -> tuple[Array, Array]:
     yaws = _even(ranges[2], YAW)
     facing = np.arctan2(*-panel.pose[1::-1, 2]) + 2.0 * np.pi * np.arange(-2, 3)
     yaws = np.union1d(yaws, facing[(facing > ranges[2, 0]) & (facing < ranges[2, 1])])
-    each = len(yaws) / min(POSES, TARGETS // len(panel.tasks))
-    step = max(FINEST, float(np.sqrt(spans[0] * spans[1] * each)), spans[:2].max() * each)
+    share = len(yaws) / min(POSES, TARGETS // len(panel.tasks))
+    step = max(FINEST, float(np.sqrt(spans[0] * spans[1] * share)), spans[:2].max() * share)
     x, y = _even(ranges[0], step), _even(ranges[1], step)
     steps = [span / max(len(values) - 1, 1) for span, values in zip(spans, (x, y, yaws), strict=True)]
     return np.stack(np.meshgrid(x, y, yaws), axis=-1).reshape(-1, 3), np.array(steps)
@@ -274,7 +276,7 @@ def _estimated(arm: Arm, panel: Panel, places: Array) -> tuple[NDArray[np.bool_]
     """Which tasks have their points met from places (p, 3): (tasks, p); and the least margin at these points (p,)."""
     g = screws.inverse(np.array([panel.base_at(*place) for place in places])) @ panel.pose
     points = [task.checkpoints(panel.clearance) for task in panel.tasks]
-    p, d = (np.concatenate(each)[:, None] for each in zip(*points, strict=True))
+    p, d = (np.concatenate(of_tasks)[:, None] for of_tasks in zip(*points, strict=True))
     at, towards = (g[:, :3, :3] @ p[..., None])[..., 0] + g[:, :3, 3], (g[:, :3, :3] @ d[..., None])[..., 0]
     found = reachable(arm, at.reshape(-1, 3), direction=towards.reshape(-1, 3), **dict[str, Any](panel.tolerances))
     done: NDArray[np.bool_] = np.all(found.met.reshape(len(panel.tasks), -1, len(places)), axis=1)

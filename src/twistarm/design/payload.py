@@ -149,11 +149,11 @@ def with_extremes(arm: Arm, costs: Callable[[Array], Array], theta: Array) -> Ar
     moves = np.vstack([np.zeros(arm.n), np.eye(arm.n), -np.eye(arm.n)]) * (upper - lower) / 4
     starts = costs(theta).argsort(axis=0)[:STARTS]
     x, column = theta[starts.ravel()], np.tile(np.arange(starts.shape[1]), len(starts))
-    size, each = np.ones(len(x)), np.arange(len(x))
+    size, row = np.ones(len(x)), np.arange(len(x))
     for _ in range(ROUNDS):
         tried = np.clip(x[:, None] + size[:, None, None] * moves, lower, upper)
-        best = costs(tried)[each, :, column].argmin(axis=1)
-        x = tried[each, best]
+        best = costs(tried)[row, :, column].argmin(axis=1)
+        x = tried[row, best]
         size[best == 0] /= 2
     return np.vstack([theta, x])
 

@@ -105,15 +105,17 @@ def sweep(
     if not 0 < (count := prod(map(len, axes.values()))) <= MOST_DESIGNS:
         raise InputError(f"parameters must make 1 to {MOST_DESIGNS:,} designs; got {count:,}")
     designs = [dict(zip(axes, values, strict=True)) for values in product(*axes.values())]
-    work = Sweep(_measured, (arms, measure, designs), count, 1, [_told(arms), _told(measure), repr(designs)])
+    work = Sweep(_measured, (arms, measure, designs), count, 1, [_identity(arms), _identity(measure), repr(designs)])
     found = dict(work.run(workers=workers, executor=executor, folder=folder, progress=progress))
-    each = [dict(zip(one["names"].tolist(), one["values"].tolist(), strict=True)) for _, one in sorted(found.items())]
-    lacking = dict.fromkeys((name for measures in each for name in measures), np.nan)
+    measured = [
+        dict(zip(one["names"].tolist(), one["values"].tolist(), strict=True)) for _, one in sorted(found.items())
+    ]
+    lacking = dict.fromkeys((name for measures in measured for name in measures), np.nan)
     errors = [{"error": str(found[i]["error"])} if found[i]["error"] else {} for i in range(count)]
-    return DesignTable(tuple(d | lacking | m | e for d, m, e in zip(designs, each, errors, strict=True)))
+    return DesignTable(tuple(d | lacking | m | e for d, m, e in zip(designs, measured, errors, strict=True)))
 
 
-def _told(source: Any) -> Any:
+def _identity(source: Any) -> Any:
     """What tells arms, a file or a function from another, for JSON: a function by its text."""
     if isinstance(source, Mapping):
         return [text_of(require_arm(arm)) for arm in source.values()]

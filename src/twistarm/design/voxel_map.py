@@ -137,13 +137,13 @@ class ReachMap:
         name = as_path(path)
         try:
             with open_regular(name) as file, np.load(file, allow_pickle=False) as content:
-                head, arrays = json.loads(str(content["head"])), {each: content[each] for each in ARRAYS}
+                head, arrays = json.loads(str(content["head"])), {array: content[array] for array in ARRAYS}
             if head.pop("format") != FORMAT:
                 raise ValueError(f"its format is not {FORMAT!r}")
             grid = Grid(float(head.pop("voxel")), tuple(map(int, head.pop("lower"))), arrays["counts"].shape)
             most = max(len(arrays["directions"]), 1)
             fits = arrays["counts"].dtype == np.uint16 and arrays["directions"].shape[1:] == (3,)
-            fits &= all(arrays[each].shape == grid.shape and arrays[each].dtype == np.float32 for each in ARRAYS[2:])
+            fits &= all(arrays[array].shape == grid.shape and arrays[array].dtype == np.float32 for array in ARRAYS[2:])
             fits &= 0.0 < grid.voxel < LARGEST and len(grid.lower) == len(grid.shape) == 3 and grid.count > 0
             if not (fits and arrays["counts"].max() <= most):
                 raise ValueError("its arrays do not fit each other")
@@ -181,5 +181,5 @@ class ReachMap:
 def digest_of(arm: Arm) -> str:
     """`sha256:…` of what decides an arm's reach, rounded to nine decimals."""
     numbers = arm.screws, arm.home, arm.coupling.A, arm.limits.lower, arm.limits.upper
-    parts = [arm.base, arm.tip, arm.joint_names, *((np.round(each, 9) + 0.0).tolist() for each in numbers)]
+    parts = [arm.base, arm.tip, arm.joint_names, *((np.round(values, 9) + 0.0).tolist() for values in numbers)]
     return f"sha256:{hashlib.sha256(json.dumps(parts).encode()).hexdigest()}"

@@ -143,16 +143,16 @@ def _closed_form(arm: Arm) -> str:
 
 def _family(arm: Arm, kind: str, numbers: ClosedFormParameters, words: str) -> str:
     held = [int(i) for i in numbers.held]
-    standing = f" Where theta0 has them stand: {', '.join(arm.joint_names[i] for i in held)}." if held else ""
+    held_words = f" Where theta0 has them stand: {', '.join(arm.joint_names[i] for i in held)}." if held else ""
     axes, held_axes = (
-        ", ".join(f"{{{cpp_numbers(axis[:3])}, {cpp_numbers(axis[3:6])}, {_truth(axis[6])}}}" for axis in each)
-        for each in (numbers.axes, numbers.held_axes)
+        ", ".join(f"{{{cpp_numbers(axis[:3])}, {cpp_numbers(axis[3:6])}, {_truth(axis[6])}}}" for axis in table)
+        for table in (numbers.axes, numbers.held_axes)
     )
     joints = ", ".join(str(int(i)) for i in numbers.joint)
     idle = sum(1 << i for i in np.flatnonzero(numbers.idle).tolist())
     keeps = KEEPS[numbers.keeps]
     return f"""\
-/// For a {kind}: {words}.{standing}
+/// For a {kind}: {words}.{held_words}
 template <class T> inline constexpr twistarm::solved_arm<T, n> {kind}_family = {{
     {{{len(numbers.axes)}, {numbers.first}, {numbers.last}, twistarm::closed_form::keeps::{keeps},
      {{{axes}}},

@@ -12,7 +12,7 @@ from ..arm.abilities import abilities_of, cannot_move, cannot_turn, position_lim
 from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.directions import value_in_words
-from ..support.display import told
+from ..support.display import short_repr
 from ..support.errors import NotConvergedError, printable
 from ..support.messages import Argument, Quantity, Text, joined
 from ..support.units import length_hint, theta_hint
@@ -202,7 +202,7 @@ class IKResult:
 
     def __repr__(self) -> str:
         off = {"position_error": self.position_error, "orientation_error": self.orientation_error}
-        return told("IKResult", {"stop": self.stop, "theta": self.theta, **off, "method": self.method})
+        return short_repr("IKResult", {"stop": self.stop, "theta": self.theta, **off, "method": self.method})
 
 
 def explain(solution: IKResult) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..support.checks import Array, as_floats, as_reals, as_theta, frozen, require, require_names
-from ..support.display import Brief, told
+from ..support.display import Brief, short_repr
 from ..support.errors import InputError, listed
 from ..support.units import factor
 from .joint_limits import JointLimits
@@ -100,10 +100,10 @@ class Actuators:
         _ = self.joint_limits
 
     def __repr__(self) -> str:
-        return told("Actuators", {"names": self.names, "joint_names": self.joint_names})
+        return short_repr("Actuators", {"names": self.names, "joint_names": self.joint_names})
 
     def __getstate__(self) -> dict[str, Any]:
-        return {each.name: getattr(self, each.name) for each in fields(self)}
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @cached_property
     def undriven(self) -> tuple[str, ...]:
@@ -229,8 +229,8 @@ def _factors(G: Array, axis: int) -> Array:
 
 def _least(limit: Array, ratio: Array) -> Array:
     """Return min_i limit_i / |ratio_ij|, (n,), for motors (k,) and ratios (k, n)."""
-    each = np.where(ratio, limit[:, None] / _divisor(np.abs(ratio)), np.inf)
-    return each.min(axis=0, initial=np.inf)
+    by_motor = np.where(ratio, limit[:, None] / _divisor(np.abs(ratio)), np.inf)
+    return by_motor.min(axis=0, initial=np.inf)
 
 
 def _divisor(ratio: Array) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..support.checks import LARGEST_ARRAY, Array, as_number, as_reals, as_theta, as_whole, frozen, require_names
-from ..support.display import told
+from ..support.display import short_repr
 from ..support.errors import InputError, quote, unknown_name
 
 FIELDS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
@@ -55,7 +55,7 @@ class JointLimits:
 
     def __repr__(self) -> str:
         given = {name: getattr(self, name) for name in FIELDS if not np.isinf(getattr(self, name)).all()}
-        return told("JointLimits", given or {"unbounded": self.lower.size})
+        return short_repr("JointLimits", given or {"unbounded": self.lower.size})
 
     @classmethod
     def unbounded(cls, n: int) -> JointLimits:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from ..limits.actuators import Actuators
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, as_floats, as_number, frozen, require, require_names
-from ..support.display import in_brief, told
+from ..support.display import in_brief, short_repr
 from ..support.errors import InputError, listed, quote
 from .piecewise import derivative, evaluate, largest
 
@@ -32,7 +32,7 @@ class Samples(NamedTuple):
     theta_ddot: Array
 
     def __repr__(self) -> str:
-        return told("Samples", self._asdict())
+        return short_repr("Samples", self._asdict())
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -19,11 +19,11 @@ class Brief:
     """A dataclass with a short repr: four digits, and shapes for large arrays."""
 
     def __repr__(self) -> str:
-        named = {each.name: getattr(self, each.name) for each in fields(self) if each.repr}  # type: ignore[arg-type]
-        return told(type(self).__name__, named)
+        named = {field.name: getattr(self, field.name) for field in fields(self) if field.repr}  # type: ignore[arg-type]
+        return short_repr(type(self).__name__, named)
 
 
-def told(kind: str, named: dict[str, Any]) -> str:
+def short_repr(kind: str, named: dict[str, Any]) -> str:
     """`Position(p=[1, 0, 0.5])`: an object by its kind and what it holds."""
     return f"{kind}({', '.join(f'{name}={in_brief(value)}' for name, value in named.items())})"
 
@@ -38,15 +38,15 @@ def in_brief(value: Any) -> str:
         return _array(value) if value.ndim else in_brief(value.item())
     if isinstance(value, (list, tuple)):
         more = [f"… {len(value)} in all"] if len(value) > LONGEST_ROW else []
-        texts = [each if isinstance(each, str) else in_brief(each) for each in value[:LONGEST_ROW]]
+        texts = [entry if isinstance(entry, str) else in_brief(entry) for entry in value[:LONGEST_ROW]]
         return f"[{', '.join([*texts, *more])}]"
     return repr(value) if isinstance(value, Brief) else quote(value)
 
 
 def _array(array: np.ndarray[Any, Any]) -> str:
     if array.shape == (4, 4):
-        turned = math.degrees(math.acos(min(max((float(np.trace(array)) - 2.0) / 2.0, -1.0), 1.0)))
-        return f"at {_array(array[:3, 3])} turned {turned:.4g}°"
+        angle = math.degrees(math.acos(min(max((float(np.trace(array)) - 2.0) / 2.0, -1.0), 1.0)))
+        return f"at {_array(array[:3, 3])} turned {angle:.4g}°"
     if array.ndim == 1 and len(array) <= LONGEST_ROW and array.dtype.kind in "iuf":
         # What is far below the four digits of the largest is the rounding of a zero too.
         zero = max(ZERO, 1e-6 * float(np.abs(array).max(initial=0.0)))

@@ -84,7 +84,7 @@ def numbers(value: Any, name: str, size: int | None = None, **bounds: Any) -> li
     """A list of numbers, `size` of them if given, each as `number` with these bounds."""
     if not isinstance(value, (list, tuple)) or (size is not None and len(value) != size):
         raise InputError(f"{name} must be a list of {'' if size is None else f'{size} '}numbers; got {quote(value)}")
-    return [as_number(each, f"{name}[{k}]", **bounds) for k, each in enumerate(value)]
+    return [as_number(number, f"{name}[{k}]", **bounds) for k, number in enumerate(value)]
 
 
 def vector(value: Any, name: str, size: int = 3) -> NDArray[np.float64]:

@@ -89,7 +89,7 @@ def read_bounded(path: str | os.PathLike[str], most: int) -> bytes:
 
 def kind_of(data: bytes, kinds: Mapping[bytes, tuple[str, str]] = KINDS) -> tuple[str, str] | None:
     """What the file is by its first bytes, and what to do about it; None if it is none of these `kinds`."""
-    return next((told for start, told in kinds.items() if re.match(start, data[:LOOKED_AT])), None)
+    return next((kind for start, kind in kinds.items() if re.match(start, data[:LOOKED_AT])), None)
 
 
 def stamp(path: Path) -> tuple[int, ...] | None:

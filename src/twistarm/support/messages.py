@@ -105,7 +105,7 @@ def _literal(value: Any) -> str:
     if isinstance(value, Quantity):
         return f"{value.value:.{value.digits}g}"
     if isinstance(value, Mapping):
-        return f"{{{', '.join(f'{key!r}: {_literal(each)}' for key, each in value.items())}}}"
+        return f"{{{', '.join(f'{key!r}: {_literal(entry)}' for key, entry in value.items())}}}"
     if isinstance(value, Sequence) and not isinstance(value, str):
         return f"[{', '.join(map(_literal, value))}]"
     return repr(value)

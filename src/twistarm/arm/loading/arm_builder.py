@@ -50,7 +50,7 @@ class _Row:
     axis: Any
     point: ArrayLike
     limits: Mapping[str, Any] = field(default_factory=dict)
-    turned: Array = field(default_factory=lambda: np.eye(3))
+    axes: Array = field(default_factory=lambda: np.eye(3))
     master: str = ""
     multiplier: float = 1.0
     frame: Array = field(default_factory=lambda: np.eye(4), init=False)
@@ -59,7 +59,7 @@ class _Row:
         _checked(self.name)
         with inside(f"joint {self.name!r}"):
             object.__setattr__(self, "axis", joints.revolute(self.axis, self.point)[3:, 0])
-            self.frame[:3, :3], self.frame[:3, 3] = self.turned, self.point
+            self.frame[:3, :3], self.frame[:3, 3] = self.axes, self.point
             as_number(float(np.abs(self.frame[:3, 3]).max()), "point", most=LARGEST, unit="m")
             given = {name: limit for name, limit in self.limits.items() if limit is not None}
             limits = dict.fromkeys(LIMITS, np.inf) | {"lower": -np.inf} | fields(given, "", {}, LIMITS)
@@ -175,8 +175,8 @@ class ArmBuilder:
             x_axis: The direction of the first slide; None for one by a rule.
         """
         with inside(f"joint {_checked(name)!r}"):
-            turned = joints.plane_axes(normal, x_axis)
-        return self._with(_Row(name, "planar", (0.0, 0.0, 1.0), point, turned=turned))
+            axes = joints.plane_axes(normal, x_axis)
+        return self._with(_Row(name, "planar", (0.0, 0.0, 1.0), point, axes=axes))
 
     def tool(self, home: ArrayLike, name: str = "tool") -> ArmBuilder:
         """The tool frame `name` at `home` (4, 4), seen from the base with the arm at rest.
@@ -244,13 +244,13 @@ def builder_of(arm: Arm) -> ArmBuilder:
             raise InputError(f"{arm.name}: URDF has no joint like {name!r}: it turns or slides by a rate of its own")
         slides = bool(np.isinf(screw.pitch))
         point = builder._last if slides else screw.point
-        limits = {each: float(getattr(arm.limits, each)[j]) for each in LIMIT_NAMES} if master == name else {}
+        limits = {limit: float(getattr(arm.limits, limit)[j]) for limit in LIMIT_NAMES} if master == name else {}
         follows: dict[str, Any] = {} if master == name else {"master": master, "multiplier": rate}
         builder = builder._with(_Row(name, "prismatic" if slides else "revolute", screw.axis, point, limits, **follows))
         if not slides and abs(screw.pitch) > UNIT * arm.reach:
             advance = rate * float(screw.pitch)
-            thread = _Row(f"{name}_z", "prismatic", screw.axis, point, master=master, multiplier=advance)
-            builder = builder._with(thread)
+            slide = _Row(f"{name}_z", "prismatic", screw.axis, point, master=master, multiplier=advance)
+            builder = builder._with(slide)
     return builder.tool(arm.home, arm.tip)
 
 

@@ -50,19 +50,19 @@ def draft_arm_file(
     description = read(given)
     arm = proven(assemble(description, given, {}))
 
-    def path(each: str | os.PathLike[str]) -> str:
-        relative = os.path.relpath(as_path(each).resolve(), Path(folder).resolve())
+    def path(other: str | os.PathLike[str]) -> str:
+        relative = os.path.relpath(as_path(other).resolve(), Path(folder).resolve())
         return toml_text(Path(relative).as_posix())
 
     own = {"name": toml_text(arm.name), "source": path(file), "base": toml_text(arm.base), "tip": toml_text(arm.tip)}
     if given.srdf:
         own["srdf"] = path(given.srdf)
     lists = {"package_dirs": map(path, given.package_dirs), "ignore_packages": map(toml_text, given.ignore_packages)}
-    own |= {key: f"[{values}]" for key, each in lists.items() if (values := ", ".join(each))}
+    own |= {key: f"[{values}]" for key, texts in lists.items() if (values := ", ".join(texts))}
     lines = [HEAD, *(f"{key} = {text}" for key, text in own.items())]
     others = [toml_text(link) for link in description.leaves if link != arm.tip]
     lines += [f"# Other ends: {', '.join(others)}"] if others else []
-    lines += [f"# joint_limits = {path(each)}" for each in files_beside(file.resolve(), "joint_limits.yaml")]
+    lines += [f"# joint_limits = {path(beside)}" for beside in files_beside(file.resolve(), "joint_limits.yaml")]
     if is_xacro(file):
         index = package_index(file, given.package_dirs)
         arguments = given.xacro_args, given.ignore_packages, given.env_vars

@@ -170,7 +170,7 @@ def specify(
     if srdf is not None and not isinstance(srdf, (str, os.PathLike)):
         raise InputError(f"srdf must be the path of an SRDF file; got {quote(srdf)}")
     arguments = {} if xacro_args is None else require_mapping(xacro_args, "xacro_args", "{'dof': 7}")
-    standing = {} if locked_joints is None else require_mapping(locked_joints, "locked_joints", "{'slide': 0.1}")
+    locked = {} if locked_joints is None else require_mapping(locked_joints, "locked_joints", "{'slide': 0.1}")
     specification = _specification(source)
     ignored = (*checked_names(ignore_packages, "ignore_packages"), *specification.ignore_packages)
     return replace(
@@ -183,7 +183,7 @@ def specify(
         xacro_args={**specification.xacro_args, **arguments},
         ignore_packages=tuple(dict.fromkeys(ignored)),
         env_vars=checked_names(env_vars, "env_vars"),
-        locked_joints={**specification.locked_joints, **standing},
+        locked_joints={**specification.locked_joints, **locked},
         srdf=srdf or specification.srdf,
     )
 
@@ -240,7 +240,7 @@ def _descriptions_in(folder: Path) -> list[str]:
         if len(inside.parts) == 2:
             folders.clear()
         found += [inside / name for name in files if name.endswith(DESCRIPTIONS) and name != "package.xml"]
-    return [str(each) for each in sorted(found, key=lambda each: (len(each.parts), each))]
+    return [str(path) for path in sorted(found, key=lambda path: (len(path.parts), path))]
 
 
 def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
@@ -267,7 +267,7 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
             remedy = f"give a file in it: {listed(_descriptions_in(path)) or 'none is a description'}"
             raise refusal("file-unreadable", Place(text[:200]), why, remedy)
         with suppress(OSError, ValueError):
-            near = closest(path.name, [each.name for each in path.parent.iterdir()])
+            near = closest(path.name, [sibling.name for sibling in path.parent.iterdir()])
         remedy = f"give a URDF, xacro or MJCF file, a DH table, an arm.toml or an arm of the catalogue{near}"
         raise refusal("file-unreadable", Place(text[:200]), why, remedy)
     names = available_arms()
@@ -304,7 +304,7 @@ def assemble(description: Description, specification: ArmSpecification, changes:
         tool=tool.g_tip_tool,
         tip_link=tip,
     )
-    return _with_what_is_said(arm, specification, semantics, group)
+    return _with_semantics(arm, specification, semantics, group)
 
 
 def _semantics(
@@ -342,7 +342,7 @@ def _ends(
     return choice.base, choice.tip, None, note_choice(description, choice)
 
 
-def _with_what_is_said(
+def _with_semantics(
     arm: Arm, specification: ArmSpecification, semantics: Semantics | None, group: ArmGroup | None
 ) -> Arm:
     """The arm with its actuators and the arm.toml's poses, and the states and disabled pairs of the SRDF.
@@ -355,10 +355,10 @@ def _with_what_is_said(
     if semantics is not None and arm.description is not None:
         states, stating = fitted_states(arm, semantics, group.name if group else "", specification.locked_joints)
         pairs = semantics.disabled_collisions(arm.description.links)
-        taken = [f"the tip {group.tip!r} (group {group.name!r})"] if group and not specification.tip else []
-        taken += [plural(len(states), "named pose")] if states else []
-        taken += [f"{plural(len(pairs), 'pair')} of links that need no collision check"] if pairs else []
-        what = f"{path_from(arm.description, semantics.path)} gives {', '.join(taken) or 'nothing that the arm uses'}"
+        used = [f"the tip {group.tip!r} (group {group.name!r})"] if group and not specification.tip else []
+        used += [plural(len(states), "named pose")] if states else []
+        used += [f"{plural(len(pairs), 'pair')} of links that need no collision check"] if pairs else []
+        what = f"{path_from(arm.description, semantics.path)} gives {', '.join(used) or 'nothing that the arm uses'}"
         given = {name: Argument(name, None) for name in ("tip", "srdf")}
         remedy = Text("{tip}, an arm.toml or another {srdf} win over it", **given)
         found = finding("srdf-found", Place(semantics.path.name), what, remedy)
@@ -376,5 +376,5 @@ def _with_what_is_said(
     if not own and semantics is not None:
         place = Place(semantics.path.name, None, "group_state", name)
     what = f"the ready pose, where programs start, is the one named {name!r}"
-    said = finding("ready-named", place, what, "[poses.ready] in an arm.toml wins over it")
-    return replace(arm, findings=(*arm.findings, said))
+    noted = finding("ready-named", place, what, "[poses.ready] in an arm.toml wins over it")
+    return replace(arm, findings=(*arm.findings, noted))

@@ -115,5 +115,5 @@ def _of_description(description: Description, arm: Arm | None) -> Iterator[Findi
 
 def _in_order(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """The gravest first, each with a remedy."""
-    told = (one if one.remedy else replace(one, remedy="correct what stands there") for one in findings)
-    return tuple(sorted(told, key=lambda one: _ORDER.index(one.severity)))
+    complete = (one if one.remedy else replace(one, remedy="correct what stands there") for one in findings)
+    return tuple(sorted(complete, key=lambda one: _ORDER.index(one.severity)))

@@ -96,8 +96,8 @@ def check_postures(arm: Arm, rank: int) -> Iterator[Finding]:
         return
     best = arm.computed_ready
     at_best = condition(best)
-    said = f"say in arm.toml (condition number {at_best:.1f}; look at it first, twistarm view):\n"
-    snippet = said + toml_table("poses.ready", arm.theta_to_dict(best))
+    advice = f"say in arm.toml (condition number {at_best:.1f}; look at it first, twistarm view):\n"
+    snippet = advice + toml_table("poses.ready", arm.theta_to_dict(best))
     if poor and at_best < at_ready / 10 and not any(np.array_equal(arm.ready, homes[pose]) for pose in singular):
         what = f"the ready pose is nearly singular: condition number {_condition_words(at_ready)}"
         yield finding("ready-singular", place_of(arm), what, snippet)
@@ -138,13 +138,13 @@ def check_abilities(arm: Arm, able: Abilities) -> Iterator[Finding]:
             what += f", never along {_axes(able.immovable, 'base')}"
         remedy = "ask only for positions there; solve_ik gives the nearest to any other"
         yield finding("cannot-move", place, what, remedy)
-    if len(able.unturned):
-        what = f"never turns its tool about {_axes(able.unturned, 'base')}"
+    if len(able.unrotated):
+        what = f"never turns its tool about {_axes(able.unrotated, 'base')}"
         remedy = "leave these rotations free: a Position, or a TolerancedPose with inf for them"
         yield finding("cannot-turn", place, what, remedy)
-    if able.turning + len(able.unturned) < 3:
+    if able.turning + len(able.unrotated) < 3:
         what = f"with its position held, turns its tool about {able.turning} of 3 axes"
-        always = [_axes(able.turned_tool, "tool"), _axes(able.turned_base, "base")]
+        always = [_axes(able.rotated_tool, "tool"), _axes(able.rotated_base, "base")]
         if any(always):
             what += f", always about {' and '.join(filter(None, always))}"
         yield finding("cannot-turn-in-place", place, what, _instead_of_a_pose(able, arm.tool_axis))
@@ -159,7 +159,7 @@ def _instead_of_a_pose(able: Abilities, tool_axis: Array) -> str:
     if able.position < 3:
         return nearest
     # Two free rotations turn the axis of an `Approach` in both directions across it, unless one is about it.
-    if able.turning == 2 and np.linalg.norm(able.turned_tool @ tool_axis) < ABOUT:
+    if able.turning == 2 and np.linalg.norm(able.rotated_tool @ tool_axis) < ABOUT:
         axis = direction_in_words(tool_axis, "tool")
         return f"ask for an Approach: a position and where the tool points, by {axis}; {nearest}"
     return f"ask for a Position; {nearest}"

@@ -120,10 +120,10 @@ def check(source: ArmArgument, out: Json, samples: Samples = 1000, against: Agai
         since = str(against).endswith(".json")
         same, other = ("unchanged since", "CHANGED since") if since else ("the same as", "DIFFERENT from")
         lines = [f"{verdict(result)}; {same if difference.same else other} {against}"]
-        lines += [f"{'changed' if since else 'different'}: {each}" for each in difference.changes]
+        lines += [f"{'changed' if since else 'different'}: {change}" for change in difference.changes]
     out.show(data, *lines, *comparisons(result))
-    for each in difference.notes if difference else ():
-        note(each)
+    for remark in difference.notes if difference else ():
+        note(remark)
     return 0 if good else 1
 
 

@@ -72,8 +72,8 @@ def payload(source: ArmArgument, out: CsvAnswer, theta: Theta = None, motion: Mo
     needs, x = found.needs(mass), found.theta.reshape(-1, arm.n)
     by = [found.names[row] if row >= 0 else "nothing" for row in found.limiting.ravel()]
     worst = found.worst
-    for each in found.notes:
-        note(each)
+    for remark in found.notes:
+        note(remark)
     data = {
         "arm": arm, "joint_names": arm.joint_names, "wanted": mass, "configurations": len(x),
         "unknown": np.isnan(found.mass).sum(), "payload": found.mass.ravel()[worst], "limited_by": by[worst],
@@ -147,12 +147,12 @@ def designs(
     if len(targets) == 1:
         raise InputError("a motion leads from one --xyz to another: give two or more, or none")
     asked = None if panel is None else load_panel(panel)
-    arms = [each.load() for each in (source, *others)]
+    arms = [file.load() for file in (source, *others)]
     with progress_bar("comparing") as progress:
         found = compare_designs(arms, targets, asked, progress)
-    for each in found:
-        for why in each.notes:
-            note(f"{each.name}: {why}")
+    for design in found:
+        for why in design.notes:
+            note(f"{design.name}: {why}")
     columns = [Column(one.name, [number(getattr(one, name), 3) for name in NUMBERS.values()]) for one in found]
     records = [plain(one) | joints_table(one.arm).entries() for one in found]
     out.show({"designs": records}, Table("", [Column("", list(NUMBERS)), *columns]))
@@ -245,7 +245,7 @@ def panel(
     yaw = float(to_rpy(found.base[:3, :3])[2])
     done, count = len(found.done), len(found.results)
     typed = " ".join([quantity_text(x, "m", rad), quantity_text(y, "m", rad), quantity_text(yaw, "rad", rad, 6)])
-    missed = [f"{each.task.name}, {each.code}: {each.why}" for each in found.results if each.code != "done"]
+    missed = [f"{result.task.name}, {result.code}: {result.why}" for result in found.results if result.code != "done"]
     sentence = f'{done} of {count} tasks are done with the arm\'s base at --base-pose "{typed}"' + " --rad" * rad
     written: list[str] = []
     try:
@@ -254,8 +254,8 @@ def panel(
         elif out.files:
             with progress_bar("planning") as progress:
                 motion = found.motion(linear_speed=linear_speed, unwrap=unwrap, max_time=max_time, progress=progress)
-            for each in motion.notes:
-                note(each, radians=rad)
+            for remark in motion.notes:
+                note(remark, radians=rad)
             written = out.write(motion_texts(arm, motion, out, dt))
     finally:  # the answer is good where the motion fails
         data = {"arm": arm, "done": done, "share": done / count, "base": {"x": x, "y": y, "z": z, "yaw": yaw}}
@@ -267,20 +267,20 @@ def _tasks_table(found: PanelReport, radians: bool) -> Table:
     results = found.results
     unit_of = dict(zip(found.arm.joint_names, found.arm.units, strict=True))
     nearest = []
-    for each in results:
-        unit = unit_of.get(each.joint, "")
-        margin = f"{each.joint} {quantity_text(each.margin, unit, radians)} {unit_text(unit, radians)}"
-        nearest.append(margin if each.code == "done" else "")
-    millimetres = [number(1e3 * each.clearance, 1) if each.code == "done" else "" for each in results]
+    for result in results:
+        unit = unit_of.get(result.joint, "")
+        margin = f"{result.joint} {quantity_text(result.margin, unit, radians)} {unit_text(unit, radians)}"
+        nearest.append(margin if result.code == "done" else "")
+    millimetres = [number(1e3 * result.clearance, 1) if result.code == "done" else "" for result in results]
     columns = [
-        Column("task", [each.task.name for each in results]),
-        Column("kind", [each.task.kind for each in results]),
-        Column("code", [each.code for each in results]),
-        Column("why", [each.why for each in results], people=False),
-        Column("nearest limit", [each.joint for each in results], text=nearest, key="joint"),
-        Column("margin", [each.margin for each in results], people=False),
-        Column("condition", [each.condition for each in results], digits=1),
-        Column("clearance", [each.clearance for each in results], "mm", text=millimetres),
-        Column("theta", [each.theta[:1] for each in results], people=False),
+        Column("task", [result.task.name for result in results]),
+        Column("kind", [result.task.kind for result in results]),
+        Column("code", [result.code for result in results]),
+        Column("why", [result.why for result in results], people=False),
+        Column("nearest limit", [result.joint for result in results], text=nearest, key="joint"),
+        Column("margin", [result.margin for result in results], people=False),
+        Column("condition", [result.condition for result in results], digits=1),
+        Column("clearance", [result.clearance for result in results], "mm", text=millimetres),
+        Column("theta", [result.theta[:1] for result in results], people=False),
     ]
     return Table(f"{found.arm.name}: tasks of the panel", columns, "tasks")

@@ -198,7 +198,7 @@ def servo(
             source_of_commands = stack.enter_context(datagrams)
         page.show_address(viewer, out.words, assumed=defaults_line(driven))
 
-        def each(cycle: stream.Cycle) -> None:
+        def on_cycle(cycle: stream.Cycle) -> None:
             viewer.show_servo(cycle)
             keep(cycle)
 
@@ -206,7 +206,7 @@ def servo(
             driven, source_of_commands, sink, feedback, stream.StreamOptions(
                 **robot.options(rate, near), command_timeout=command_timeout, scene=scene,
                 settings=viewer.servo_settings(settings),
-            ), duration=duration, on_cycle=each,
+            ), duration=duration, on_cycle=on_cycle,
         )  # fmt: skip
     out.show(_loop(arm, report), *out.lines(report.explain()), written=robot.written)
     return 0 if report.ok else 1
@@ -281,7 +281,7 @@ def follow(
         if typed is not None:
             say(KEYS, file=out)
 
-        def each(cycle: stream.FollowCycle) -> None:
+        def on_cycle(cycle: stream.FollowCycle) -> None:
             viewer.show_servo(cycle)
             keep(cycle)
             progress(max(0.0, cycle.at) / cycle.duration if cycle.duration else 1.0)
@@ -293,7 +293,7 @@ def follow(
             **robot.options(rate, tracked), interlock=interlock, speed=speed, approach=approach, start_tolerance=start,
             control=control,
         )  # fmt: skip
-        report = stream.follow(driven, planned, sink, feedback, options, on_cycle=each)
+        report = stream.follow(driven, planned, sink, feedback, options, on_cycle=on_cycle)
     names = report.joint_names
     data = {
         "arm": arm, **entries(report, "ok completed at duration speed"), "ending": report.stream.ending,

@@ -119,7 +119,7 @@ def check(
         "ok": report.ok,
         "problem": report.problem or None,
         "excerpt": report.excerpt,
-        "exercises": [vars(each) | {"slip": each.slip or None} for each in report.verdicts],
+        "exercises": [vars(verdict) | {"slip": verdict.slip or None} for verdict in report.verdicts],
         "printed": report.printed,
     }
     out.show(data, *report.told)

@@ -47,8 +47,8 @@ def fk(
     if configurations is None:
         x = arm.ready if theta is None else theta.anywhere(arm)
         g = arm.pose(x, name)
-        told = (*pose_parts(title, g, out.radians), theta_typed(arm, x, out.radians))
-        out.show(data | {"theta": x, **pose_entries(g)}, *told, files={"csv": _poses_table(title, [1], g[None]).csv})
+        summary = (*pose_parts(title, g, out.radians), theta_typed(arm, x, out.radians))
+        out.show(data | {"theta": x, **pose_entries(g)}, *summary, files={"csv": _poses_table(title, [1], g[None]).csv})
         return
     lines, many = rows.configurations_in(arm, configurations)
     poses = arm.pose(many, name)
@@ -208,11 +208,11 @@ def _show_batch(out: Outputs, file: str, lines: list[int], batch: IKBatch) -> No
     by_reason: dict[StopReason, list[int]] = {}
     for line, answer in zip(lines, answers, strict=True):
         by_reason.setdefault(answer.stop, []).append(line)
-    met = len(by_reason.pop(StopReason.CONVERGED, ()))
+    converged = len(by_reason.pop(StopReason.CONVERGED, ()))
     more = " (-o FILE.csv has them all)" if len(answers) > rows.ROWS_SHOWN else ""
-    counted = [f"{met} of {len(answers)} targets of {file} met{more}"]
+    counted = [f"{converged} of {len(answers)} targets of {file} reached{more}"]
     out.show(
-        {"arm": arm, "joint_names": arm.joint_names, "met": met, "answers": records},
+        {"arm": arm, "joint_names": arm.joint_names, "converged": converged, "answers": records},
         table,
         *counted,
         *(f"{reason.value}: line {rows.few(numbers)}" for reason, numbers in by_reason.items()),
@@ -263,7 +263,7 @@ def _all_csv(solutions: AllSolutions) -> str:
     columns = [
         Column("number", range(1, inside + outside + 1)),
         *joint_columns(
-            arm, np.vstack([np.reshape(each, (-1, arm.n)) for each in (solutions.theta, solutions.outside)])
+            arm, np.vstack([np.reshape(rows, (-1, arm.n)) for rows in (solutions.theta, solutions.outside)])
         ),
         Column("free", [" ".join(names) for names in solutions.free] + [""] * outside),
         Column("within_limits", ["yes"] * inside + ["no"] * outside),

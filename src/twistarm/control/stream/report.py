@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from ...arm.arm import Arm
 from ...limits.joint_limits import AS_GOOD_AS_UNBOUNDED
 from ...support.checks import Array, as_theta
-from ...support.display import told
+from ...support.display import short_repr
 from ...support.errors import InputError
 from ...support.messages import Quantity, Text, joined
 from ..servo import ServoReason
@@ -106,7 +106,7 @@ class StreamReport(Tally):
 
     def __repr__(self) -> str:
         named = {name: getattr(self, name) for name in ("cycles", "missed", "duration", "ending", "reason")}
-        return told("StreamReport", named)
+        return short_repr("StreamReport", named)
 
     @property
     def ok(self) -> bool:

@@ -238,9 +238,9 @@ def _members(semantics: Semantics, description: Description) -> dict[str, list[J
     members = {}
     for name in semantics.groups:
         found = [name]
-        for each in found:  # which grows by the subgroups
-            found += [sub for sub in semantics.groups[each].subgroups if sub in own and sub not in found]
-        names = set().union(*(own[each] for each in found))
+        for subgroup in found:  # which grows by the subgroups
+            found += [sub for sub in semantics.groups[subgroup].subgroups if sub in own and sub not in found]
+        names = set().union(*(own[subgroup] for subgroup in found))
         members[name] = [joint for joint in order if joint.name in names]
     return members
 

@@ -150,9 +150,9 @@ class Expansion:
             python = self._xacro._global_symbols["python"]
             names = {**python, **self._xacro._global_symbols["math"], "true": True, "false": False}
             names |= {"find": self._find, "env": self._required, "optenv": self._optional}
-            names |= {"arg": lambda each: self._converted(self._argument(each))}
+            names |= {"arg": lambda argument: self._converted(self._argument(argument))}
             arguments = self._xacro.substitution_args_context["arg"]
-            names = {each: self._converted(value) for each, value in arguments.items()} | names
+            names = {argument: self._converted(value) for argument, value in arguments.items()} | names
             return str(evaluate(rest, names, self._xacro.Table))
         if name == "cwd" and not words:
             return PACKAGE + WORKING_FOLDER
@@ -261,8 +261,8 @@ class Expansion:
             yield name
         elif os.path.isdir(folder):
             names = sorted(os.listdir(real_inside(folder, self.packages)))
-            shown = [other for other in names if last.startswith(".") or not other.startswith(".")]
-            yield from (os.path.join(folder, match) for match in fnmatch.filter(shown, last))
+            visible = [other for other in names if last.startswith(".") or not other.startswith(".")]
+            yield from (os.path.join(folder, match) for match in fnmatch.filter(visible, last))
 
     def _load_yaml(self, filename: str) -> Any:
         """The data in a YAML file that may be read, with xacro's units."""

@@ -169,8 +169,8 @@ def simplified(corners: Array, most: int) -> Array:
     places = _places(corners, vertex, len(first))
     # A cell holds both sides of a thin wall: each triangle once, as it is turned.
     least = vertex[kept].argmin(axis=1)
-    turned = np.take_along_axis(vertex[kept], (least[:, None] + np.arange(3)) % 3, axis=1)
-    return places[np.unique(turned, axis=0)]
+    rotated = np.take_along_axis(vertex[kept], (least[:, None] + np.arange(3)) % 3, axis=1)
+    return places[np.unique(rotated, axis=0)]
 
 
 def _fitting(corners: Array, extent: Array, most: int) -> float:
@@ -242,8 +242,8 @@ def _smooth_pairs(normals: Array, vertex: Numbers) -> tuple[Numbers, Numbers]:
     """Corners (numbers 3 F) at one vertex with faces that share a smooth edge there, as two lists."""
     corner = np.arange(len(vertex)).reshape(-1, 3)
     start, end = corner.ravel(), np.roll(corner, -1, axis=1).ravel()
-    turned = vertex[start] > vertex[end]  # the same edge from the other side
-    start, end = np.where(turned, end, start), np.where(turned, start, end)
+    rotated = vertex[start] > vertex[end]  # the same edge from the other side
+    start, end = np.where(rotated, end, start), np.where(rotated, start, end)
     order = np.lexsort((vertex[end], vertex[start]))
     start, end = start[order], end[order]
     a, b = slice(None, -1), slice(1, None)
@@ -261,10 +261,10 @@ def components(one: Numbers, other: Numbers, count: int) -> Numbers:
     root = np.arange(count)
     while True:
         a, b = root[one], root[other]
-        apart = a != b
-        if not apart.any():
+        distinct = a != b
+        if not distinct.any():
             return root
-        np.minimum.at(root, np.maximum(a, b)[apart], np.minimum(a, b)[apart])
+        np.minimum.at(root, np.maximum(a, b)[distinct], np.minimum(a, b)[distinct])
         while (further := root[root]).tobytes() != root.tobytes():
             root = further
 

@@ -49,7 +49,7 @@ class Resolver:
             raise FileNotFoundError(f"{what}, which is not opened")
         try:
             spelling = name.strip().replace("\\", "/")
-            places = [Path(os.path.realpath(self._place.parent / each)) for each in (spelling, unquote(spelling))]
+            places = [Path(os.path.realpath(self._place.parent / written)) for written in (spelling, unquote(spelling))]
             place, root = next(filter(is_file, places), places[0]), home_of(self._place)
             if is_too_wide(root) or not place.is_relative_to(root):
                 raise RefusedError(f"{what}, a file outside its package")
@@ -137,7 +137,7 @@ def read_mesh(path: Path) -> Mesh:
             files = {path: stamp(path)}
             mesh = _read(path, files)
         _kept[path] = mesh, files
-        while len(_kept) > 1 and sum(each.triangles for each, _ in _kept.values()) > MOST_KEPT:
+        while len(_kept) > 1 and sum(kept.triangles for kept, _ in _kept.values()) > MOST_KEPT:
             _kept.popitem(last=False)
         return mesh
 
@@ -227,8 +227,10 @@ def _by_trimesh(kind: str, data: bytes, path: Path, files: Stamps) -> list[Piece
         scene = trimesh.load_scene(io.BytesIO(data), file_type=kind, resolver=resolver, process=False)
         if resolver.refused:
             raise resolver.refused
-        placed = [(scene.geometry[name], g) for g, name in (scene.graph[node] for node in scene.graph.nodes_geometry)]
-        return [Piece(_corners(mesh, g), _colour(mesh)) for mesh, g in placed if isinstance(mesh, trimesh.Trimesh)]
+        instances = [
+            (scene.geometry[name], g) for g, name in (scene.graph[node] for node in scene.graph.nodes_geometry)
+        ]
+        return [Piece(_corners(mesh, g), _colour(mesh)) for mesh, g in instances if isinstance(mesh, trimesh.Trimesh)]
 
 
 def _corners(mesh: Any, g: Array) -> Array:

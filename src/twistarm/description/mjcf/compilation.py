@@ -62,7 +62,7 @@ class Mjcf:
 
     def error(self, element: ET.Element, what: str, remedy: str = "correct it there") -> DescriptionError:
         """The error for an unusable element, with its file and line."""
-        reading = next((each for each in self.readings if element in each.lines), self.readings[0])
+        reading = next((part for part in self.readings if element in part.lines), self.readings[0])
         return refusal("mjcf-unusable", reading.place(element), what, remedy)
 
     def at_line(self, line: int) -> ET.Element:
@@ -128,7 +128,7 @@ class Mjcf:
     def _opened(self, element: ET.Element, main: Reading, *, once: bool) -> tuple[ET.Element, Reading]:
         """The root of the file that an element names. It stands beside the main file or beside the element's own."""
         name = element.get("file", "").strip()[:200]
-        own = next((each.path for each in self.readings if element in each.lines), main.path)
+        own = next((part.path for part in self.readings if element in part.lines), main.path)
         file = main.path.parent / name
         try:
             path, text = read_inside(str(file if is_file(file) else own.parent / name), main.packages)
@@ -137,7 +137,7 @@ class Mjcf:
         except OSError as error:
             why = f"its file {name!r} cannot be read: {error.strerror}"
             raise self.error(element, why, "correct the path") from error
-        if once and any(path == each.path for each in self.readings):
+        if once and any(path == part.path for part in self.readings):
             raise self.error(element, f"its file {name!r} is included already", "include each file once")
         self.readings.append(Reading(path, main.packages))
         return parse_xml(text, self.readings[-1]), self.readings[-1]

@@ -74,10 +74,10 @@ class _Writer:
         self.robot = ET.Element("robot", name=mjcf.root.get("model") or mjcf.readings[0].path.stem)
         ET.SubElement(self.robot, "link", name=ROOT)
         bodies, joints = self._names("BODY", self.model.nbody), self._names("JOINT", self.model.njnt)
-        self.links, self.taken = {*bodies}, {*joints}
+        self.links, self.joint_names_used = {*bodies}, {*joints}
         self.bodies = [name or free_name(f"body{i}", self.links) for i, name in enumerate(bodies)]
         self.joints = [
-            name or free_name(f"{self.bodies[body]}_joint", self.taken)
+            name or free_name(f"{self.bodies[body]}_joint", self.joint_names_used)
             for name, body in zip(joints, self.model.jnt_bodyid, strict=True)
         ]
         self.efforts = self._efforts()
@@ -169,7 +169,7 @@ class _Writer:
             self._fixed(name, link, g)
 
     def _fixed(self, name: str, parent: str, g: Array) -> None:
-        add_joint(self.robot, free_name(f"{name}_fixed", self.taken), "fixed", (parent, name), g)
+        add_joint(self.robot, free_name(f"{name}_fixed", self.joint_names_used), "fixed", (parent, name), g)
 
     # -- joints ------------------------------------------------------------------------------------------------------
 
@@ -289,11 +289,11 @@ class _Writer:
             one, other = sorted((self.bodies[signature >> 16], self.bodies[signature & 0xFFFF]))
             self.pairs.add((one, other))
         names = self._names("KEY", model.nkey)
-        taken, states = {*names}, []
+        names_used, states = {*names}, []
         for i, (name, qpos) in enumerate(zip(names, model.key_qpos, strict=True)):
             values = {self.joints[j]: float(qpos[model.jnt_qposadr[j]]) for j in self.moving}
             if values:
-                states.append(GroupState(name or free_name(f"key{i}", taken), "", values))
+                states.append(GroupState(name or free_name(f"key{i}", names_used), "", values))
         if not states and not self.pairs:
             return None
         return Semantics(reading.path, self.robot.get("name", ""), states=tuple(states), disabled=frozenset(self.pairs))
