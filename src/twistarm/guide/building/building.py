@@ -1,4 +1,4 @@
-"""The course built on an arm: every lesson run in a process of its own, its page, the pages around it, and a print."""
+"""The course built on an arm: every lesson run in its own process, its page, the pages around it, and a print."""
 
 from __future__ import annotations
 

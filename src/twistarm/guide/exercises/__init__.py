@@ -12,7 +12,7 @@ __all__ = ["LESSONS", "Exercise", "every_exercise", "exercises_of"]
 
 
 def exercises_of(lesson: str) -> tuple[Exercise, ...]:
-    """The exercises of a lesson, in the order in which they are asked.
+    """The exercises of a lesson, in their order on the page.
 
     Raises:
         UnknownNameError: There is no such lesson.

@@ -16,7 +16,7 @@ from .words import ANGULAR_FIRST, NO_HOME
 
 
 def displaced_tool(twists: Array, home: Array, displacements: Array, x: Array) -> Array:
-    """The tool's pose (4, 4) of an arm whose joints are displaced: exp(δ̂₁) exp(ξ̂₁x₁) ⋯ exp(δ̂ₘ) exp(ξ̂ₘxₘ) exp(δ̂ₘ₊₁)
+    """The tool's pose (4, 4) of an arm with displaced joints: exp(δ̂₁) exp(ξ̂₁x₁) ⋯ exp(δ̂ₘ) exp(ξ̂ₘxₘ) exp(δ̂ₘ₊₁)
     g_st(0).
 
     `twists` (6, m) and `home` (4, 4) are the nominal arm's, `x` (m,) the joints' values [rad, m]. Column i of

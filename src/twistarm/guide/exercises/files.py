@@ -52,7 +52,7 @@ def write_exercises(folder: Path, arm: Arm) -> tuple[list[str], list[str]]:
 
     Args:
         folder: Where to.
-        arm: The arm whose screws are among the instances for Octave and MATLAB.
+        arm: The arm with the screws among the instances for Octave and MATLAB.
 
     Returns:
         The names of the files written, and of those that stayed.

@@ -23,7 +23,7 @@ def check(function: Callable[..., Any], arm: Arm, seed: int = 0) -> Report:
 
     Args:
         function: The reader's function.
-        arm: The arm whose screws are among the instances.
+        arm: The arm with the screws among the instances.
         seed: Of the random instances.
 
     Returns:
@@ -53,7 +53,7 @@ def check_file(path: Path, arm: Arm, seed: int = 0, seconds: float = SECONDS) ->
 
     Args:
         path: The file.
-        arm: The arm whose screws are among the instances.
+        arm: The arm with the screws among the instances.
         seed: Of the random instances.
         seconds: Time for the file, and for each exercise.
 

@@ -197,7 +197,7 @@ guide.slider(
 
 # %% tags=["shown"]
 def logarithm(g):
-    """The twist (v, w) whose exponential is g; w has the length of the angle."""
+    """The twist (v, w) with the exponential g; w has the length of the angle."""
     R, p = g[:3, :3], g[:3, 3]
     turned = rotations.log(R)
     theta = np.linalg.norm(turned)

@@ -251,7 +251,7 @@ def in_words(value, unit):
 
 
 def draw_all(arm, configurations, words):
-    """Every configuration: those whose links are the same on one panel, four panels at most."""
+    """Every configuration, with equal links on one panel, four panels at most."""
     shapes = []
     for theta in configurations:
         points = guide.arm_points(arm, theta)

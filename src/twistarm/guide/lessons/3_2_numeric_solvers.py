@@ -71,7 +71,7 @@ guide.say(
 
 # %%
 def nimble(arm, theta):
-    """The least singular value but for directions that the arm never has. Lengths are shares of the reach."""
+    """The least singular value of the directions that the arm has at all. Lengths are shares of the reach."""
     sigma = np.linalg.svd(
         arm.body_jacobian(theta) / np.repeat([arm.reach, 1.0], 3)[:, None], compute_uv=False
     )
@@ -465,7 +465,7 @@ def mixed_up(theta, count=8):
 
 
 def in_degrees(theta):
-    """One step whose angles were turned into degrees before they were added."""
+    """One step with its angles turned into degrees before they are added."""
     e = screws.log(screws.inverse(arm.fk(theta)) @ g_d)
     factor = np.where(np.array(arm.units) == "rad", np.degrees(1.0), 1.0)
     g = arm.fk(theta + factor * newton_step(arm.body_jacobian(theta), e))

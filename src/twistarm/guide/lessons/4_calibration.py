@@ -46,7 +46,7 @@ places = [at(q) for q in guide.arm_points(arm, np.zeros(arm.n))[1:]]  # of every
 
 # %% tags=["shown"]
 def real_tool(d, theta):
-    """The tool (K, 4, 4) of an arm whose joints and tool are displaced by d (m + 1, 6)."""
+    """The tool (K, 4, 4) of an arm with joints and tool displaced by d (m + 1, 6)."""
     g, x = np.eye(4), theta @ arm.coupling.A.T
     for i in range(m):
         g = g @ screws.exp(places[i] @ d[i]) @ screws.exp(arm.screws[:, i], x[:, i])
@@ -343,7 +343,7 @@ guide.predict(
 
 # %%
 def columns_of(theta):
-    """The slopes (K, 3, 6 m) of all displacements but the first, whose axis is the frame, in the workshop's units."""
+    """The slopes (K, 3, 6 m) of all displacements but the first, the frame, in the workshop's units."""
     return slopes(theta)[:, :, 6:] * unit[6:]
 
 
@@ -356,7 +356,7 @@ def tracked(theta, noise):
 
 
 def taped(theta, nails, noise):
-    """The distances from the nails, whose places are unknown."""
+    """The distances from the nails, at unknown places."""
     way = arm.fk(theta)[:, None, :3, 3] - nails
     u = way / np.linalg.norm(way, axis=2, keepdims=True)
     own = np.stack([np.kron(np.eye(len(nails))[k], -u[:, k]) for k in range(len(nails))], axis=1)
@@ -367,7 +367,7 @@ def taped(theta, nails, noise):
 
 
 def rested(groups, ways, noise):
-    """Configurations at each socket, whose places are unknown; sockets 2k and 2k + 1 are apart along ways[k]."""
+    """Configurations at each socket, at unknown places; sockets 2k and 2k + 1 are apart along ways[k]."""
     N = len(groups)
     rows = [
         np.concatenate(
