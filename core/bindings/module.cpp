@@ -39,9 +39,10 @@ NB_MODULE(_core, module) {
     module.def("approach", &bindings::approach, nb::arg().none(), nb::arg().none(), nb::arg().none());
     module.def("task", &bindings::task, nb::arg().none(), nb::arg().none(), nb::arg());
     module.def("path_velocity", &bindings::path_velocity, nb::arg().none(), nb::arg().none(), nb::arg().none(),
-               nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg());
-    module.def("shares_of_average", &bindings::shares_of_average, nb::arg().none(), nb::arg().none(), nb::arg().none(),
                nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg());
+    module.def("shares_of_average", &bindings::shares_of_average, nb::arg().none(), nb::arg().none(), nb::arg().none(),
+               nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
+               nb::arg().none(), nb::arg().none(), nb::arg());
     nb::class_<Chain>(module, "Chain")
         .def(nb::init<nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, double,
                       const std::string&>(),

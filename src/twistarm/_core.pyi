@@ -37,10 +37,14 @@ def path_velocity(
     acceleration: object,
     ceiling: object,
     grid: object,
+    a: object,
+    b: object,
     most: float,
     /,
 ) -> tuple[Array, Array] | None:
     """x (N + 1,) at most `most` and share (N,) on a grid along a `LimitedPath`: a `Profile`.
+
+    At its points a s̈ + b ṡ² ≤ 1 holds too, for k rows, (N + 1, k) each.
 
     None for what is no plain array, and for paths of more rows or of a higher degree than the core takes.
     """
@@ -52,6 +56,8 @@ def shares_of_average(
     acceleration: object,
     ceiling: object,
     grid: object,
+    a: object,
+    b: object,
     x: object,
     jerk: object,
     window: float,

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .._core import Chain as Chain
     from .._core import Servo as Servo
 
-INTERFACE = 25
+INTERFACE = 26
 """Version of the compiled core that this Python needs. It rises with each change of a call."""
 
 MOST_JOINTS = 64

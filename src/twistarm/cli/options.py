@@ -47,6 +47,7 @@ Theta = Annotated[
     ),
 ]
 SceneFile = Annotated[Path | None, option("FILE", "Obstacles: a scene.toml, or MoveIt's scene.", "--scene", "--avoid")]
+Offset = Annotated[Any, numbers("m m m", XYZ, "Where the payload's mass is, in tool axes [m].")]
 SELF = "self"
 Avoid = Annotated[
     str | None,

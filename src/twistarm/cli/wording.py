@@ -25,6 +25,7 @@ OPTIONS = {
     "stop_at_waypoints": ("--stop", ""),
     "approach": ("--approach", ""),
     "unwrap": ("--unwrap", ""),
+    "torques": ("--torques", ""),
     "scene": ("--avoid", "SCENE"),
     "max_time": ("--max-time", "S"),
     "clearance": ("--clearance", "M"),

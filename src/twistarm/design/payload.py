@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
+from ..arm.effort_limits import effort_limits
 from ..checking.doctor.numbers import check_inertias
-from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED
 from ..planning import Trajectory
 from ..support.checks import LARGEST_ARRAY, Array, as_number, as_whole
 from ..support.display import Brief
@@ -107,7 +107,7 @@ def payload(
         InputError: An argument has another shape, theta holds no configuration, or the trajectory is another arm's.
         TwistarmError: The arm has no description, and so no masses.
     """
-    names, W, C, limits, unlimited = _rows(require_arm(arm))
+    names, W, C, limits, unlimited = effort_limits(require_arm(arm))
     t = None
 
     def efforts(x: ArrayLike) -> tuple[Array, Array]:
@@ -156,21 +156,6 @@ def with_extremes(arm: Arm, costs: Callable[[Array], Array], theta: Array) -> Ar
         x = tried[row, best]
         size[best == 0] /= 2
     return np.vstack([theta, x])
-
-
-def _rows(arm: Arm) -> tuple[tuple[str, ...], Array, Array, Array, NDArray[np.bool_]]:
-    """Names, W and C (r, n), limits (r,): efforts are W τ, velocities C θ̇; and joints (n,) without a limit.
-
-    A joint has a limit by itself, or if all its motors have one. Motors count if they determine every joint.
-    """
-    names, W, C, limits = arm.joint_names, np.eye(arm.n), np.eye(arm.n), arm.limits.effort
-    unlimited, motors = limits >= AS_GOOD_AS_UNBOUNDED, arm.actuators
-    if motors is not None and not motors.undriven:
-        carries = np.abs(motors.P) > 1e-9 * np.abs(motors.P).max()
-        unlimited = unlimited & (carries & (motors.limits.effort >= AS_GOOD_AS_UNBOUNDED)).any(axis=1)
-        names += tuple(f"motor {name}" for name in motors.names)
-        W, C, limits = np.vstack([W, motors.P.T]), np.vstack([C, motors.G]), np.append(limits, motors.limits.effort)
-    return names, W, C, np.where(limits < AS_GOOD_AS_UNBOUNDED, limits, np.inf), unlimited
 
 
 def _greatest(own: Array, per_kg: Array, limits: Array, unlimited: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int_]]:

@@ -16,6 +16,7 @@ from ..support.errors import InputError, quote
 from .joint_space import completed
 from .segments import Move, Segment, as_segments
 from .time_law import PathBounds
+from .torque_limits import Load, torque_limits
 from .trajectory import Trajectory
 
 SAMPLES = 2000  # How many instants of a motion are sampled: ten or more in each stretch that is no sliver.
@@ -28,8 +29,9 @@ SLIVER = 5e-3  # A stretch shorter than this part of the motion belongs to the o
 class ActiveLimit:
     """The limit that a motion uses most from `begin` to `end` [s].
 
-    `owner` is "joint", "motor" or "tool", `name` its name. `rate` is "velocity", "acceleration" or "jerk", and for the
-    tool "linear speed" or "angular speed". `share` is the greatest part of the limit in use there; 1 is all of it.
+    `owner` is "joint", "motor" or "tool", `name` its name. `rate` is "velocity", "acceleration", "jerk" or "torque";
+    "linear speed" or "angular speed" for the tool. `share` is the greatest part of the limit in use there; 1 is all.
+    For a torque it is the part of what gravity leaves.
     """
 
     begin: float
@@ -50,6 +52,8 @@ def active_limits(
     *,
     limits: JointLimits | Mapping[str, Any] | None = None,
     segments: Sequence[Segment] = (),
+    torques: bool = False,
+    payload: Load = 0.0,
 ) -> tuple[ActiveLimit, ...]:
     """Return the limit that each stretch of a motion uses most. Raise that limit to make the motion faster there.
 
@@ -62,6 +66,9 @@ def active_limits(
         motion: The motion of its joints.
         limits: As given to `plan` or `plan_joint`; usual ones replace missing ones here too.
         segments: Those given to `plan`. Their shares of joint velocities and speeds of the tool count.
+
+        torques: Whether efforts count, as given to `plan`.
+        payload: What the tool carries then, as given to `plan`.
 
     Returns:
         The stretches in order of time. Gaps are where the arm stands; () for a motion of duration 0.
@@ -79,13 +86,15 @@ def active_limits(
         )
     if not motion.duration:
         return ()
-    bounds = PathBounds(completed(arm, limits)[0], arm.actuators)
+    given = completed(arm, limits)[0]
+    bounds = PathBounds(given, arm.actuators, torques=torque_limits(arm, given.effort, torques, payload))
     t = motion.duration * (np.arange(SAMPLES) + 0.5) / SAMPLES
     shares = _shares(arm, motion, bounds, moves, t)
     names = {"joint": arm.joint_names, "motor": () if arm.actuators is None else arm.actuators.names}
     rates = ("velocity", "acceleration", "jerk")
     rows = [(rate, str(owner), names[owner][index]) for rate in rates for owner, index in bounds.owners]
     rows += [("linear speed", "tool", ""), ("angular speed", "tool", "")]
+    rows += [("torque", str(owner), names[owner][index]) for owner, index in bounds.owners]
     found, first = [], 0
     for row, count in _stretches(shares):
         share = float(shares[first : first + count, row].max())
@@ -97,7 +106,7 @@ def active_limits(
 
 
 def _shares(arm: Arm, motion: Trajectory, bounds: PathBounds, moves: Sequence[Segment], t: Array) -> Array:
-    """Velocity, acceleration and jerk of joints and motors, then both speeds of the tool: (m, 3 r + 2).
+    """Velocity, acceleration and jerk of joints and motors, both speeds of the tool, torques: (m, 3 r + 2) or more.
 
     Each is a share of its limit, 0 without a limit.
     """
@@ -112,6 +121,9 @@ def _shares(arm: Arm, motion: Trajectory, bounds: PathBounds, moves: Sequence[Se
         twist = (arm.body_jacobian(motion(t[among])) @ motion(t[among], 1)[..., None]).reshape(-1, 2, 3)
         most = [np.inf if speed is None else speed for speed in (move.linear_speed, move.angular_speed)]
         tool[among] = np.linalg.norm(twist, axis=-1) / most
+    if bounds.torques is not None:
+        torques = bounds.torques.shares(*(motion(t, order) for order in range(3)))
+        return np.concatenate([*rates, tool, torques], axis=1)
     return np.concatenate([*rates, tool], axis=1)
 
 

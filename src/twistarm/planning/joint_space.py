@@ -17,10 +17,11 @@ from ..support.checks import Array, as_flag, as_positive, require_callback, requ
 from ..support.errors import InputError, quote
 from ..support.messages import Text
 from . import spline
-from .piecewise import JointPath, bernstein, side_by_side
+from .piecewise import JointPath, bernstein, rescaled, side_by_side
 from .s_curve import double_s, double_s_durations, s_curve
 from .time_law import PathBounds
 from .time_optimal import line_durations, time_optimal
+from .torque_limits import Load, torque_limits
 from .trajectory import Progress, Trajectory
 from .waypoints import Waypoints, as_times, as_tolerances, as_waypoints, distinct, smoothed
 from .within import inside_from, on_limits, require_rates, require_span, returning
@@ -78,6 +79,8 @@ def plan_joint(
     orientation_tol: float | None = None,
     unwrap: bool = False,
     smooth: float | None = None,
+    torques: bool = False,
+    payload: Load = 0.0,
     scene: Scene | None = None,
     progress: Progress | None = None,
 ) -> Trajectory:
@@ -129,6 +132,8 @@ def plan_joint(
         unwrap: Whether these joints go to configurations by the shorter way too.
         smooth: How far [rad, m] each joint may deviate from recorded waypoints: 0.01 for two decimals. They become as
             smooth as that allows. The first and the last waypoint are kept. None: all are passed exactly.
+        torques: Whether the efforts of joints and motors limit the motion too, by the masses of the arm.
+        payload: What the tool carries then, a mass [kg] or (mass, place (3,) in tool axes [m]).
         scene: A `Scene` of the arm, or None. The motion is then proven free of collisions, without gaps.
         progress: Called with the fraction done, in (0, 1], or None.
 
@@ -136,7 +141,8 @@ def plan_joint(
         The `Trajectory`, a piecewise polynomial in time.
 
     Raises:
-        LimitError: A waypoint lies outside the position limits, or the times are too short. The message gives joint,
+        LimitError: A waypoint lies outside the position limits, the efforts do not hold arm and payload at rest, or the
+            times are too short. The message gives joint,
             limit, value and place. From a start up to 0.2 rad or 20 mm outside, the motion returns inside.
         InputError: An argument does not fit the arm, or the kind does not go with `times`.
         UnknownNameError: No such pose or joint.
@@ -155,7 +161,11 @@ def plan_joint(
     points = on_limits(points, bounds, arm.joint_names, arm.units)
     if smooth is not None:
         points = smoothed(points, as_positive(smooth, "smooth"), bounds)
-    inside = PathBounds(bounds, arm.actuators)
+    effort = torque_limits(arm, bounds.effort, torques, payload)
+    inside = PathBounds(bounds, arm.actuators, torques=effort)
+    if effort is not None:
+        for i, point in enumerate(points):
+            effort.require_held(point, f"waypoint {i} (counted from 0)")
     breakpoints, coefficients = np.zeros(2), points[None]
     if times is None:
         knots, owner, merged = distinct(points)
@@ -182,6 +192,8 @@ def plan_joint(
         require_rates(motion, bounds)
         if arm.actuators is not None:
             require_rates(motion.to_motors(), arm.actuators.limits, "motor")
+        if effort is not None:
+            effort.require_kept(breakpoints, coefficients)
     if scene is not None:
         from .free_moves import require_free
 
@@ -231,14 +243,17 @@ def shortest_motion(
     if len(points) == 1:
         return Motion(np.zeros(0), np.zeros(2), points[None])
     ways = np.diff(points, axis=0)
-    alone = (double_s_durations if law == "s_curve" else line_durations)(ways, bounds)
-    require_span(float(alone.sum()))
-    straight = _double_s if law == "s_curve" else _along_line
+    straight = straight_s_curve if law == "s_curve" else _along_line
 
     @cache
     def timed(i: int, j: int) -> Motion:
-        return straight(points[i : j + 1], bounds) if j == i + 1 else _along_spline(points[i : j + 1], law, bounds)
+        return straight(points[i], points[j], bounds) if j == i + 1 else _along_spline(points[i : j + 1], law, bounds)
 
+    if bounds.torques is None:
+        alone = (double_s_durations if law == "s_curve" else line_durations)(ways, bounds)
+    else:
+        alone = np.array([timed(i, i + 1).duration for i in range(len(ways))])
+    require_span(float(alone.sum()))
     if not stop and progress is not None:
         timed(0, len(alone))
         progress(FIRST_PART)
@@ -285,13 +300,22 @@ def joined(motions: Sequence[Motion]) -> Motion:
     return Motion(ends, breakpoints, side_by_side([motion.coefficients for _, motion in moving]))
 
 
-def _double_s(ends: Array, bounds: PathBounds) -> Motion:
-    breakpoints, coefficients = double_s(ends[0], ends[1], bounds)
+def straight_s_curve(start: Array, goal: Array, bounds: PathBounds, straight: bool = False) -> Motion:
+    """The `double_s`, or under torque limits the shorter of a slower one and the s-curve along the straight line."""
+    breakpoints, coefficients = double_s(start, goal, bounds, straight)
+    slower = 1.0 if bounds.torques is None else max(1.0, bounds.torques.slowing(breakpoints, coefficients))
+    if slower > 1.0:
+        line = JointPath.straight(start, goal)
+        law = s_curve(line, bounds)
+        if law.duration < slower * breakpoints[-1]:
+            breakpoints, coefficients = law.along(line)
+        else:
+            breakpoints, coefficients = slower * breakpoints, rescaled(coefficients, 1.0 / slower)
     return Motion(breakpoints[-1:], breakpoints, coefficients)
 
 
-def _along_line(ends: Array, bounds: PathBounds) -> Motion:
-    line = JointPath.straight(ends[0], ends[1])
+def _along_line(start: Array, goal: Array, bounds: PathBounds) -> Motion:
+    line = JointPath.straight(start, goal)
     breakpoints, coefficients = time_optimal(line, bounds).along(line)
     return Motion(breakpoints[-1:], breakpoints, coefficients)
 

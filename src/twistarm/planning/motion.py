@@ -17,15 +17,16 @@ from ..support.checks import Array, Row, as_flag, as_number, as_positive, requir
 from ..support.errors import InputError, NotConvergedError
 from ..support.messages import Argument, Text
 from .goals import Goals
-from .joint_space import Motion, best_stops, completed, joined
+from .joint_space import Motion, best_stops, completed, joined, straight_s_curve
 from .piecewise import JointPath
 from .refusal import PathError
 from .route import PathPart, Router
-from .s_curve import double_s, s_curve
+from .s_curve import s_curve
 from .segments import Dwell, FreeMove, JointMove, Segment, as_segments, place
 from .stretches import Corner, path_along, runs
 from .time_law import PathBounds, TimeLaw, quintic
 from .time_optimal import time_optimal
+from .torque_limits import HELD, Load, torque_limits
 from .trajectory import Progress, Trajectory
 from .within import inside_from
 
@@ -53,6 +54,8 @@ def plan(
     position_tol: float | None = None,
     orientation_tol: float | None = None,
     unwrap: bool = False,
+    torques: bool = False,
+    payload: Load = 0.0,
     scene: Scene | None = None,
     max_time: float = 5.0,
     clearance: float = 0.004,
@@ -85,6 +88,8 @@ def plan(
         orientation_tol: Tolerance of its rotation [rad]; 5e-5 by default.
         unwrap: Whether joints that can turn by 2π go to configurations by the shorter way, from 3.1 to −3.1 by 0.08
             rad. To targets they always do.
+        torques: Whether the efforts of joints and motors limit the motion too, by the masses of the arm.
+        payload: What the tool carries then, a mass [kg] or (mass, place (3,) in tool axes [m]).
         scene: A `Scene` of the arm, or None. The motion is then proven free without gaps, and a `FreeMove` goes round.
         max_time: Greatest wall time [s] for the way of one `FreeMove`; a busy computer searches less in it. If the
             timed motion collides, which is rare, the ways are searched once more.
@@ -100,7 +105,7 @@ def plan(
     Raises:
         PathError: A curve cannot be followed. The message says where it stops, why, and what would help. Or the motion
             collides, or no way round was found.
-        LimitError: A goal lies outside the position limits.
+        LimitError: A goal lies outside the position limits, or the efforts do not hold arm and payload at rest.
         NotConvergedError: The target of a joint move cannot be met; the message says why.
         InputError: An argument does not fit the arm.
         UnknownNameError: No such configuration or joint.
@@ -116,6 +121,8 @@ def plan(
         raise InputError(f"start must be one configuration ({arm.n},); got {origin.shape}")
     inside, back = inside_from(origin, bounds, arm.joint_names, arm.units)
     how = {"max_time": as_positive(max_time, "max_time"), "clearance": as_number(clearance, "clearance", 0.0)}
+    effort = torque_limits(arm, bounds.effort, torques, payload)
+    rates = PathBounds(bounds, arm.actuators, torques=effort)
     around, free_path = _obstacles(arm, moves, origin, scene, {"limits": bounds, **how})
     tell = _onward(progress)
     goals = Goals(ranged, bounds, as_flag(unwrap, "unwrap"))
@@ -131,7 +138,7 @@ def plan(
         first, told = origin if back else inside, (*notes, *back, *said)
 
         def timed(parts: list[PathPart]) -> Trajectory:
-            return _in_time(ranged, first, parts, bounds, kind, told)
+            return _in_time(ranged, first, parts, rates, kind, told)
 
         return (timed(parts), None) if around is None else _checked(around, timed, parts, moves)
 
@@ -211,10 +218,15 @@ def _checked(
 
 
 def _in_time(
-    arm: Arm, origin: Array, parts: list[PathPart], limits: JointLimits, kind: str, notes: tuple[str, ...]
+    arm: Arm, origin: Array, parts: list[PathPart], bounds: PathBounds, kind: str, notes: tuple[str, ...]
 ) -> Trajectory:
     """Return the motion along the parts, from stop to stop as fast as the limits allow."""
-    motions, stopped, bounds = list[Motion](), list[PathPart](), PathBounds(limits, arm.actuators)
+    motions, stopped, limits = list[Motion](), list[PathPart](), bounds.limits
+    if bounds.torques is not None:
+        for part in parts:
+            path = part.path
+            at = part.end[None] if path is None else path(np.linspace(0.0, path.length, HELD))
+            bounds.torques.require_held(at, place(part.index, part.segment))
     for run, corners in runs(arm, parts, limits):
         timed = cache(partial(_timed, arm, run, corners, bounds, kind))
         stops = best_stops(timed, np.array([timed(i, i + 1).duration for i in range(len(run))]))
@@ -246,8 +258,7 @@ def _timed(
         return Motion(np.array([stay]), np.array([0.0, stay]), theta[None, None])
     if kind == "s_curve" and j == i + 1 and not run[i].move.slowed and own.coefficients.shape[:2] == (2, 1):
         # A double-S for each joint would leave the straight line along which the free move was proven.
-        breakpoints, coefficients = double_s(own.start, own.end, bounds, straight=isinstance(segment, FreeMove))
-        return Motion(breakpoints[-1:], breakpoints, coefficients)
+        return straight_s_curve(own.start, own.end, bounds, straight=isinstance(segment, FreeMove))
     path, ends, ceiling = path_along(arm, run[i:j], corners[i : j - 1], bounds.limits)
     law = LAWS[kind](path, bounds.capped(ceiling))
     return Motion(law.passes(ends), *law.along(path))

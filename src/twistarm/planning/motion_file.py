@@ -6,6 +6,7 @@ import dataclasses
 import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ from ..support.files import as_path
 from ..theory.rotations import from_quaternion_wxyz, from_rpy
 from .motion import LAWS
 from .segments import ArcMove, Dwell, FreeMove, Goal, JointMove, LineMove, Move, ScrewMove, Segment
+from .torque_limits import Load
 
 # How far the first motion moves a joint from the ready pose, or as far as its limits allow.
 STEP = {"rad": 0.2, "m": 0.05}
@@ -57,6 +59,8 @@ class MotionFile:
     position_tol: float | None = None
     orientation_tol: float | None = None
     unwrap: bool = False
+    torques: bool = False
+    payload: Load = 0.0
     scene: Path | None = None
 
 
@@ -106,7 +110,7 @@ class _Reader:
             **dict.fromkeys(("by", "axis", "point", "centre", "xyz", "direction", "tool_axis"), vector),
             **dict.fromkeys(("linear_speed", "position_tol"), as_positive),
             **dict.fromkeys(("angular_speed", "orientation_tol"), lambda value, name: angle * as_positive(value, name)),
-            **dict.fromkeys(("degrees", "unwrap"), as_flag),
+            **dict.fromkeys(("degrees", "unwrap", "torques"), as_flag),
             **dict.fromkeys(("blend", "velocity_scaling", "pitch"), as_number),
             "angle": lambda value, name: angle * as_number(value, name),
             "rpy": lambda value, name: from_rpy(angle * vector(value, name)),
@@ -117,6 +121,7 @@ class _Reader:
             "start": self._start,
             "kind": one_of(tuple(LAWS)),
             "limits": table_of(anything),
+            "payload": _payload,
             "scene": word,
         }
 
@@ -192,6 +197,14 @@ class _Reader:
     def _tolerance(self, value: Any, name: str) -> Array:
         six = numbers(value, f"{name}, along x, y and z and about them, inf where it is free,", 6, least=0.0, most=inf)
         return np.array(six) * np.repeat([1.0, self.angle], 3)
+
+
+def _payload(value: Any, name: str) -> Load:
+    """Read a mass [kg], or { mass, offset } with its place in tool axes [m]."""
+    if not isinstance(value, dict):
+        return as_number(value, name, least=0.0)
+    table = fields(value, name, {"mass": partial(as_number, least=0.0), "offset": vector}, {})
+    return table["mass"], table["offset"]
 
 
 def draft_motion_file(arm: Arm) -> str:

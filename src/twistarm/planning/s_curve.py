@@ -10,6 +10,7 @@ from ..support.checks import Array
 from .piecewise import Indices, JointPath, bernstein, bisected, derivative, evaluate
 from .time_law import PathBounds, TimeLaw, distinct_instants
 from .time_optimal import LimitedPath, durations_of, first_grid, law_of, path_velocity, shares_of_average
+from .torque_limits import GridRows
 from .within import require_span
 
 # Window widths to try, as multiples of the rise time of the slowest rate to its acceleration limit. The first is the
@@ -46,6 +47,7 @@ def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
     fine, piece = path.in_pieces(path.length / PIECES)
     bounds = bounds.capped(bounds.ceiling_of(path)[piece])
     limited, grid, jerk = LimitedPath.of(fine, bounds), first_grid(fine.breakpoints), np.ascontiguousarray(bounds.jerk)
+    rows = GridRows(fine, bounds.torques).at(grid)
     first = _ceiling(fine, bounds)
     limits = np.isfinite(bounds.acceleration)
     rise = float((bounds.acceleration[limits] / bounds.jerk[limits]).max())  # of the slowest rate to its limit [s]
@@ -53,10 +55,10 @@ def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
     for window in rise * np.array(WINDOWS):
         ceiling, least, vain = first, np.inf, 0
         for _ in range(ROUNDS):
-            x = path_velocity(replace(limited, ceiling=ceiling), grid).x
+            x = path_velocity(replace(limited, ceiling=ceiling), grid, rows).x
             passing = float(durations_of(grid, x).sum()) + window
             require_span(passing)
-            shares, speed = shares_of_average(limited, grid, x, jerk, window)
+            shares, speed = shares_of_average(limited, grid, rows, x, jerk, window)
             factor = np.max([*shares ** (1.0 / ORDERS), speed / bounds.ceiling_of(fine)], axis=0)
             duration = passing * float(factor.max())  # once it is slowed as a whole
             if duration < shortest:

@@ -1,6 +1,6 @@
 """Time laws: s(t) along a path in joint space, the limits they keep, and the quintic law.
 
-The limits are rows C q' of joints and motors, and a cap of ṡ from limits of the tool's speed.
+The limits are rows C q' of joints and motors, a cap of ṡ from limits of the tool's speed, and torques.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from ..limits.actuators import Actuators
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, frozen
 from .piecewise import Indices, JointPath, bisected, composed, derivative, largest, rescaled, shifted
+from .torque_limits import TorqueLimits
 from .within import MARGIN, require_span, slowed_by
 
 # Rise time [s] to the acceleration limit for joints without a jerk limit, in laws that limit the jerk.
@@ -35,12 +36,13 @@ class PathBounds:
 
     Every moving joint, or a motor of it, has an acceleration limit. `limits` are of n joints. `actuators` have their
     limits on the motor side, motor = G theta + o. Velocity, acceleration and jerk count; positions do not. `ceiling`
-    (m,) [1/s] is the largest ṡ per piece of the path, from limits of the tool's speed.
+    (m,) [1/s] is the largest ṡ per piece of the path, from limits of the tool's speed. `torques` None: any torque.
     """
 
     limits: JointLimits
     actuators: Actuators | None = None
     ceiling: Array | None = None
+    torques: TorqueLimits | None = None
 
     @cached_property
     def C(self) -> Array:
@@ -142,7 +144,8 @@ class TimeLaw:
         steps = np.diff(breakpoints)
         speed = derivative(self.coefficients[:, :, None]) / bounds.ceiling_of(path)[self.pieces(path)][:, None]
         rates = slowed_by(coefficients @ bounds.C.T, steps, replace(bounds.rates, jerk=jerk))
-        factor = max(rates, largest(speed, steps)) * (1.0 + MARGIN)
+        torques = 0.0 if bounds.torques is None else bounds.torques.slowing(breakpoints, coefficients)
+        factor = max(rates, largest(speed, steps), torques) * (1.0 + MARGIN)
         require_span(self.duration * factor)
         return TimeLaw(self.breakpoints * factor, rescaled(self.coefficients, 1.0 / factor))
 

@@ -1,4 +1,4 @@
-"""The time-optimal law along a path, within velocities, accelerations, motors and the tool's speed.
+"""The time-optimal law along a path, within velocities, accelerations, motors, torques and the tool's speed.
 
 The largest ṡ² on a grid comes from a reachability analysis in two passes, by the compiled core. Source: Pham & Pham, A
 new approach to time-optimal path parameterization based on reachability analysis, IEEE T-RO 34(3), 2018. The rows of
@@ -17,6 +17,7 @@ from ..support.checks import Array
 from ..support.errors import InputError
 from .piecewise import JointPath
 from .time_law import APART, PathBounds, TimeLaw
+from .torque_limits import GridRows
 from .within import MARGIN, SHORTEST, require_span
 
 FIRST_INTERVALS = 150  # Intervals to begin with, about.
@@ -25,6 +26,7 @@ GAIN = 1e-3  # The grid is fine enough when a finer one shortens the motion by l
 UNUSED_PER_GAIN = 4.0  # The grid loses one in so many parts of the time that the limits leave unused.
 # Intervals are halved if their loss exceeds this share of the motion's time, divided among all of them.
 LOSS = 3e-3
+BETWEEN = 1e-4  # Intervals are halved if a torque exceeds its room by this share in their middle.
 ROUNDS = 10  # How often intervals are halved at most.
 MAX_INTERVALS = 5000  # A grid of more intervals is not refined: a trajectory has a piece for each.
 LEAST_DEGREE = 2  # A straight line counts as a parabola: its curvature is a polynomial too.
@@ -33,32 +35,35 @@ WITHOUT_CORE = " (not kind='quintic', straight joint moves from rest to rest, or
 
 
 def time_optimal(path: JointPath, bounds: PathBounds) -> TimeLaw:
-    """The shortest law from rest to rest that keeps velocity, acceleration, motors and ceiling.
+    """The shortest law from rest to rest that keeps velocity, acceleration, motors, torques and ceiling.
 
     s̈ is constant on each interval of a grid, so s is a parabola on each. No limit is exceeded between the grid's
-    points either. Intervals are halved until the gain is below 0.1 %, or there are 5,000. Where p'
+    points either, torques to 0.01 %. Intervals are halved until the gain is below 0.1 %, or there are 5,000. Where p'
     = 0, curvature alone limits the acceleration. Where the path does not move, nothing does. Jerk is not limited. A
     path that stays where it is takes no time. Raises InputError for a motion of less than 1e-9 s or more than 1e9 s.
     """
     if not path.moves:
         return TimeLaw.at_once()
-    if path.coefficients.shape[:2] == (2, 1):
+    if path.coefficients.shape[:2] == (2, 1) and bounds.torques is None:
         return along_line(path, bounds)
     limited, grid, shortest = LimitedPath.of(path, bounds), first_grid(path.breakpoints), np.inf
+    rows = GridRows(path, bounds.torques)
     for _ in range(ROUNDS):
-        profile = path_velocity(limited, grid)
+        profile = path_velocity(limited, grid, rows.at(grid))
+        between = rows.between(grid, profile.x)
         durations = durations_of(grid, profile.x)
         duration = float(durations.sum())
         endless = np.isinf(durations)
         # Where both speeds are zero, or an interval is tiny, no limit has a share; an endless interval is halved.
         loss = np.where(endless, 0.0, durations) * (1.0 - np.fmax(np.fmin(profile.share, 1.0), 0.0))
-        coarse = endless | (loss > LOSS * duration / len(loss))
+        coarse = endless | (loss > LOSS * duration / len(loss)) | (between > 1.0 + BETWEEN)
         fine = loss.sum() < UNUSED_PER_GAIN * GAIN * duration or duration > shortest * (1.0 - GAIN)
+        fine = fine and not (between > 1.0 + BETWEEN).any()
         if not endless.any() and (fine or not coarse.any() or len(coarse) > MAX_INTERVALS):
             break
         shortest = duration
         grid = np.sort(np.concatenate([grid, (0.5 * (grid[:-1] + grid[1:]))[coarse]]))
-    return law_of(grid, profile.x)
+    return law_of(grid, profile.x / max(1.0, float(between.max())))
 
 
 def first_grid(breakpoints: Array) -> Array:
@@ -116,25 +121,30 @@ class Profile(NamedTuple):
     share: Array
 
 
-def path_velocity(path: LimitedPath, grid: Array) -> Profile:
+def path_velocity(path: LimitedPath, grid: Array, rows: Array | None = None) -> Profile:
     """The profile on the grid (N + 1,) over the path's length, with every breakpoint of the path.
+
+    `rows` are a and b (2, N + 1, k) of further limits a s̈ + b ṡ² ≤ 1 at its points.
 
     Backwards: from which x the end can be reached at rest. Forwards: the largest x, interval by interval, that stays
     among those. Every interval's region of (x0, x1) is convex and holds (0, 0), so neither pass can fail. Raises
     TwistarmError without the compiled core, InputError for more joints and motors than it takes.
     """
     core = engine.need(f"the shortest motion along a path{WITHOUT_CORE}")
-    return Profile(*_taken(path, core.path_velocity(*vars(path).values(), grid, greatest_rate(path))))
+    a, b = np.zeros((2, len(grid), 0)) if rows is None else rows
+    return Profile(*_taken(path, core.path_velocity(*vars(path).values(), grid, a, b, greatest_rate(path))))
 
 
-def shares_of_average(path: LimitedPath, grid: Array, x: Array, jerk: Array, window: float) -> tuple[Array, Array]:
+def shares_of_average(
+    path: LimitedPath, grid: Array, rows: Array, x: Array, jerk: Array, window: float
+) -> tuple[Array, Array]:
     """What shares of its limits the law x = ṡ² (N + 1,) uses once a moving average over a window [s] limits its jerk.
 
     The shares (3, m) are of velocity, acceleration and `jerk` (r,) on each piece, with the largest ṡ there (m,). Three
     samples between any two knots of the law and of the path give them. Raises as `path_velocity` does.
     """
     core = engine.need(f"the shortest motion along a path{WITHOUT_CORE}")
-    return _taken(path, core.shares_of_average(*vars(path).values(), grid, x, jerk, window))
+    return _taken(path, core.shares_of_average(*vars(path).values(), grid, *rows, x, jerk, window))
 
 
 def _taken(path: LimitedPath, found: tuple[Array, Array] | None) -> tuple[Array, Array]:

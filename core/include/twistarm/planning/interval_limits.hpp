@@ -19,8 +19,15 @@ template <class T> struct limited_path {
     const T* ceiling;  ///< the largest ṡ on each piece
 };
 
+/// Limits a s̈ + b ṡ² ≤ 1 at the points of a grid, such as those of torques: Pham & Pham 2018, §II.
+template <class T> struct second_order_rows {
+    int rows;
+    const T *a, *b;  ///< (points, rows)
+};
+
 namespace detail {
 constexpr int most_path_degree = 5, most_path_rows = 2 * most_joints;
+constexpr int most_second_order_rows = 2 * most_path_rows;  // Each effort has a limit on both sides.
 
 /// Pascal's triangle.
 template <class T> constexpr T choose(int n, int k) {
@@ -37,8 +44,12 @@ public:
         return path.degree >= 2 && path.degree <= detail::most_path_degree && path.pieces >= 1 && path.rows >= 1 &&
                path.rows <= detail::most_path_rows;
     }
+    static bool fits(const second_order_rows<T>& more) {
+        return more.rows >= 0 && more.rows <= detail::most_second_order_rows;
+    }
 
-    interval_limits(const limited_path<T>& path, const T* grid) : path_(path), grid_(grid) {
+    interval_limits(const limited_path<T>& path, const T* grid, const second_order_rows<T>& more)
+        : path_(path), grid_(grid), more_(more) {
         for (int r = 0; r < path.rows; ++r) {
             per_velocity_[r] = T(1) / path.velocity[r];
             per_acceleration_[r] = T(1) / path.acceleration[r];
@@ -81,6 +92,11 @@ public:
         const T cap = T(1) / (path_.ceiling[piece_] * path_.ceiling[piece_]);
         add(cap, T(0));
         add(T(0), cap);
+        for (int r = 0; r < more_.rows; ++r) {
+            const int from = i * more_.rows + r, to = from + more_.rows;
+            add(more_.b[from] - more_.a[from] * per_2h, more_.a[from] * per_2h);
+            add(-more_.a[to] * per_2h, more_.b[to] + more_.a[to] * per_2h);
+        }
         return {a_, b_, count_};
     }
 
@@ -97,6 +113,11 @@ public:
             const T acceleration = half * (absolute(a0) + absolute(a1)) * per_acceleration_[r];
             if (velocity > most) most = velocity;
             if (acceleration > most) most = acceleration;
+        }
+        for (int r = 0; r < more_.rows; ++r) {
+            const int from = i * more_.rows + r, to = from + more_.rows;
+            const T begin = more_.a[from] * s_ddot + more_.b[from] * x0, end = more_.a[to] * s_ddot + more_.b[to] * x1;
+            most = greatest(most, half * (greatest(begin, T(0)) + greatest(end, T(0))));
         }
         return most;
     }
@@ -141,11 +162,13 @@ private:
     static constexpr int D = detail::most_path_degree, R = detail::most_path_rows;
     const limited_path<T>& path_;
     const T* grid_;
+    const second_order_rows<T> more_;
     int piece_ = 0, count_ = 0;
     T per_velocity_[R], per_acceleration_[R];
     T tangent_[D][D] = {}, bend_[D][D] = {}, square_[D][D];
     T dp_[D][R], ddp_[D][R];
-    T a_[4 * D * R + 2], b_[4 * D * R + 2];
+    static constexpr int most_rows = 4 * D * R + 2 + 2 * detail::most_second_order_rows;
+    T a_[most_rows], b_[most_rows];
 };
 
 TWISTARM_END

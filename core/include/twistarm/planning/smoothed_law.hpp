@@ -79,8 +79,9 @@ private:
 /// What a path uses of its limits of velocity, acceleration and jerk.
 template <class T> class used_limits {
 public:
-    used_limits(const limited_path<T>& path, const T* jerk, T* shares, T* fastest)
-        : path_(path), shares_(shares), fastest_(fastest) {
+    used_limits(const limited_path<T>& path, const T* jerk, const grid_law<T>& law, const second_order_rows<T>& more,
+                T* shares, T* fastest)
+        : path_(path), law_(law), more_(more), shares_(shares), fastest_(fastest) {
         for (int i = 0; i < 3 * path.pieces; ++i) shares[i] = T(0);
         for (int i = 0; i < path.pieces; ++i) fastest[i] = T(0);
         const T* limits[] = {path.velocity, path.acceleration, jerk};
@@ -88,7 +89,8 @@ public:
             for (int r = 0; r < path.rows; ++r) per_limit_[order][r] = T(1) / limits[order][r];
     }
 
-    /// Note the rates p' ṡ, p'' ṡ² + p' s̈ and p''' ṡ³ + 3 p'' ṡ s̈ + p' s⃛ at s and its derivatives.
+    /// Note the rates p' ṡ, p'' ṡ² + p' s̈ and p''' ṡ³ + 3 p'' ṡ s̈ + p' s⃛ at s and its derivatives. Rows of second
+    /// order count as accelerations, and are linear between grid points.
     void note(const T s[4]) {
         while (piece_ < path_.pieces - 1 && path_.breakpoints[piece_ + 1] <= s[0]) ++piece_;
         while (piece_ > 0 && path_.breakpoints[piece_] > s[0]) --piece_;
@@ -108,6 +110,16 @@ public:
             for (int order = 0; order < 3; ++order)
                 worst[order] = greatest(worst[order], absolute(rates[order]) * per_limit_[order][r]);
         }
+        while (interval_ < law_.count - 1 && law_.grid[interval_ + 1] <= s[0]) ++interval_;
+        while (interval_ > 0 && law_.grid[interval_] > s[0]) --interval_;
+        const T* const here = law_.grid + interval_;
+        const T u = (s[0] - here[0]) / (here[1] - here[0]);
+        for (int r = 0; r < more_.rows; ++r) {
+            const int from = interval_ * more_.rows + r, to = from + more_.rows;
+            const T a = more_.a[from] + u * (more_.a[to] - more_.a[from]);
+            const T b = more_.b[from] + u * (more_.b[to] - more_.b[from]);
+            worst[1] = greatest(worst[1], a * s[2] + b * v * v);
+        }
         for (int order = 0; order < 3; ++order) {
             T& most = shares_[order * path_.pieces + piece_];
             most = greatest(most, worst[order]);
@@ -118,8 +130,10 @@ public:
 private:
     static constexpr int R = most_path_rows;
     const limited_path<T>& path_;
+    const grid_law<T>& law_;
+    const second_order_rows<T>& more_;
     T *shares_, *fastest_, per_limit_[3][R];
-    int piece_ = 0;
+    int piece_ = 0, interval_ = 0;
 };
 }  // namespace detail
 
@@ -127,10 +141,10 @@ private:
 /// `shares` (3, pieces), and the largest ṡ there, `fastest` (pieces). It looks at both ends and the middle of each
 /// part. Parts end at the knots of the law, and about where pieces of the path do. `scratch` holds 3 (count + 1).
 template <class T>
-void shares_of_average(const limited_path<T>& path, const T* jerk, const grid_law<T>& law, T window, T* scratch,
-                       T* shares, T* fastest) {
+void shares_of_average(const limited_path<T>& path, const T* jerk, const grid_law<T>& law,
+                       const second_order_rows<T>& more, T window, T* scratch, T* shares, T* fastest) {
     detail::average<T> average(law, window, scratch);
-    detail::used_limits<T> used(path, jerk, shares, fastest);
+    detail::used_limits<T> used(path, jerk, law, more, shares, fastest);
     T s[4], to = T(0);
     int inner = 1;
     for (T begin = T(0), end; begin < average.duration(); begin = end) {

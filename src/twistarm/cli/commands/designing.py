@@ -23,7 +23,7 @@ from ...support.checks import Array
 from ...support.errors import InputError
 from ...theory.rotations import to_rpy
 from ..numbers import PLACE, argument, numbers, option, parse_numbers, quantity, whole
-from ..options import Answer, ArmArgument, Avoid, CsvAnswer, Source, Theta, answers, avoided
+from ..options import Answer, ArmArgument, Avoid, CsvAnswer, Offset, Source, Theta, answers, avoided
 from ..output import STDOUT, Outputs, note, plain, progress_bar
 from ..rows import TargetOptions
 from ..tables import Column, Table, joint_columns, number, quantity_text, theta_typed, unit_text
@@ -62,13 +62,17 @@ MotionFiles = Annotated[
 ]
 
 
-def payload(source: ArmArgument, out: CsvAnswer, theta: Theta = None, motion: Motion = None, mass: Mass = 0.0) -> int:
+def payload(
+    source: ArmArgument, out: CsvAnswer, theta: Theta = None, motion: Motion = None, mass: Mass = 0.0,
+    offset: Offset = None,
+) -> int:  # fmt: skip
     """Show the greatest mass at the tool anywhere inside the limits, at --theta, or along --motion."""
     arm = source.load()
     if motion is not None and theta is not None:
         raise InputError("--motion has its own configurations: leave out --theta")
     x: Any = None if theta is None else theta.anywhere(arm)
-    found = payload_of(arm, x if motion is None else motion_of_file(arm, motion)[1])
+    centre = (0.0, 0.0, 0.0) if offset is None else offset
+    found = payload_of(arm, x if motion is None else motion_of_file(arm, motion)[1], offset=centre)
     needs, x = found.needs(mass), found.theta.reshape(-1, arm.n)
     by = [found.names[row] if row >= 0 else "nothing" for row in found.limiting.ravel()]
     worst = found.worst

@@ -21,7 +21,7 @@ from ...planning.trajectory import Progress
 from ...planning.trajectory_files import FORMATS, Writing, written
 from ...support.errors import InputError
 from ..numbers import POSE, JointValues, OfJoints, argument, joint_values, of_joints, option, quantity, switch
-from ..options import ArmArgument, Avoid, answers, avoided
+from ..options import ArmArgument, Avoid, Offset, answers, avoided
 from ..output import STDOUT, Contents, Outputs, note, progress_bar
 from ..rows import OrientationTol, PositionTol, TargetOptions
 from ..tables import Column, Table, number, theta_values
@@ -43,6 +43,7 @@ def planned(
         asked.segments, asked.linear_speed, asked.angular_speed, asked.position_tol, asked.orientation_tol
     )
     how: dict[str, Any] = {"kind": asked.kind or "s_curve", "unwrap": asked.unwrap, "scene": scene}
+    how |= {"torques": asked.torques, "payload": asked.payload}
     how |= {"max_time": max_time, "clearance": clearance, "limits": limits, "start": asked.start, "progress": progress}
     return planning.plan(arm, segments, **how), segments
 
@@ -111,6 +112,10 @@ Unwrap = Annotated[
     bool,
     switch("Continuous joints go to poses by the shorter way, by whole turns; to --xyz they always do.", "--unwrap"),
 ]
+Torques = Annotated[
+    bool, switch("The efforts of joints and motors limit the motion too, by the masses of the arm.", "--torques")
+]
+Mass = Annotated[float | None, quantity("kg", "With --torques: what the tool carries.", zero=True)]
 Smooth = Annotated[
     float | None,
     quantity(
@@ -145,6 +150,9 @@ def plan(
     unwrap: Unwrap = False,
     position_tol: PositionTol = None,
     orientation_tol: OrientationTol = None,
+    torques: Torques = False,
+    mass: Mass = None,
+    offset: Offset = None,
     avoid: Avoid = None,
     max_time: MaxTime = MAX_TIME,
     clearance: Clearance = CLEARANCE,
@@ -170,14 +178,20 @@ def plan(
         blends = [blend or 0.0] * (len(goals) - 1) + [0.0]  # rounded corners between them
         asked = planning.MotionFile(tuple(move(goal, blend=each) for goal, each in zip(goals, blends, strict=True)))
     typed |= {} if start is None else {"start": poses[0]}
-    asked = replace(asked, **typed, kind=kind or asked.kind, unwrap=unwrap or asked.unwrap)
+    if offset is not None and mass is None:
+        raise InputError("--offset is where the mass of --mass is: give both")
+    typed |= {} if mass is None else {"payload": mass if offset is None else (mass, offset)}
+    asked = replace(
+        asked, **typed, kind=kind or asked.kind, unwrap=unwrap or asked.unwrap, torques=torques or asked.torques
+    )
+    efforts: dict[str, Any] = {"torques": asked.torques, "payload": asked.payload}
     scene = avoided(arm, avoid or asked.scene)
     given = capped(arm, velocity, acceleration, asked.limits)
     limits = with_defaults(arm, given)
     segments: list[planning.Segment] = []
     with progress_bar("planning") as progress:
         if to and not line and scene is None:
-            how: dict[str, Any] = {"kind": kind or "s_curve", "stop_at_waypoints": stop, "unwrap": unwrap}
+            how: dict[str, Any] = {"kind": kind or "s_curve", "stop_at_waypoints": stop, "unwrap": unwrap, **efforts}
             how |= {} if smooth is None else {"smooth": smooth}
             found = planning.plan_joint(arm, poses, limits=limits, progress=progress, **how)
         else:
@@ -204,7 +218,7 @@ def plan(
         },
         *([f"{assumed} (--velocity, --acceleration)"] if assumed else []),
         *plan_tables(arm, found, limits),
-        active_limits_table(planning.active_limits(arm, found, limits=limits, segments=segments)),
+        active_limits_table(planning.active_limits(arm, found, limits=limits, segments=segments, **efforts)),
         *([] if nearest is None else [f"nearest: {nearest}"]),
         files=motion_texts(arm, found, out, dt, counts=counts),
     )
