@@ -105,14 +105,14 @@ class Checker:
         hit = {k for k, result in enumerate(geometry.collisionResults) if result.isCollision()}
         return sorted(hit.union(self.enclosed(geometry)))
 
-    def distances(self, q: Array) -> Array:
-        """The distance [m] of each pair at q (nq,), negative by the depth of an overlap."""
+    def distances(self, q: Array, pairs: Sequence[int] | None = None) -> Array:
+        """The distance (k,) [m] of each of these pairs at q (nq,), by default all, negative by the depth of an overlap."""
         data, geometry, *_ = self._own()
-        self._pin.computeDistances(self._model.model, data, self._geometry, geometry, q)
-        metres = np.array([result.min_distance for result in geometry.distanceResults])
-        inside = [*self.enclosed(geometry)]
-        metres[inside] = -np.abs(metres[inside])
-        return metres
+        self._pin.updateGeometryPlacements(self._model.model, data, self._geometry, geometry, q)
+        chosen = range(len(self.pairs)) if pairs is None else pairs
+        metres = np.array([self._pin.computeDistance(self._geometry, geometry, k).min_distance for k in chosen])
+        inside = {*self.enclosed(geometry, chosen)}
+        return np.where([k in inside for k in chosen], -np.abs(metres), metres)
 
     def enclosed(self, geometry: Any, pairs: Container[int] | None = None) -> Iterator[int]:
         """Yield those of `pairs`, by default all, of which a body is inside the closed mesh of the other one.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import pairwise, product
 from math import inf
 from typing import Any
 
@@ -44,18 +43,19 @@ class NearPairs(Checker):
     ) -> None:
         super().__init__(model, bodies, pairs, margins)
         parts = [getattr(body.shape, "parts", None) or [body.shape] for body in self.bodies]
-        shapes, ends = [part for each in parts for part in each], np.cumsum([0, *map(len, parts)]).tolist()
-        body_of = np.repeat(np.arange(len(parts)), [len(each) for each in parts])
+        self._shapes = shapes = [part for each in parts for part in each]
+        counts = np.array([len(each) for each in parts], dtype=int)
+        body_of = np.repeat(np.arange(len(parts)), counts)
         # The pair of bodies, and the two shapes, of each pair of parts.
-        places = [range(*each) for each in pairwise(ends)]
-        expanded = [(k, *both) for k, (i, j) in enumerate(self.pairs) for both in product(places[i], places[j])]
-        self._owner, first, second = np.array(expanded, dtype=int).reshape(-1, 3).T
+        sides = np.array(self.pairs, dtype=int).reshape(-1, 2).T
+        products = counts[sides].prod(axis=0)
+        self._owner = np.repeat(np.arange(len(products)), products)
+        place = np.arange(len(self._owner)) - np.repeat(np.cumsum(products) - products, products)
+        (begin, other), across = (np.cumsum(counts) - counts)[sides][:, self._owner], counts[sides[1]][self._owner]
+        self._first, self._second = first, second = begin + place // across, other + place % across
         self.body_pairs = np.column_stack([body_of[first], body_of[second]])
         # What is measured by Coal itself: pairs with a part of a body.
-        single = np.array([len(each) == 1 for each in parts], dtype=bool)
-        self._parted = {
-            int(k): (shapes[first[k]], shapes[second[k]]) for k in np.flatnonzero(~single[self.body_pairs].all(axis=1))
-        }
+        self._parted = (counts[self.body_pairs] > 1).any(axis=1)
         self._request = self._pin.coal.DistanceRequest()
         self._request.gjk_tolerance = TOLERANCE
         self.least = np.array(self.margins)[self._owner]
@@ -118,8 +118,7 @@ class NearPairs(Checker):
             frames = self._model.joint_frames(q)
             best, metres = self._gaps.nearest(frames, self._last, ROUNDING, lambda k: self.measure(geometry, k)[0])
             self._last = best
-            parted = best in self._parted
-            found = self.measure(geometry, best)[1] if parted else geometry.distanceResults[int(self._owner[best])]
+            found = self.measure(geometry, best)[1] if self._parted[best] else geometry.distanceResults[int(self._owner[best])]
         return best, metres, np.array([found.getNearestPoint1(), found.getNearestPoint2()])
 
     def near(self, theta: Array, reach: Array, count: int) -> Near:
@@ -204,11 +203,11 @@ class NearPairs(Checker):
         The latter is the geometry's, which the next measure of the pair replaces.
         """
         owner = int(self._owner[k])
-        if k in self._parted:
+        if self._parted[k]:
             coal, sides = self._pin.coal, []
-            for body, shape in zip(self.pairs[owner], self._parted[k], strict=True):
+            for body, part in zip(self.pairs[owner], (self._first[k], self._second[k]), strict=True):
                 g = geometry.oMg[body]
-                sides += [shape, coal.Transform3s(g.rotation, g.translation)]
+                sides += [self._shapes[part], coal.Transform3s(g.rotation, g.translation)]
             found = coal.DistanceResult()
             coal.distance(*sides, self._request, found)
         else:

@@ -271,11 +271,10 @@ class Scene(Obstacles):
         if not checker.collides(q):
             return ()
         hit = checker.overlapping(q)
-        metres = checker.distances(q)
         worst: dict[tuple[str, str], Contact] = {}
-        for k in sorted(hit, key=lambda k: metres[k]):
+        for metres, k in sorted(zip(checker.distances(q, hit).tolist(), hit, strict=True)):
             first, second = _names(checker.bodies, checker.pairs[k])
-            worst.setdefault((first, second), Contact((first, second), float(metres[k]), checker.margins[k]))
+            worst.setdefault((first, second), Contact((first, second), metres, checker.margins[k]))
         return tuple(worst.values())
 
     def first_collision(self, breakpoints: Given, coefficients: Given) -> Collision | None:
@@ -351,9 +350,9 @@ class Scene(Obstacles):
         if not hit:
             return self
         # By bodies: a link of several may not bring in another one.
-        other, margins, metres = copy(self), list(checker.margins), checker.distances(q)
-        for k in hit:
-            margins[k] = min(margins[k], metres[k] - 2.0 * FINE)
+        other, margins = copy(self), list(checker.margins)
+        for k, metres in zip(hit, checker.distances(q, hit).tolist(), strict=True):
+            margins[k] = min(margins[k], metres - 2.0 * FINE)
         other._made = {"checker": checker.with_margins(margins)}
         return other
 
