@@ -11,7 +11,7 @@ from ..support.checks import Array
 from ..support.errors import InputError
 
 # Side of a tile [m]. One octree of all voxels takes twice as long: its box holds most links of an arm.
-TILE = 0.5
+TILE = 0.4
 # The most tiles: as bodies, they make the checker slow to build. Larger tiles keep to it.
 MOST_TILES = 300
 # The most voxels of a cloud. A room of 5 × 5 × 3 m has some 200,000 of 2 cm on its walls.
@@ -47,10 +47,12 @@ class Cloud:
                 "give a larger voxel, or leave out points that the arm cannot reach"
             )
         cells = np.column_stack(np.unravel_index(numbers, span))
-        side = max(1, round(TILE / voxel))
+        cells += low
+        # Octrees divide space at powers of two from the origin: a tile is one of their nodes.
+        side = 2 ** max(0, round(np.log2(TILE / voxel)))
         while len(np.unique(tiles := _numbered(cells // side))) > MOST_TILES:
             side *= 2
-        self.centres = (cells + low + 0.5) * voxel
+        self.centres = (cells + 0.5) * voxel
         for rows in _groups(tiles):
             # Each octree holds the interpreter only for its own part of the points.
             tile = coal.makeOctree(self.centres[rows], voxel)
@@ -63,6 +65,7 @@ class Cloud:
 
 def _numbered(cells: Cells) -> Cells:
     """A number (k,) for each cell (k, 3)."""
+    cells = cells - cells.min(axis=0)
     span = cells.max(axis=0) + 1
     numbers: Cells = (cells * [span[1] * span[2], span[2], 1]).sum(axis=1)
     return numbers
