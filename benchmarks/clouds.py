@@ -10,9 +10,9 @@ for 98 % of the problems whose ends lie in no voxel, in 2.5 × the processor tim
 from __future__ import annotations
 
 import argparse
-import gc
 import threading
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,9 +22,9 @@ from scipy.spatial import cKDTree
 
 from twistarm import Arm, FreeMove, PathError, Scene, load_arm, plan
 from twistarm.arm.bodies import Body
-from twistarm.control.servo import ServoState, servo_step
+from twistarm.control.servo import ServoState
 
-from .obstacles import LIMITS, STEP, interleaved, problem
+from .obstacles import CHECKS, LIMITS, STEP, held, interleaved, problem
 
 Points = np.ndarray
 
@@ -166,11 +166,82 @@ def row(found: list[Solved | None]) -> str:
     return f"{text}  {ratio:5.2f} ×   wrong {wrong}   {voxels:,.0f} voxels"
 
 
+def seen(arm: Arm, voxel: float, high: float = 0.0) -> Points:
+    """The POINTS voxels (POINTS, 3) nearest to the base of a floor and two walls, and of a board `high` [m] above the floor."""
+    far = 300 * voxel
+    steps = np.arange(-far, far, voxel) + 0.5 * voxel
+    across, along = (each.ravel() for each in np.meshgrid(steps, steps))
+    level, wall = np.full(len(across), -0.1 * arm.reach), np.full(len(across), 0.7 * arm.reach)
+    sides = [(across, along, level), (across, wall, along), (-wall, across, along)]
+    sides += [(across, along, level + high)] if high else []
+    points = np.concatenate([np.column_stack(side) for side in sides])
+    return points[np.argsort(np.linalg.norm(points, axis=1))[:POINTS]]
+
+
+def answers(name: str, voxel: float) -> None:
+    """A check beside that among 20 boxes, the nearest pair, a step of the servo, and pauses by replacement."""
+    arm = load_arm(name, limits={"velocity": 1.5, "acceleration": 3.0})
+    boxes, cloud, rng = Scene(arm, margin=0.005), Scene(arm, margin=0.005), np.random.default_rng(5)
+    for k, way in enumerate(rng.normal(size=(20, 3))):
+        at = way / np.linalg.norm(way) * arm.reach * rng.uniform(0.45, 1.3)
+        boxes.add_box(f"box {k}", rng.uniform(0.04, 0.2, 3), at)
+    points, others = seen(arm, voxel), seen(arm, voxel, 0.6 * arm.reach)
+    cloud.add_points("cloud", points, voxel)
+    thetas = arm.random_theta(0, CHECKS)
+    free = [theta for theta in arm.random_theta(2, 400) if not cloud.collides(theta)]
+    state = ServoState.at(arm, free[0])
+    found = interleaved(
+        {
+            "boxes": lambda: [boxes.collides(theta) for theta in thetas],
+            "cloud": lambda: [cloud.collides(theta) for theta in thetas],
+            "distance": lambda: [cloud.distance(theta) for theta in free[:CHECKS]],
+            "servo": lambda: held(arm, state, cloud),
+        },
+        20,
+    )
+    each = {what: 1e6 * seconds / CHECKS for what, seconds in found.items()}
+    print(
+        f"  {name:8s} voxels of {1e3 * voxel:2.0f} mm   check {each['cloud']:6.1f} µs, {each['cloud'] / each['boxes']:5.2f} "
+        f"× 20 boxes   nearest pair {each['distance']:6.0f} µs   servo {each['servo']:6.0f} µs",
+        flush=True,
+    )
+    for what, work in (("at rest", lambda: time.sleep(1.0)), ("replacing", lambda: replaced(cloud, points, others))):
+        print(f"  {'':8s} {what:9s}  pauses of a thread that ticks each ms: {pauses(work)}", flush=True)
+
+
+def replaced(cloud: Scene, *points: Points) -> None:
+    for each in points:
+        cloud.replace_points("cloud", each)
+
+
+def pauses(work: Callable[[], object]) -> str:
+    """The longest pauses [ms] of a thread beside `work`, in words."""
+    ticks, running = [time.perf_counter()], threading.Event()
+
+    def tick() -> None:
+        while not running.wait(TICK):
+            ticks.append(time.perf_counter())
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    began = time.perf_counter()
+    work()
+    taken = time.perf_counter() - began
+    running.set()
+    thread.join()
+    gaps = 1e3 * np.sort(np.diff(ticks))
+    return f"longest {gaps[-1]:.1f} ms, 99 % below {np.percentile(gaps, 99):.1f} ms, in {taken:.1f} s"
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--problems", type=Path, metavar="FOLDER", help="MotionBenchMaker's problems for the Panda")
     parser.add_argument("--count", type=int, default=100, help="problems of each set")
     asked = parser.parse_args()
+    print(f"{POINTS:,} points, each in a voxel of its own")
+    for name in ARMS:
+        for voxel in VOXELS:
+            answers(name, voxel)
     if asked.problems is not None:
         problems(asked.problems, asked.count)
 

@@ -129,9 +129,10 @@ export function made(body, faint, radius) {
 const LENS = 1 / Math.tan((16 * Math.PI) / 180); // three.js sizes points for a view of 90°; ours has 32°
 
 // A cloud of 100,000 voxels as boxes would take a picture too long: a square stands for each.
-function cloud({ points, size: [voxel] }) {
+function cloud({ points, size: [voxel], low, step }) {
   const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(bytes(points).buffer), 3));
+  const places = Float32Array.from(new Uint16Array(bytes(points).buffer), (cell, i) => low[i % 3] + step * cell);
+  geometry.setAttribute("position", new THREE.BufferAttribute(places, 3));
   return Object.assign(new THREE.Points(geometry, new THREE.PointsMaterial({ color: WOOD, size: LENS * voxel })), { matrixAutoUpdate: false });
 }
 

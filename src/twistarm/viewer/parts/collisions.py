@@ -24,6 +24,7 @@ from .target import Solutions
 
 KINDS = {"box": 3, "sphere": 1, "cylinder": 2}  # What pages may add, and how many numbers its size has.
 SAMPLES = 500  # Configurations of a motion that are checked.
+WHOLE = 2**16 - 1  # The largest number of two bytes.
 
 BATCH = 50
 
@@ -163,11 +164,18 @@ def drawing(body: Body) -> dict[str, Any]:
     """A body as the page draws it: kind, size, the node of its link, its matrix there, and packed triangles."""
     made = outline(body.shape)
     if made["kind"] == "points":
-        made["points"] = packed(made["points"], "<f4")
+        made |= _quantised(made["points"], body.size[0])
     elif made["kind"] == "mesh":
         made |= {"points": packed(made["points"], "<f4"), "faces": packed(made["faces"], "<u4")}
         made["size"] = list(body.size)
     return {**made, "node": link_path(body.carrier), "matrix": columns(body.pose)}
+
+
+def _quantised(centres: Array, voxel: float) -> Message:
+    """The centres (k, 3) of voxels as whole numbers of steps from the lowest one: six bytes for each."""
+    low = centres.min(axis=0) if len(centres) else np.zeros(3)
+    step = max(voxel, float((centres - low).max(initial=0.0)) / WHOLE)
+    return {"points": packed(np.round((centres - low) / step), "<u2"), "low": low.tolist(), "step": step}
 
 
 def _prepared(
