@@ -84,6 +84,7 @@ bench: $(VENV)/dev
 	$(BIN)/python -m benchmarks.servo
 	$(BIN)/python -m benchmarks.streaming
 	$(BIN)/python -m benchmarks.obstacles
+	$(BIN)/python -m benchmarks.clouds
 	$(BIN)/python -m benchmarks.calibration
 
 lint: $(VENV)/dev lint-page

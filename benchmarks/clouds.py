@@ -2,7 +2,7 @@
 
 Allowed: a check 3 × that of 20 boxes; the nearest pair 2 ms; a step of the servo 0.5 ms with voxels of 2 cm and 1.2 ms
 with 5 mm, all with 100,000 points; no pause over 10 ms in another thread while a cloud is replaced.
-With --problems FOLDER: MotionBenchMaker's problems (as in benchmarks.obstacles) with their surfaces as one cloud, beside
+With --problems FOLDER: MotionBenchMaker's problems (as in benchmarks.obstacles), their surfaces as one cloud, beside
 the same problems as they are. Spheres of the arm and cubes of voxels, by algebra, judge the motions. Allowed: a motion
 for 98 % of the problems whose ends lie in no voxel, in 2.5 × the processor time.
 """
@@ -136,7 +136,7 @@ def solved(arm: Arm, file: Path) -> Solved | None:
             if among is cloud:
                 count = int(np.ceil((motion.peak(1) * motion.duration).max() / (5.0 * STEP))) + 1
                 found.wrong = judge.hits(motion(np.linspace(0.0, motion.duration, count)))
-        except PathError as error:
+        except PathError as error:  # noqa: PERF203
             print(f"    {file.parent.name} {file.stem}, {what}: {error}")
     return found
 
@@ -167,7 +167,7 @@ def row(found: list[Solved | None]) -> str:
 
 
 def seen(arm: Arm, voxel: float, high: float = 0.0) -> Points:
-    """The POINTS voxels (POINTS, 3) nearest to the base of a floor and two walls, and of a board `high` [m] above the floor."""
+    """The POINTS voxels (POINTS, 3) nearest to the base of a floor, two walls and, with `high` [m], a board there."""
     far = 300 * voxel
     steps = np.arange(-far, far, voxel) + 0.5 * voxel
     across, along = (each.ravel() for each in np.meshgrid(steps, steps))
@@ -200,9 +200,10 @@ def answers(name: str, voxel: float) -> None:
         20,
     )
     each = {what: 1e6 * seconds / CHECKS for what, seconds in found.items()}
+    ratio = each["cloud"] / each["boxes"]
     print(
-        f"  {name:8s} voxels of {1e3 * voxel:2.0f} mm   check {each['cloud']:6.1f} µs, {each['cloud'] / each['boxes']:5.2f} "
-        f"× 20 boxes   nearest pair {each['distance']:6.0f} µs   servo {each['servo']:6.0f} µs",
+        f"  {name:8s} voxels of {1e3 * voxel:2.0f} mm   check {each['cloud']:6.1f} µs, {ratio:5.2f} × 20 boxes   "
+        f"nearest pair {each['distance']:6.0f} µs   servo {each['servo']:6.0f} µs",
         flush=True,
     )
     for what, work in (("at rest", lambda: time.sleep(1.0)), ("replacing", lambda: replaced(cloud, points, others))):

@@ -66,6 +66,11 @@ def test_points_of_the_arm_itself_are_left_out_and_a_cloud_is_replaced(tmp_path:
     assert not scene.collides([0.0, 0.1])
 
 
+def swapped(rows: np.ndarray) -> np.ndarray:
+    """The rows with their numbers in the other order of bytes."""
+    return rows.astype(rows.dtype.newbyteorder(">"))
+
+
 def test_every_format_gives_the_same_points(tmp_path: Path) -> None:
     points = np.array(TETRAHEDRON)
     rows = "\n".join(" ".join(map(str, row)) for row in TETRAHEDRON)
@@ -83,6 +88,11 @@ def test_every_format_gives_the_same_points(tmp_path: Path) -> None:
         "e.pcd": f"# .PCD\n{head}ascii\n{rows}\nnan nan nan\n",
         "f.pcd": f"{head}binary\n".encode() + lost.tobytes(),
     }
+    files["h.csv"] = "id;Z;Y;X\n" + "".join(f"7;{z};{y};{x}\n" for x, y, z in TETRAHEDRON).replace(".", ",")
+    files["i.ply"] = f"ply\nformat binary_big_endian 1.0\n{vertex}".encode() + swapped(colours).tobytes()
+    files["j.pcd"] = f"{head}ascii\n".replace("x y z", "z y x") + "".join(
+        f"{z} {y} {x}\n" for x, y, z in [*TETRAHEDRON, [np.nan] * 3]
+    )
     for name, content in files.items():
         (tmp_path / name).write_bytes(content if isinstance(content, bytes) else content.encode())
     np.save(tmp_path / "g.npy", points)
@@ -98,6 +108,7 @@ def test_a_scene_file_holds_clouds(tmp_path: Path) -> None:
     assert scene.distance([0.5, 1.0]).metres == pytest.approx(0.4, abs=1e-6)
     scene.add_points("heap 1", [[0.0, 0.0, -1.0]], 0.1)
     scene.add_points("heap_1", [[9.0, 9.0, 9.0]], 0.1)  # its file must have another name
+    scene.add_points("own", [[0.1, 0.0, 0.0]], without_arm=True, theta=[0.0, 0.0])  # nothing is left, so no file
     scene.save(tmp_path / "other.toml")
     again = Scene.load(arm, tmp_path / "other.toml")
     assert {*again.obstacles} == {"s", "heap 1", "heap_1"}
@@ -158,6 +169,8 @@ def test_an_octomap_of_a_planning_scene_is_read(tmp_path: Path, binary: bool) ->
         ("cut.pcd", {}, "cut short"),
         ("packed.pcd", {}, "binary_compressed"),
         ("web.ply", {}, "web page"),
+        ("empty.xyz", {}, "no points"),
+        ("columns.csv", {}, "no x, y and z"),
     ],
 )
 def test_what_is_no_cloud_is_refused(
@@ -167,6 +180,8 @@ def test_what_is_no_cloud_is_refused(
     head = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 9\nDATA "
     Path("cut.pcd").write_text(f"{head}binary\nabc")
     Path("packed.pcd").write_text(f"{head}binary_compressed\nabc")
+    Path("empty.xyz").write_text("# nothing\n")
+    Path("columns.csv").write_text("a,b,c\n1,2,3\n")
     Path("web.ply").write_text("<!DOCTYPE html><html></html>")
     scene = Scene(slider(tmp_path, SHAPES["sphere"]))
     with pytest.raises(InputError) as error:

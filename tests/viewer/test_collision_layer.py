@@ -101,6 +101,15 @@ def test_shapes_are_drawn_where_pinocchio_has_them() -> None:
             assert len(body["size"]) == {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2}[body["kind"]]
 
 
+def test_a_cloud_is_drawn_at_its_voxels_with_six_bytes_each() -> None:
+    scene, points = Scene(ARM), np.random.default_rng(3).uniform(-1.0, 1.0, (500, 3)) + [0.0, 0.0, 3.0]
+    scene.add_points("cloud", points, 0.1)
+    (drawn,) = said(ready(scene), "obstacles")["obstacles"]
+    cells = np.frombuffer(base64.b64decode(drawn["points"]), "<u2").reshape(-1, 3)
+    expected = 0.1 * (np.unique(np.floor(points / 0.1), axis=0) + 0.5)
+    assert_allclose(np.unique(drawn["low"] + drawn["step"] * cells, axis=0), expected, atol=1e-9)
+
+
 def test_the_band_of_a_motion_holds_its_samples_that_collide() -> None:
     scene = scene_of()
     stage = ready(scene)

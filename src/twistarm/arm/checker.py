@@ -106,7 +106,7 @@ class Checker:
         return sorted(hit.union(self.enclosed(geometry)))
 
     def distances(self, q: Array, pairs: Sequence[int] | None = None) -> Array:
-        """The distance (k,) [m] of each of these pairs at q (nq,), by default all, negative by the depth of an overlap."""
+        """The distances (k,) [m] of these pairs at q (nq,), by default all, negative by the depth of an overlap."""
         data, geometry, *_ = self._own()
         self._pin.updateGeometryPlacements(self._model.model, data, self._geometry, geometry, q)
         chosen = range(len(self.pairs)) if pairs is None else pairs

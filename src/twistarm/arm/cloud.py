@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from ..support.checks import Array
 from ..support.errors import InputError
 
-# Side of a tile [m]. One octree of all voxels takes twice as long: its box holds most links of an arm.
+# Side of a tile [m], about: it is a power of two of voxels. One octree of all voxels takes twice as long, because its
+# box holds most links of an arm.
 TILE = 0.4
 # The most tiles: as bodies, they make the checker slow to build. Larger tiles keep to it.
 MOST_TILES = 300
@@ -27,12 +28,13 @@ Cells = NDArray[np.int64]
 class Cloud:
     """The voxels of side `voxel` [m] that points (N, 3) occupy, aligned with the axes of the cloud's frame.
 
-    `centres` (k, 3) are those of the voxels. `tiles` are octrees of some half a metre, which hold them. The `parts` of
+    `centres` (k, 3) are those of the voxels. `tiles` are octrees of some 0.4 m, which hold them. The `parts` of
     a tile are octrees of `PART` voxels along a side, for distances.
     """
 
     def __init__(self, coal: Any, points: Array, voxel: float) -> None:
-        self.voxel, self.centres = voxel, np.empty((0, 3))
+        self.voxel = voxel
+        self.centres: Array = np.empty((0, 3))
         self.tiles: list[Any] = []
         if not len(points):
             return
@@ -53,7 +55,7 @@ class Cloud:
         side = 2 ** max(0, round(np.log2(TILE / voxel)))
         while len(_distinct(tiles := _numbered(cells // side))) > MOST_TILES:
             side *= 2
-        self.centres = (cells + 0.5) * voxel
+        self.centres = voxel * (cells.astype(np.float64) + 0.5)
         for rows in _groups(tiles):
             # Each octree holds the interpreter for its own points only. Between them other threads run, as a servo's.
             time.sleep(0.0)

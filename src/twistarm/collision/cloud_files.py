@@ -58,18 +58,28 @@ def _npy(data: bytes) -> Array:
 
 
 def _text(data: bytes) -> Array:
-    """Rows that begin with x, y, z, with commas or without."""
-    rows = data.decode("utf-8-sig").replace(",", " ").replace(";", " ").splitlines()
-    if rows and not re.match(r"\s*([-+.\d]|nan|inf|#|$)", rows[0], re.I):  # names of columns
+    """Rows that begin with x, y, z, or that a row of names precedes. Commas beside semicolons are decimal points."""
+    text, places = data.decode("utf-8-sig"), [0, 1, 2]
+    rows = (text.replace(",", ".").replace(";", " ") if ";" in text else text.replace(",", " ")).splitlines()
+    if rows and not re.match(r"\s*([-+.\d]|nan|inf|#|$)", rows[0], re.I):
+        places = _places(rows[0].lower().replace('"', "").split())
         rows = rows[1:]
-    return np.loadtxt(rows, usecols=(0, 1, 2), ndmin=2)
+    rows = [row for row in rows if row.partition("#")[0].strip()]
+    return np.loadtxt(rows, usecols=places, ndmin=2) if rows else np.empty((0, 3))
+
+
+def _places(names: Sequence[str]) -> list[int]:
+    """The places of the columns x, y, z."""
+    if not {"x", "y", "z"} <= {*names}:
+        raise InputError(f"it has no x, y and z; it has {listed(names)}")
+    return [names.index(axis) for axis in "xyz"]
 
 
 def _ply(data: bytes) -> Array:
     head, _, body = data.partition(b"end_header")
     body = body[2:] if body.startswith(b"\r\n") else body[1:]
     words = [line.split() for line in head.decode("ascii").splitlines()]
-    if not words or words[0] != ["ply"] or not body:
+    if not words or words[0] != ["ply"] or b"end_header" not in data:
         raise InputError("it has no header of a PLY")
     order = next((word[1] for word in words if word[:1] == ["format"]), "")
     elements = [i for i, word in enumerate(words) if word[:1] == ["element"]]
@@ -105,10 +115,7 @@ def _pcd(data: bytes) -> Array:
 
 def _rows(body: bytes, types: Sequence[tuple[str, str]], count: int, text: bool) -> Array:
     """The columns x, y, z of `count` rows."""
-    names = [name for name, _ in types]
-    if not {"x", "y", "z"} <= {*names}:
-        raise InputError(f"it has no x, y and z; it has {listed(names)}")
-    places = [names.index(axis) for axis in "xyz"]
+    places = _places([name for name, _ in types])
     if text:
         points = np.loadtxt(io.BytesIO(body), usecols=places, ndmin=2, max_rows=count) if count else np.empty((0, 3))
         present = len(points)

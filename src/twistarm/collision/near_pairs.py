@@ -118,7 +118,8 @@ class NearPairs(Checker):
             frames = self._model.joint_frames(q)
             best, metres = self._gaps.nearest(frames, self._last, ROUNDING, lambda k: self.measure(geometry, k)[0])
             self._last = best
-            found = self.measure(geometry, best)[1] if self._parted[best] else geometry.distanceResults[int(self._owner[best])]
+            parted = self._parted[best]
+            found = self.measure(geometry, best)[1] if parted else geometry.distanceResults[int(self._owner[best])]
         return best, metres, np.array([found.getNearestPoint1(), found.getNearestPoint2()])
 
     def near(self, theta: Array, reach: Array, count: int) -> Near:

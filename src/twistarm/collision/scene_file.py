@@ -174,6 +174,7 @@ def with_points_in_files(content: SceneFile, scene: Path) -> SceneFile:
         if isinstance(entry.mesh, np.ndarray)
         else entry
         for entry in content.entries
+        if not isinstance(entry.mesh, np.ndarray) or len(entry.mesh)  # no file has a cloud without points
     ]
     return replace(content, entries=tuple(entries))
 
