@@ -19,7 +19,7 @@ HOME, REACH, LEFT = (0.0, 0.0, 0.0), (1.0, 1.0, 0.1), (2.0, -1.0, 0.2)
 
 def ask(stage: Stage, kind: str, /, **fields: Any) -> Job | None:
     """A request as it would arrive, checked by the schema."""
-    usual = {"corner": 0.0, "linear_speed": 0.0} if kind == "plan" else {}
+    usual = {"corner": 0.0, "linear_speed": 0.0, "torques": False, "payload": 0.0} if kind == "plan" else {}
     return stage.handle(parse(encode({"type": kind, **usual, **fields})), now=0.0)
 
 

@@ -172,7 +172,11 @@ def test_the_list_is_edited_by_keyboard_and_mouse_on_two_pages(page: Any, other:
     assert "straight in joint space" in other.locator("#program-note").text_content()
     other.get_by_label("Kind of motion").select_option("quintic")
     assert other.locator("#program-note").inner_text() == "The motion was planned with other settings: plan again."
+    other.get_by_label("Torque limits").check()
+    other.get_by_label("carrying").fill("0.01")
     plan(other, "quintic")
+    until(page, "document.getElementById('plan-torques').checked")
+    assert page.get_by_label("carrying").input_value() == "0.01"
     duration = other.evaluate("twistarm.parts.player.duration")
     for each in (page, other):  # the arm stood there already: no frame told of it
         until(each, f"document.getElementById('time').textContent === '0.00 / {duration:.2f} s'")

@@ -311,6 +311,19 @@ def test_the_poses_at_which_the_arm_stops_in_place_of_rounding_are_named() -> No
         planned(stage)
 
 
+def test_torque_limits_count_with_the_payload_of_the_request() -> None:
+    stage = recorded((ARM.ready, "joint"), (ARM.ready + [0.1, -0.4, -0.6, 0.2, 0.5], "joint"))
+    free, heavy = planned(stage, kind="time_optimal"), {"torques": True, "payload": 6.0}
+    motion = planned(stage, kind="time_optimal", **heavy)
+    t = np.linspace(0.0, motion.duration, 1001)
+    used = np.abs(ARM.torques(*(motion(t, order) for order in range(3)), payload=6.0) / ARM.limits.effort).max()
+    assert motion.duration > 1.001 * free.duration
+    assert 0.98 < used < 1.001
+    assert heavy.items() <= said(stage, "program").items()
+    with pytest.raises(LimitError, match="needs .* to hold"):
+        planned(stage, torques=True, payload=60.0)
+
+
 def test_where_a_line_cannot_be_followed_is_drawn_and_named() -> None:
     """From before the arm to behind it: the straight way leads through its base."""
     behind = ARM.ready.copy()

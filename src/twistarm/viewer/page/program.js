@@ -9,7 +9,7 @@ import { typed } from "./units.js";
 import { tell } from "./words.js";
 
 const OUTDATED = "The motion was planned with other settings: plan again.";
-const SETTINGS = ["plan-kind", "plan-corner", "plan-linear-speed"];
+const SETTINGS = ["plan-kind", "plan-corner", "plan-linear-speed", "plan-torques", "plan-payload"];
 
 export class Program {
   // `page` holds panel, state and ask(request).
@@ -17,7 +17,7 @@ export class Program {
     this.page = page;
     this.poses = [];
     this.planned = false;
-    this.asked = null; // kind, stop, corner [m] and linear_speed [m/s] of the motion that is loaded; null: of no list
+    this.asked = null; // kind, stop, corner [m], linear_speed [m/s], torques and payload [kg] of the motion that is loaded; null: of no list
     this.note = "";
     this.duration = null;
     this.trying = this.failed = false; // the motion that was asked for last: it may still come, and it did not
@@ -49,11 +49,11 @@ export class Program {
     $("poses-file").addEventListener("change", () => this.open());
   }
 
-  show({ poses, planned, kind, stop, corner, linear_speed, note }) {
+  show({ poses, planned, kind, stop, corner, linear_speed, torques, payload, note }) {
     const before = this.asked;
     this.poses = poses;
     this.planned = planned;
-    this.asked = kind === null ? null : { kind, stop, corner, linear_speed };
+    this.asked = kind === null ? null : { kind, stop, corner, linear_speed, torques, payload };
     this.note = note;
     this.trying = false;
     this.failed = false;
@@ -68,17 +68,21 @@ export class Program {
 
   // The boxes say what was planned, by whichever page.
   follow(asked) {
-    const { kind, stop, corner, linear_speed } = asked;
+    const { kind, stop, corner, linear_speed, torques, payload } = asked;
     $("plan-kind").value = kind;
     $("plan-corner").value = stop ? 0 : corner;
     $("plan-linear-speed").value = linear_speed || "";
+    $("plan-torques").checked = torques;
+    $("plan-payload").value = payload || "";
     this.tell();
   }
 
   // What the boxes ask for.
   get settings() {
     const [corner, linear_speed] = ["plan-corner", "plan-linear-speed"].map((id) => typed($(id).value.replace(/\/s\s*$/, "") || "0", "m"));
-    return { kind: $("plan-kind").value, stop: corner === 0, corner, linear_speed };
+    const torques = $("plan-torques").checked;
+    const payload = torques ? typed($("plan-payload").value.replace(/kg\s*$/, "") || "0", "1") : 0;
+    return { kind: $("plan-kind").value, stop: corner === 0, corner, linear_speed, torques, payload };
   }
 
   placed({ theta }) {
@@ -116,6 +120,7 @@ export class Program {
     if (outdated) tell($("program-note"), OUTDATED);
     else tell($("program-note"), [done, this.note].filter(Boolean).join(": "));
     $("program-note").classList.toggle("stale", outdated || !this.planned);
+    $("plan-payload").disabled = !$("plan-torques").checked;
     const few = this.poses.length < 2;
     $("plan").disabled = this.driven || few;
     $("plan").title = few ? "Record two poses first" : "Through the poses in their order, within the limits";
@@ -150,5 +155,5 @@ export class Program {
 // Whether both ask for the same motion: one that stops at each pose rounds no corners.
 function same(one, other) {
   const corners = one.stop || one.corner === other.corner;
-  return one.kind === other.kind && one.stop === other.stop && corners && one.linear_speed === other.linear_speed;
+  return corners && ["kind", "stop", "linear_speed", "torques", "payload"].every((name) => one[name] === other[name]);
 }

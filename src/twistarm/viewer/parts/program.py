@@ -78,19 +78,21 @@ MOST_GHOSTS = 12  # Most poses at which the arm is drawn faintly, evenly chosen.
 
 
 class MotionRequest(NamedTuple):
-    """A requested motion: kind, stops or corner radius [m], the tool's speed limit [m/s] (0: none)."""
+    """A requested motion: kind, stops or corner radius [m], the tool's speed limit [m/s] (0: none), payload [kg]."""
 
     kind: Any
     stop: bool
     corner: float
     linear_speed: float
+    torques: bool
+    payload: float
 
     def through_joints(self, poses: Sequence[RecordedPose]) -> bool:
         """Whether joint waypoints say it all, so that a spline may lead through them."""
         return all(pose.by == "joint" for pose in poses[1:]) and not self.linear_speed and self.kind in LAWS
 
 
-NO_REQUEST = MotionRequest("", False, 0.0, 0.0)
+NO_REQUEST = MotionRequest("", False, 0.0, 0.0, False, 0.0)
 
 Planned = tuple[Trajectory | PathError, dict[str, Any]]  # A motion, or why there is none, and the tool's path.
 
@@ -183,6 +185,7 @@ def _planned(
     """Plan in a thread."""
     beside = {"ideal": ideal_way(arm, poses), **_ghosts(poses)}
     shared: dict[str, Any] = {"kind": asked.kind, "limits": limits, "scene": scene, "progress": progress}
+    shared |= {"torques": asked.torques, "payload": asked.payload}
     try:
         if asked.through_joints(poses):
             points = np.array([pose.theta for pose in poses])
