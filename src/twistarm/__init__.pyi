@@ -67,6 +67,7 @@ from .planning import ArcMove as ArcMove
 from .planning import Dwell as Dwell
 from .planning import FreeMove as FreeMove
 from .planning import JointMove as JointMove
+from .planning import Keep as Keep
 from .planning import LineMove as LineMove
 from .planning import MotionFile as MotionFile
 from .planning import PathError as PathError

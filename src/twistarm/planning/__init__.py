@@ -2,6 +2,7 @@
 
 from .active_limits import ActiveLimit, active_limits
 from .joint_space import plan_joint
+from .keep import Keep
 from .motion import plan
 from .motion_file import MotionFile, load_motion
 from .refusal import PathError
@@ -10,7 +11,7 @@ from .trajectory import Samples, Trajectory
 from .trajectory_files import load_trajectory, save_trajectory
 
 __all__ = [
-    "ActiveLimit", "ArcMove", "Dwell", "FreeMove", "JointMove", "LineMove", "MotionFile", "PathError", "Samples",
-    "ScrewMove", "Segment", "Trajectory", "active_limits", "load_motion", "load_trajectory", "plan", "plan_joint",
-    "save_trajectory",
+    "ActiveLimit", "ArcMove", "Dwell", "FreeMove", "JointMove", "Keep", "LineMove", "MotionFile", "PathError",
+    "Samples", "ScrewMove", "Segment", "Trajectory", "active_limits", "load_motion", "load_trajectory", "plan",
+    "plan_joint", "save_trajectory",
 ]  # fmt: skip

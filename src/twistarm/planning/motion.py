@@ -33,6 +33,7 @@ from .within import inside_from
 if TYPE_CHECKING:
     from ..collision import Scene
     from .free_moves import Hit
+    from .keep import Kept
 
 MotionKind = Literal["s_curve", "time_optimal", "quintic"]
 LAWS: dict[str, Callable[[JointPath, PathBounds], TimeLaw]] = {
@@ -123,15 +124,15 @@ def plan(
     how = {"max_time": as_positive(max_time, "max_time"), "clearance": as_number(clearance, "clearance", 0.0)}
     effort = torque_limits(arm, bounds.effort, torques, payload)
     rates = PathBounds(bounds, arm.actuators, torques=effort)
-    around, free_path = _obstacles(arm, moves, origin, scene, {"limits": bounds, **how})
+    around, ways = _obstacles(arm, moves, origin, scene, {"limits": bounds, **how})
     tell = _onward(progress)
     goals = Goals(ranged, bounds, as_flag(unwrap, "unwrap"))
 
     def planned(proven: bool) -> tuple[Trajectory, Hit | None]:
-        path = None if free_path is None else partial(free_path, proven=proven)
+        paths = [partial(way, proven=proven) for way in ways]
         # The ways are half of the work. A second round goes on where the first stopped.
         low, share = (0.5, 0.4) if proven else (0.0, 0.5)
-        router = Router(ranged, moves, goals, lambda done: tell(low + share * done / len(moves)), around, path)
+        router = Router(ranged, moves, goals, lambda done: tell(low + share * done / len(moves)), around, *paths)
         parts, said = _route(router, inside)
         if back:
             parts.insert(0, PathPart(0, JointMove(inside), inside, JointPath.straight(origin, inside), last=False))
@@ -140,7 +141,7 @@ def plan(
         def timed(parts: list[PathPart]) -> Trajectory:
             return _in_time(ranged, first, parts, rates, kind, told)
 
-        return (timed(parts), None) if around is None else _checked(around, timed, parts, moves)
+        return (timed(parts), None) if around is None else _checked(around, timed, parts, moves, router.kept)
 
     motion = _free(planned, moves)
     if scene is not None and around is not scene and (contacts := scene.contacts(motion.waypoints[-1])):
@@ -176,18 +177,22 @@ def _route(router: Router, origin: Array) -> tuple[list[PathPart], list[str]]:
 
 def _obstacles(
     arm: Arm, moves: list[Segment], origin: Array, scene: Scene | None, how: Mapping[str, Any]
-) -> tuple[Scene | None, Callable[..., Array] | None]:
-    """Return the scene and the search for paths in it. A start in collision may be left: its pairs come no nearer."""
+) -> tuple[Scene | None, Sequence[Callable[..., Any]]]:
+    """Return the scene and the searches for paths in it: a free one, one that keeps something.
+
+    A start in collision may be left: its pairs come no nearer.
+    """
     if scene is None:
         if any(isinstance(move, FreeMove) for move in moves):
             what = "a FreeMove needs a scene, which may be the arm alone: give {scene}"
             raise InputError(Text(what, scene=Argument("scene")))
-        return None, None
+        return None, ()
     from ..collision import require_scene
     from .free_moves import free_path
+    from .keeping_path import keeping_path
 
     around = require_scene(scene, arm).leaving(origin)
-    return around, partial(free_path, around, **how)
+    return around, [partial(way, around, **how) for way in (free_path, keeping_path)]
 
 
 def _free(planned: Callable[[bool], tuple[Trajectory, Hit | None]], moves: list[Segment]) -> Trajectory:
@@ -204,17 +209,34 @@ def _free(planned: Callable[[bool], tuple[Trajectory, Hit | None]], moves: list[
 
 
 def _checked(
-    around: Scene, timed: Callable[[list[PathPart]], Trajectory], parts: list[PathPart], moves: list[Segment]
-) -> tuple[Trajectory, Hit | None]:
-    """The motion along the parts, or the one with sharp corners on the ways of free moves, and its first collision."""
+    around: Scene, timed: Callable[[list[PathPart]], Trajectory], parts: list[PathPart], moves: list[Segment],
+    kept: Mapping[int, Kept],
+) -> tuple[Trajectory, Hit | None]:  # fmt: skip
+    """The motion along the parts, or the one with sharp corners on the ways of free moves, and its first collision.
+
+    It stops at the end of a free move where a rounded corner would not keep what the move keeps.
+    """
     from .free_moves import first_collision
 
     motion = timed(parts)
+    left = [k for k, each in kept.items() if not _keeps(each, motion, *motion.times[k : k + 2])]
+    if left:
+        parts = [replace(part, blend=0.0) if part.index in left else part for part in parts]
+        motion = timed(parts)
+        note = f"stops at {', '.join(place(k, moves[k]) for k in left)}: a rounded corner would not keep what it keeps"
+        motion = replace(motion, notes=(*motion.notes, note))
     hit = first_collision(around, motion)
     if hit is not None and any(isinstance(move, FreeMove) for move in moves):
         motion = timed([part if part.last else replace(part, blend=0.0) for part in parts])
         hit = first_collision(around, motion)
     return motion, hit
+
+
+def _keeps(kept: Kept, motion: Trajectory, begin: float, end: float) -> bool:
+    """Whether a motion is proven to keep all between two times [s]."""
+    middle = 0.5 * (motion.breakpoints[:-1] + motion.breakpoints[1:])
+    piece = (middle > begin) & (middle < end)
+    return not kept.unproven(motion.coefficients[:, piece], np.diff(motion.breakpoints)[piece]).any()
 
 
 def _in_time(

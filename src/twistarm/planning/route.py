@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import groupby, pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,12 +15,13 @@ from ..ik.solution import in_one_line
 from ..ik.solve import solve_ik
 from ..ik.targets import KINDS, target_for
 from ..support.checks import Array
-from ..support.errors import NotConvergedError
-from ..support.messages import Text, joined
+from ..support.errors import InputError, NotConvergedError
+from ..support.messages import Argument, Text, joined
 from .configurations import branches
 from .curves import MovingTarget
 from .following import Blocked, Node, climb, efforts, follow, way
 from .goals import CURVED, Goals
+from .keep import Keep, Kept
 from .piecewise import JointPath
 from .refusal import PathError, refusal
 from .segments import Dwell, FreeMove, JointMove, Move, Segment, place
@@ -31,6 +32,9 @@ if TYPE_CHECKING:
 
 # Waypoints (k, n) of a path that collides with nothing, from a start to a goal (n,).
 FreePath = Callable[[Array, Array], Array]
+# A path that keeps something too, from a start (n,) to one of some goals (k, n), with a share of the time.
+KeepingPath = Callable[[Kept, Array, Array, float], JointPath]
+MOST_GOALS = 8  # Configurations that meet the target of a free move that keeps something, and are tried.
 NEAREST = 8  # How many of the nearest start configurations of a run of curves are tried before all others.
 FOLLOWED = 4  # How many ways through a ladder, least joint motion first, are tried.
 # Radius of a corner on a free way: greatest share of the way to the nearer neighbour, and of the arm's reach.
@@ -80,7 +84,8 @@ class _BlockedError(Exception):
 class Router:
     """Finds the parts of a motion's path. It calls `report(k)` when k segments have theirs.
 
-    A `FreeMove` goes along `free_path`, and to a target to the configuration that `scene` leaves free.
+    A `FreeMove` goes along `free_path`, and to a target to the configuration that `scene` leaves free. One that keeps
+    something goes along `keeping_path`. `kept` then has what is kept, by the index of the segment.
     """
 
     arm: Arm
@@ -89,7 +94,9 @@ class Router:
     report: Callable[[int], object]
     scene: Scene | None = None
     free_path: FreePath | None = None
+    keeping_path: KeepingPath | None = None
     notes: list[str] = field(default_factory=list)
+    kept: dict[int, Kept] = field(default_factory=dict)
 
     def parts(self, origin: Array) -> list[PathPart]:
         """Return the parts from `origin` (n,) on. Raises PathError, LimitError or NotConvergedError if none exist."""
@@ -111,6 +118,8 @@ class Router:
             after += 1
         if isinstance(segment, Dwell):
             return [self._part(i, theta, None)]
+        if isinstance(segment, FreeMove) and segment.keep is not None:
+            return [self._keeping(i, segment, segment.keep, theta)]
         if isinstance(segment, FreeMove):
             return self._around(i, segment, theta)
         if not isinstance(segment, JointMove):
@@ -152,6 +161,59 @@ class Router:
         parts = [self._straight(i, *ends) for ends in pairwise(corners)]
         inner = [replace(part, blend=r, last=False) for part, r in zip(parts, radii.tolist(), strict=False)]
         return [*inner, parts[-1]]
+
+    def _keeping(self, i: int, segment: FreeMove, keep: Keep, theta: Array) -> PathPart:
+        """The part of a free move that keeps something. An arm of fewer than six joints keeps what it can of it."""
+        try:
+            whole = keep.at(self.arm, self.arm.fk(theta))
+        except InputError as error:
+            raise InputError(joined(": ", [self._place(i), error.message])) from error
+        wanted, errors = [whole, *(whole.weaker(self.arm) if self.arm.n < 6 else ())], list[PathError]()
+        for each in wanted:
+            kept = Kept(self.arm, each)
+            try:
+                path = self._kept_path(i, segment, kept, theta, 1.0 / len(wanted))
+            except PathError as error:
+                errors.append(error)
+                continue
+            if errors:
+                template = "{place}: an arm of {n} joints cannot keep all of it here ({why}); it keeps {less}"
+                why, less = errors[0].detail, each.describe()
+                self.notes.append(Text(template, place=self._place(i), n=self.arm.n, why=why, less=less))
+            self.kept[i] = kept
+            return self._part(i, theta if path is None else path.end, path)
+        raise errors[0]
+
+    def _kept_path(self, i: int, segment: FreeMove, kept: Kept, theta: Array, share: float) -> JointPath | None:
+        """The path from theta (n,) to the goal, with a share of the time; None if it stays. PathError without one."""
+        assert self.keeping_path is not None
+        how: dict[str, Any] = {"segment": i, "place": self._place(i)}
+        goals = self._kept_goals(i, segment, kept, theta)
+        for at, name in ((theta, "start"), (goals[0], "goal")):
+            if fault := kept.fault(at):
+                remedy = Text("give a {name} that keeps it, or a larger {tol}", name=name, tol=Argument("tol"))
+                what = Text("at its {name} {fault}: {remedy}", name=name, fault=fault, remedy=remedy)
+                raise PathError(what, theta=at, reason="not kept", **how)
+        if (goals[0] == theta).all():
+            return None
+        try:
+            return self.keeping_path(kept, theta, goals, share)
+        except PathError as error:
+            at = theta if error.theta is None else error.theta
+            raise PathError(error.message, theta=at, reason="collision", **how) from error
+
+    def _kept_goals(self, i: int, segment: FreeMove, kept: Kept, theta: Array) -> Array:
+        """Configurations (k, n) at the end of a move that keeps something, nearest first: those that do, or one."""
+        if not isinstance(segment.to, KINDS):
+            return self._unwrapped_goal(i, segment, theta)[None]
+        assert self.scene is not None
+        tolerances, target = self.goals.tolerances(segment), kept.keep.met_by(segment.to)
+        nearest = solve_ik(self.arm, target, theta, scene=self.scene, **tolerances.keywords)
+        if not nearest.converged:
+            raise NotConvergedError(joined(": ", [self._place(i), in_one_line(nearest)]), nearest)
+        found = branches(self.arm, target_for(self.arm, target), theta, tolerances)
+        good = [each for each in found if not kept.fault(each) and not self.scene.collides(each)][:MOST_GOALS]
+        return np.array([nearest.theta, *good] if not kept.fault(nearest.theta) else good or [nearest.theta])
 
     def _straight(self, i: int, start: Array, end: Array) -> PathPart:
         return self._part(i, end, JointPath.straight(start, end) if np.abs(end - start).any() else None)

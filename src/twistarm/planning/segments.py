@@ -10,9 +10,10 @@ import numpy as np
 
 from ..ik.request import as_tolerance
 from ..ik.targets import KINDS, AnyTarget, Pose, one_direction, one_vector
-from ..support.checks import Array, Row, as_flag, as_floats, as_number, as_positive, frozen, require_choice
+from ..support.checks import Array, Row, as_flag, as_floats, as_number, as_positive, frozen, require, require_choice
 from ..support.display import Brief
 from ..support.errors import InputError, quote
+from .keep import Keep
 
 # End of a move: a configuration (n,), {joint: value}, its name, a target, or a pose (4, 4).
 Goal = Row | Mapping[str, float] | str | AnyTarget
@@ -103,7 +104,16 @@ class FreeMove(JointMove):
     """A move to the goal on any way that collides with nothing. `plan` needs a scene for it.
 
     To a target the arm takes the nearest free configuration. A straight way in joint space is taken if it is free.
+
+    keep: what the tool keeps all along, such as `Keep.level()`, or None. Start and goal must keep it too.
     """
+
+    keep: Keep | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.keep is not None:
+            require(self.keep, Keep, "keep", "Keep.level()")
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

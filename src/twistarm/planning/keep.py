@@ -1,0 +1,365 @@
+"""Keep: what a free move keeps of the tool's pose, how far a pose is beyond it, and proofs along motions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import inf
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arm.arm import Arm
+from ..ik.targets import AnyTarget, Approach, Pose, Position, one_direction, one_vector
+from ..support.checks import Array, Matrix, Row, as_positive, as_rotation, frozen
+from ..support.directions import numbers
+from ..support.display import Brief
+from ..support.errors import InputError, quote
+from ..support.messages import Quantity, Text, joined
+from .piecewise import shifted
+
+Flags = NDArray[np.bool_]
+
+LARGEST_TOL = np.pi  # A tolerance of half a turn keeps nothing.
+ROUNDING = 1e-9  # How far [rad, m] beyond its tolerances a pose still counts as kept.
+STEPS = 12  # Gauss-Newton steps of a projection. Two or three are usual.
+DAMPING = 1e-6  # Of a step, beside squared rows of the Jacobian.
+LONGEST_STEP = 0.5  # The longest step [rad, m] of a joint in a projection.
+LEVELS = 40  # How often the proof halves an interval.
+MOST_INTERVALS = 100_000  # More open intervals than this end a proof, in some 0.1 s.
+INSET = 0.003  # How far [m] states keep inside a box, at most; a share of its width where it is narrow.
+VERTICAL = frozen([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Keep(Brief):
+    """What the tool keeps all along a `FreeMove`: a direction, its orientation, a box, a plane, or several of them.
+
+    direction: where the tool axis points, (3,) in base axes: the angle of R @ tool_axis and it is at most `tol`. True:
+    where it points at the start.
+
+    tool_axis: the axis (3,) in tool axes; None: `arm.tool_axis`, as for an `Approach`. True: the axis of the tool that
+    points along `direction` at the start.
+
+    orientation: a rotation R (3, 3), tool to base; the angle to it is at most `tol`. True: that of the start.
+
+    tol: the largest angle [rad], 0.05 by default.
+
+    box: least and greatest (x, y, z) of the tool's origin, (2, 3) [m] in base axes; ±inf where a side is open.
+
+    plane: a point [m] of a plane and its normal, (2, 3) in base axes. The tool's origin is at most `position_tol` off.
+
+    position_tol: the largest distance from the plane [m], 0.002 by default.
+
+    Raises InputError where nothing is kept, for unusable numbers, and where the parts contradict each other.
+    """
+
+    direction: Row | Literal[True] | None = None
+    tool_axis: Row | Literal[True] | None = None
+    orientation: Matrix | Literal[True] | None = None
+    tol: float = 0.05
+    box: Matrix | None = None
+    plane: Matrix | None = None
+    position_tol: float = 0.002
+
+    def __post_init__(self) -> None:
+        if all(part is None for part in (self.direction, self.orientation, self.box, self.plane)):
+            raise InputError("a Keep needs what to keep: direction, orientation, box or plane")
+        if self.tool_axis is not None and self.direction is None:
+            raise InputError("tool_axis goes with direction, and it is missing beside it")
+        if self.tool_axis is True and self.direction is True:
+            raise InputError("give direction or tool_axis: one follows from the other at the start")
+        checked: dict[str, Any] = {name: as_positive(getattr(self, name), name) for name in ("tol", "position_tol")}
+        if checked["tol"] >= LARGEST_TOL:
+            raise InputError(f"tol must be an angle below π, in radians; got {self.tol:g}: numpy.radians converts it")
+        for name, check in (("direction", one_direction), ("tool_axis", one_direction), ("orientation", as_rotation)):
+            value = getattr(self, name)
+            checked[name] = value if value is None or value is True else frozen(check(value, name))
+        checked["box"] = None if self.box is None else _box(self.box)
+        if self.plane is not None:
+            point, normal = _pair(self.plane, "plane", "a point and the normal")
+            checked["plane"] = frozen([one_vector(point, "the plane's point"), one_direction(normal, "its normal")])
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+        self._require_common()
+
+    def _require_common(self) -> None:
+        """Refuse a plane that does not meet the box."""
+        if self.box is None or self.plane is None:
+            return
+        point, normal = np.asarray(self.plane)
+        with np.errstate(invalid="ignore"):  # an open side across the normal: inf · 0
+            ends = np.where(normal == 0.0, 0.0, (np.asarray(self.box) - point) * normal)
+        least, most = ends.min(axis=0).sum(), ends.max(axis=0).sum()
+        if least > self.position_tol or most < -self.position_tol:
+            off = min(abs(least), abs(most))
+            raise InputError(f"box and plane contradict each other: the box is {off:.3g} m off the plane")
+
+    @classmethod
+    def level(cls, tol: float = 0.05) -> Keep:
+        """Keep upright what is upright at the start, such as a cup: turning about the vertical is free.
+
+        Args:
+            tol: The largest angle [rad] from upright.
+        """
+        return cls(direction=VERTICAL, tool_axis=True, tol=tol)
+
+    def at(self, arm: Arm, g: Array) -> Keep:
+        """The same with numbers in place of True and None, for a start at the pose g (4, 4)."""
+        R, given = g[:3, :3], {}
+        if self.direction is not None:
+            axis = arm.tool_axis if self.tool_axis is None else self.tool_axis
+            given["tool_axis"] = R.T @ self.direction if axis is True else axis
+            given["direction"] = R @ axis if self.direction is True else self.direction
+        if self.orientation is not None:
+            given["orientation"] = R if self.orientation is True else self.orientation
+        if len(given) == 3:
+            angle = _between(given["orientation"] @ given["tool_axis"], given["direction"])
+            if angle >= self.tol:
+                raise InputError(
+                    Text(
+                        "orientation and direction contradict each other: the tool axis of the orientation is {angle} "
+                        "off the direction, and at most {tol} is kept",
+                        angle=Quantity(angle, "rad", 3),
+                        tol=Quantity(self.tol, "rad", 3),
+                    )
+                )
+        return replace(self, **given)
+
+    def weaker(self, arm: Arm) -> Iterator[Keep]:
+        """What arms of few joints may keep instead: of an orientation the tool axis, then what is upright in it.
+
+        All parts must be numbers, as of `at`.
+        """
+        if self.orientation is None:
+            return
+        R = np.asarray(self.orientation)
+        if self.direction is not None:
+            yield replace(self, orientation=None)
+            return
+        for axis in (arm.tool_axis, R.T @ VERTICAL):
+            yield replace(self, orientation=None, tool_axis=axis, direction=R @ axis)
+
+    def met_by(self, target: AnyTarget) -> AnyTarget:
+        """The target, with the rotation that is kept where it leaves its own free."""
+        if not isinstance(target, Position):
+            return target
+        if self.orientation is not None:
+            g = np.eye(4)
+            g[:3, :3], g[:3, 3] = self.orientation, target.p
+            return Pose(g)
+        return target if self.direction is None else Approach(target.p, self.direction, self.tool_axis)
+
+    def describe(self) -> str:
+        """What is kept in words."""
+        said: list[str] = []
+        tol, off = Quantity(self.tol, "rad", 3), Quantity(self.position_tol, "m", 3)
+        if self.orientation is not None:
+            said.append(Text("the orientation within {tol}", tol=tol))
+        if self.direction is True:
+            said.append(Text("the direction of the tool axis within {tol}", tol=tol))
+        elif self.direction is not None:
+            own = self.tool_axis is None or self.tool_axis is True
+            axis = "the tool axis" if own else f"the tool axis {numbers(self.tool_axis)}"
+            along = numbers(self.direction)
+            said.append(Text("{axis} within {tol} of {along}", axis=axis, tol=tol, along=along))
+        said += ["the tool's origin in a box"] if self.box is not None else []
+        said += [Text("the tool's origin within {off} of a plane", off=off)] if self.plane is not None else []
+        return joined(", ", said)
+
+
+def _pair(value: Any, name: str, what: str) -> Sequence[Any]:
+    if not isinstance(value, Sequence | np.ndarray) or len(value) != 2:
+        raise InputError(f"{name} must be {what}, (2, 3); got {quote(value)}")
+    return value
+
+
+def _box(value: Any) -> Array:
+    """Check a box (2, 3) [m]."""
+    rows = []
+    ends = _pair(value, "box", "the least and the greatest (x, y, z)")
+    for row, name in zip(ends, ("least", "greatest"), strict=True):
+        try:
+            corner = np.array(row, dtype=np.float64)
+        except (TypeError, ValueError):
+            corner = np.zeros(0)
+        if corner.shape != (3,) or np.isnan(corner).any():
+            raise InputError(f"the {name} of a box must be three numbers (x, y, z) [m]; got {quote(row)}")
+        rows.append(corner)
+    low, high = rows
+    if (low >= high).any():
+        k = int(np.argmax(low >= high))
+        raise InputError(
+            f"the box is empty along {'xyz'[k]}: its least, {low[k]:g} m, must be below its greatest, {high[k]:g} m "
+            "(a plane keeps the tool's origin in a plane)"
+        )
+    if not np.isfinite(rows).any():
+        raise InputError("all sides of the box are open: give a number")
+    return frozen(rows)
+
+
+def _between(a: Array, b: Array) -> float:
+    return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
+
+
+@dataclass(frozen=True, eq=False)
+class Kept:
+    """A `Keep` of an arm, with numbers for all of its parts.
+
+    Rotations: the error is φ u, the turn by φ [rad] about u in tool axes from what is kept. Its rate is u · ω.
+    Positions: lower ≤ rows @ p ≤ upper [m].
+    """
+
+    arm: Arm
+    keep: Keep
+
+    @cached_property
+    def _half_spaces(self) -> tuple[Array, Array, Array, Array]:
+        """Unit rows (k, 3), lower and upper (k,) [m], and how far states keep inside them (k,)."""
+        rows, lower, upper = [], [], []
+        if self.keep.box is not None:
+            rows, (lower, upper) = [*np.eye(3)], ([*side] for side in np.asarray(self.keep.box))
+        if self.keep.plane is not None:
+            point, normal = np.asarray(self.keep.plane)
+            rows, at, off = [*rows, normal], float(normal @ point), self.keep.position_tol
+            lower, upper = [*lower, at - off], [*upper, at + off]
+        low, high = np.array(lower), np.array(upper)
+        return np.array(rows).reshape(-1, 3), low, high, np.minimum(INSET, 0.5 * (high - low))
+
+    @cached_property
+    def _across(self) -> Array:
+        """Two unit vectors (2, 3) across the tool axis."""
+        return np.linalg.svd(np.asarray(self.keep.tool_axis)[None, :])[2][1:]
+
+    def _turns(self, R: Array) -> Iterator[tuple[Array, Array, Array | None]]:
+        """For each rotation that is kept: φ (m,), φ u (m, 3) at R (m, 3, 3), and the rows that count; None: all."""
+        if self.keep.direction is not None:
+            along, axis = np.asarray(self.keep.direction) @ R, np.asarray(self.keep.tool_axis)
+            yield *_turn(np.cross(along, axis), along @ axis), self._across
+        if self.keep.orientation is not None:
+            E = np.asarray(self.keep.orientation).T @ R
+            w = np.stack([E[:, 2, 1] - E[:, 1, 2], E[:, 0, 2] - E[:, 2, 0], E[:, 1, 0] - E[:, 0, 1]], axis=1)
+            yield *_turn(w, np.trace(E, axis1=1, axis2=2) - 1.0), None
+
+    def excess(self, g: Array) -> tuple[Array, Array]:
+        """How far poses g (m, 4, 4) are beyond the tolerances: angles (m,) [rad] and lengths (m,) [m]; ≤ 0 inside."""
+        rows, lower, upper, _ = self._half_spaces
+        turns = [angle - self.keep.tol for angle, _, _ in self._turns(g[:, :3, :3])]
+        at = g[:, :3, 3] @ rows.T
+        return (
+            np.max(turns, axis=0) if turns else np.full(len(g), -inf),
+            np.maximum(lower - at, at - upper).max(axis=1, initial=-inf),
+        )
+
+    def fault(self, theta: Array) -> str:
+        """What a configuration (n,) does not keep, in words; empty if it keeps all."""
+        turn, offset = (float(excess[0]) for excess in self.excess(self.arm.fk(theta)[None]))
+        if turn > ROUNDING:
+            what = "the orientation" if self.keep.direction is None else "the tool axis"
+            angle, tol = Quantity(turn + self.keep.tol, "rad", 3), Quantity(self.keep.tol, "rad", 3)
+            return Text("{what} is {angle} off, and at most {tol} is kept", what=what, angle=angle, tol=tol)
+        if offset > ROUNDING:
+            return Text("the tool's origin is {off} outside what is kept", off=Quantity(offset, "m", 3))
+        return ""
+
+    def projected(self, theta: Array, share: float, lower: Array, upper: Array) -> tuple[Array, Flags]:
+        """Configurations (m, n) near theta that keep all within `share` of the tolerances, and which do.
+
+        θ ← θ − Jᵀ (J Jᵀ + λ 1)⁻¹ e with the errors beyond the tolerances, inside the limits (Berenson et al.,
+        Manipulation Planning on Constraint Manifolds, ICRA 2009).
+        """
+        theta, open_ = np.array(theta), np.arange(len(theta))
+        met = np.zeros(len(theta), dtype=bool)
+        for step in range(STEPS + 1):
+            g, J = self.arm.fk(theta[open_]), self.arm.body_jacobian(theta[open_])
+            e, rows = self._pull(g, J, share)
+            done = ~e.any(axis=1)
+            met[open_[done]] = True
+            open_, e, rows = open_[~done], e[~done], rows[~done]
+            if not len(open_) or step == STEPS:
+                break
+            across = np.swapaxes(rows, 1, 2)
+            y = np.linalg.solve(rows @ across + DAMPING * np.eye(e.shape[1]), e[..., None])
+            by = np.clip((across @ y)[..., 0], -LONGEST_STEP, LONGEST_STEP)
+            theta[open_] = np.clip(theta[open_] - by, lower, upper)
+        return theta, met
+
+    def _pull(self, g: Array, J: Array, share: float) -> tuple[Array, Array]:
+        """Errors (m, k) beyond a share of the tolerances, a little less to end there, and their rows (m, k, n)."""
+        errors, jacobians = [], []
+        R = g[:, :3, :3]
+        for angle, error, across in self._turns(R):
+            beyond = angle > share * self.keep.tol
+            part = np.where(beyond, 1.0 - AIM * share * self.keep.tol / np.maximum(angle, 1e-12), 0.0)[:, None]
+            e, rows = error * part, J[:, 3:]
+            errors.append(e if across is None else e @ across.T)
+            jacobians.append((rows if across is None else across @ rows) * beyond[:, None, None])
+        normals, lower, upper, inset = self._half_spaces
+        if len(normals):
+            at, inset = g[:, :3, 3] @ normals.T, (1.0 - share) * inset
+            low, high = lower + inset, upper - inset
+            aim = np.clip(at, low + (1.0 - AIM) * inset, high - (1.0 - AIM) * inset)
+            beyond = (at < low) | (at > high)
+            errors.append(np.where(beyond, at - aim, 0.0))
+            jacobians.append((normals @ R @ J[:, :3]) * beyond[..., None])
+        return np.concatenate(errors, axis=1), np.concatenate(jacobians, axis=1)
+
+    def unproven(self, coefficients: Array, durations: Array) -> Flags:
+        """Which pieces (s,) of polynomials (d + 1, s, n) are not proven to keep all.
+
+        Within an interval the angle changes by at most Σ w_j |Δθ_j|, the position by Σ v_j |Δθ_j| (`rates`). What is
+        left open by its middle is halved.
+        """
+        powers = np.arange(len(coefficients) - 1, 0, -1.0)[:, None]
+        reach = (np.abs(coefficients) * np.concatenate([durations**powers, np.ones((1, len(durations)))])[:, :, None])
+        w, v = rates(self.arm, reach.sum(axis=0).max(axis=0))
+        piece, half = np.arange(len(durations)), 0.5 * durations
+        middle, bad = half, np.zeros(len(durations), dtype=bool)
+        for _ in range(LEVELS):
+            about = shifted(coefficients[:, piece], middle)
+            moved = (np.abs(about[:-1]) * (half**powers)[:, :, None]).sum(axis=0)
+            turn, offset = self.excess(self.arm.fk(about[-1]))
+            bad[piece[(turn > ROUNDING) | (offset > ROUNDING)]] = True
+            left = ((turn + moved @ w > ROUNDING) | (offset + moved @ v > ROUNDING)) & ~bad[piece]
+            piece, middle, half = piece[left], middle[left], 0.5 * half[left]
+            if not len(piece):
+                return bad
+            if len(piece) > MOST_INTERVALS:
+                break
+            piece, middle, half = np.tile(piece, 2), np.concatenate([middle - half, middle + half]), np.tile(half, 2)
+        bad[piece] = True
+        return bad
+
+
+AIM = 0.95  # Which share of the distance from the middle a projection aims at, so that it ends inside.
+
+
+def _turn(w: Array, cosine: Array) -> tuple[Array, Array]:
+    """φ (m,) and φ u (m, 3) by sin φ u, or a multiple of it, and the same multiple of cos φ."""
+    sine = np.sqrt((w * w).sum(axis=1))
+    angle = np.arctan2(sine, cosine)
+    return angle, w * (angle / np.maximum(sine, 1e-300))[:, None]
+
+
+def rates(arm: Arm, most: Array) -> tuple[Array, Array]:
+    """Bounds (n,) of the tool's angular [rad] and linear [m] speed by each joint alone at rate 1.
+
+    They hold while |theta| is at most `most` (n,), which counts for joints that slide. A joint turns the tool's origin
+    on a radius of at most the lengths from axis to axis up to the tool, at rest, and what joints between them slide.
+    """
+    far, point = np.abs(arm.coupling.A) @ most, arm.home[:3, 3]
+    radius, turning, moving = 0.0, np.zeros(len(far)), np.zeros(len(far))
+    for i in range(len(far))[::-1]:
+        v, w = arm.screws[:3, i], arm.screws[3:, i]
+        turning[i] = size = float(np.linalg.norm(w))
+        slide = float(np.linalg.norm(v))
+        if size > 0.0:
+            foot = np.cross(w, v) / size**2
+            foot = foot + w * (w @ (point - foot)) / size**2
+            radius, point, slide = radius + float(np.linalg.norm(point - foot)), foot, abs(float(w @ v)) / size
+        moving[i] = size * radius + slide
+        radius += slide * far[i]
+    spread = np.abs(arm.coupling.A.T)
+    return spread @ turning, spread @ moving

@@ -1,0 +1,264 @@
+"""Paths that collide with nothing and keep a part of the tool's pose: two trees of projected states, then a spline.
+
+Source: Berenson, Srinivasa, Ferguson & Kuffner, Manipulation Planning on Constraint Manifolds (CBiRRT), ICRA 2009.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from ..collision import Scene
+from ..limits.joint_limits import JointLimits
+from ..support.checks import Array
+from ..support.messages import Argument, Text
+from .free_moves import CLEARANCE, REACH, SMALL, UNLIMITED
+from .keep import Flags, Kept
+from .piecewise import JointPath, bernstein, extremes
+from .refusal import PathError
+from .spline import interpolating
+
+# For one attempt after the other: the distance [rad, m] of states, the share of the tolerances that they use, and that
+# of the clearance.
+ATTEMPTS = ((0.1, 0.7, 1.0), (0.05, 0.6, 0.5), (0.025, 0.5, 0.2), (0.0125, 0.5, 0.05))
+GAP = 2.0  # Projected states may be so many times farther from each other than the states were before.
+NEW = 0.3  # A state nearer to a known one than this share of the distance of states is none.
+STALLED = 300  # After so many samples in a row without a new state, the trees have filled what they can reach.
+MOST_STATES = 20_000
+SHORTCUTS = 40  # Random shortcuts that are tried on a path.
+SMOOTHINGS = 8  # How often each state moves towards its neighbours.
+ROUNDS = 7  # How often pieces of the spline that do not keep all are halved.
+ROUNDING = 1e-9  # Beyond a limit by less [rad, m] is rounding.
+
+
+def keeping_path(
+    scene: Scene, kept: Kept, start: Array, goals: Array, part: float = 1.0, *, limits: JointLimits, max_time: float,
+    clearance: float = CLEARANCE, seed: int = 0, proven: bool = True,
+) -> JointPath:  # fmt: skip
+    """A path from `start` (n,) to one of `goals` (k, n), best first, that keeps all and collides with nothing.
+
+    Both ends keep all and are free. The straight way is tried first, its states projected. Otherwise a tree grows from
+    the start and one from all goals (Kuffner & LaValle, RRT-Connect, ICRA 2000); steps are projected. Shortcuts and
+    averages of neighbours make the path short and smooth. A C² cubic spline leads through its states. Its pieces are
+    halved until all of it is proven to keep. If that fails, or the path collides, the search begins anew with smaller
+    steps and distances. A path that need not be `proven` free, because its motion will be, is checked in small steps.
+
+    Raises:
+        PathError: No way was found in this part of `max_time` [s] of wall time.
+    """
+    ends, began = time.monotonic() + part * max_time, time.process_time()
+    near = min(scene.distance(theta).metres for theta in (start, *goals)) - scene.largest_margin
+    roomy = min(clearance, 0.5 * max(near, 0.0))
+    everything = False
+    for step, share, near in ATTEMPTS:
+        search = Search(scene.checks(near * roomy), kept, limits, step, share, ends, np.random.default_rng(seed))
+        states = search.found(start, goals)
+        everything = states is None and not search.late
+        if states is None and search.late:
+            break
+        path = None if states is None else search.spline(search.smoothed(states))
+        if path is not None and _free(scene, path, proven):
+            return path
+    raise PathError(
+        Text(
+            "no way that keeps {what} was found in {time:g} s of wall time ({worked:.2g} s of the processor{filled}); "
+            "give a larger {tol}, another goal, or a longer {max_time}",
+            what=kept.keep.describe(),
+            time=max_time,
+            worked=time.process_time() - began,
+            filled=", the search came to its end" if everything else "",
+            tol=Argument("tol"),
+            max_time=Argument("max_time"),
+        )
+    )
+
+
+def _free(scene: Scene, path: JointPath, proven: bool) -> bool:
+    if proven:
+        return scene.first_collision(path.breakpoints, path.coefficients) is None
+    is_free = scene.checks(0.0)
+    return all(map(is_free, path(np.linspace(0.0, path.length, int(path.length / SMALL) + 2))))
+
+
+class Tree:
+    """States (count, n) and the state before each; -1 for a root."""
+
+    def __init__(self, roots: Array) -> None:
+        self.states, self.before, self.count = np.array(roots), [-1] * len(roots), len(roots)
+
+    def nearest(self, theta: Array) -> int:
+        """The state nearest to theta (n,)."""
+        away = self.states[: self.count] - theta
+        return int(np.einsum("ij,ij->i", away, away).argmin())
+
+    def add(self, states: Array, after: int) -> int:
+        """Add states in a row after one. Return the last."""
+        while self.count + len(states) > len(self.states):
+            self.states = np.concatenate([self.states, np.empty_like(self.states)])
+        for state in states:
+            self.states[self.count] = state
+            self.before.append(after)
+            after, self.count = self.count, self.count + 1
+        return after
+
+    def way(self, i: int) -> Array:
+        """The states from state i to its root."""
+        way = []
+        while i >= 0:
+            way.append(self.states[i])
+            i = self.before[i]
+        return np.array(way)
+
+
+class Search:
+    """One search with states `step` [rad, m] from each other, within `share` of the tolerances."""
+
+    def __init__(
+        self, is_free: Callable[[Array], bool], kept: Kept, limits: JointLimits, step: float, share: float, ends: float,
+        rng: np.random.Generator,
+    ) -> None:  # fmt: skip
+        self.is_free, self.kept, self.limits, self.step, self.share = is_free, kept, limits, step, share
+        self.ends, self.rng = ends, rng
+
+    @property
+    def late(self) -> bool:
+        """Whether the time is over."""
+        return time.monotonic() > self.ends
+
+    def found(self, start: Array, goals: Array) -> Array | None:
+        """States (k, n) from the start to a goal; None if the time is over or the trees are full."""
+        for goal in goals:
+            straight = self.between(start, goal)
+            if straight is not None:
+                return straight
+        lower, upper = self._ranges(np.array([start, *goals]))
+        one, other, stalled = Tree(start[None]), Tree(goals), 0
+        while stalled < STALLED and one.count + other.count < MOST_STATES and not self.late:
+            sample = self.rng.uniform(lower, upper)
+            i = self._grown(one, one.nearest(sample), sample)
+            stalled = stalled + 1 if i is None else 0
+            if i is not None and (j := self._joined(other, one.states[i])) is not None:
+                whole = np.concatenate([one.way(i)[::-1], other.way(j)[1:]])
+                return whole if (whole[0] == start).all() else whole[::-1]
+            one, other = other, one
+        return None
+
+    def _ranges(self, ends: Array) -> tuple[Array, Array]:
+        """Where samples lie: inside the limits, and at most half a turn or so beyond start and goals."""
+        lower, upper = ends.min(axis=0) - UNLIMITED, ends.max(axis=0) + UNLIMITED
+        return np.maximum(lower, self.limits.lower), np.minimum(upper, self.limits.upper)
+
+    def _grown(self, tree: Tree, i: int, target: Array) -> int | None:
+        """Grow a tree from state i towards a target, by one reach at most. Return the new state."""
+        states, _ = self._towards(tree.states[i], target)
+        if not len(states):
+            return None
+        away = np.linalg.norm(tree.states[: tree.count] - states[-1], axis=1)
+        return None if away.min() < NEW * self.step else tree.add(states, i)
+
+    def _joined(self, tree: Tree, target: Array) -> int | None:
+        """Grow a tree from its nearest state to the target, as far as it goes. Return the last state if that is it."""
+        i = tree.nearest(target)
+        while not self.late:
+            states, arrived = self._towards(tree.states[i], target)
+            if len(states):
+                i = tree.add(states, i)
+            if arrived or not len(states):
+                return i if arrived else None
+        return None
+
+    def _towards(self, state: Array, target: Array) -> tuple[Array, bool]:
+        """The states of a way from one state towards a target, by one reach at most; and whether they arrive."""
+        way = target - state
+        length = float(np.linalg.norm(way))
+        far = min(length, REACH)
+        if length == 0.0:
+            return np.empty((0, len(state))), True
+        count = int(np.ceil(far / self.step))
+        whole = length <= REACH
+        shares = np.arange(1, count + 1 - whole)[:, None] * (far / length / count)
+        found, met = self.kept.projected(state + shares * way, self.share, self.limits.lower, self.limits.upper)
+        if whole:
+            found, met = np.vstack([found, target]), np.append(met, True)
+        gaps = np.linalg.norm(np.diff(found, axis=0, prepend=state[None]), axis=1)
+        left = np.linalg.norm(target - found, axis=1)
+        good = met & (gaps <= GAP * self.step) & (np.diff(left, prepend=length) < 0.0)
+        good = int(np.argmin(good)) if not good.all() else count
+        free = next((k for k in range(good) if not self.is_free(found[k])), good)
+        return found[:free], whole and free == count
+
+    def between(self, one: Array, other: Array) -> Array | None:
+        """States (k, n) from one state to another: those of the straight way, projected; None if that fails."""
+        count = int(np.ceil(np.linalg.norm(other - one) / self.step))
+        if count < 2:
+            return np.array([one, other])
+        inner = one + np.linspace(0.0, 1.0, count + 1)[1:-1, None] * (other - one)
+        states, met = self.kept.projected(inner, self.share, self.limits.lower, self.limits.upper)
+        states = np.vstack([one, states, other])
+        gaps = np.linalg.norm(np.diff(states, axis=0), axis=1)
+        if not met.all() or (gaps > GAP * self.step).any() or not all(map(self.is_free, states[1:-1])):
+            return None
+        return states
+
+    def smoothed(self, states: Array) -> Array:
+        """The states (k, n) with random shortcuts, each then moved towards its neighbours where that is free."""
+        for _ in range(SHORTCUTS):
+            if len(states) < 4 or self.late:
+                break
+            i, j = sorted(self.rng.choice(len(states), 2, replace=False).tolist())
+            if j - i < 2:
+                continue
+            shorter = self.between(states[i], states[j])
+            if shorter is not None and _length(shorter) < _length(states[i : j + 1]) - ROUNDING:
+                states = np.concatenate([states[:i], shorter, states[j + 1 :]])
+        for _ in range(SMOOTHINGS):
+            if len(states) < 3 or self.late:
+                break
+            mean = 0.5 * states[1:-1] + 0.25 * (states[:-2] + states[2:])
+            inner, met = self.kept.projected(mean, self.share, self.limits.lower, self.limits.upper)
+            good = met & np.array([self.is_free(state) for state in inner])
+            states = np.vstack([states[0], np.where(good[:, None], inner, states[1:-1]), states[-1]])
+        return states
+
+    def spline(self, states: Array) -> JointPath | None:
+        """A C² cubic spline through states (k, n) that keeps all; None if it does not, or leaves the limits."""
+        for _ in range(ROUNDS):
+            steps = np.linalg.norm(np.diff(states, axis=0), axis=1)
+            states = states[np.append(True, steps > ROUNDING)]
+            while len(states) < 4:
+                states = self._halved(states, np.ones(len(states) - 1, dtype=bool))
+            s = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(states, axis=0), axis=1)))
+            path = JointPath(*interpolating(states, s, s[2:-2], ())).cut_at(s)
+            bad = self.kept.unproven(path.coefficients, np.diff(s)) | self._outside(path)
+            if not bad.any():
+                return path
+            if self.late:
+                break
+            states = self._halved(states, bad)
+        return None
+
+    def _halved(self, states: Array, bad: Flags) -> Array:
+        """The states with one more in the middle of each marked interval."""
+        at = np.flatnonzero(bad)
+        middle = 0.5 * (states[at] + states[at + 1])
+        found, _ = self.kept.projected(middle, self.share, self.limits.lower, self.limits.upper)
+        return np.insert(states, at + 1, found, axis=0)
+
+    def _outside(self, path: JointPath) -> Flags:
+        """Which pieces leave the position limits by more than rounding."""
+        h = np.diff(path.breakpoints)
+
+        def beyond(values: Array) -> Flags:
+            out = np.maximum(self.limits.lower - values, values - self.limits.upper)
+            return np.asarray(out.max(axis=(0, 2)) > ROUNDING)
+
+        outside = beyond(bernstein(path.coefficients, h))
+        if outside.any():
+            outside[outside] = beyond(extremes(path.coefficients[:, outside], h[outside])[1])
+        return outside
+
+
+def _length(states: Array) -> float:
+    return float(np.linalg.norm(np.diff(states, axis=0), axis=1).sum())
