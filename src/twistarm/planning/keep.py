@@ -18,6 +18,7 @@ from ..support.directions import numbers
 from ..support.display import Brief
 from ..support.errors import InputError, quote
 from ..support.messages import Quantity, Text, joined
+from ..theory.rotations import skew
 from .piecewise import shifted
 
 Flags = NDArray[np.bool_]
@@ -108,7 +109,7 @@ class Keep(Brief):
 
     def at(self, arm: Arm, g: Array) -> Keep:
         """The same with numbers in place of True and None, for a start at the pose g (4, 4)."""
-        R, given = g[:3, :3], {}
+        R, given = g[:3, :3], dict[str, Any]()
         if self.direction is not None:
             axis = arm.tool_axis if self.tool_axis is None else self.tool_axis
             given["tool_axis"] = R.T @ self.direction if axis is True else axis
@@ -150,7 +151,9 @@ class Keep(Brief):
             g = np.eye(4)
             g[:3, :3], g[:3, 3] = self.orientation, target.p
             return Pose(g)
-        return target if self.direction is None else Approach(target.p, self.direction, self.tool_axis)
+        if self.direction is None:
+            return target
+        return Approach(target.p, np.asarray(self.direction), np.asarray(self.tool_axis))
 
     def describe(self) -> str:
         """What is kept in words."""
@@ -162,18 +165,18 @@ class Keep(Brief):
             said.append(Text("the direction of the tool axis within {tol}", tol=tol))
         elif self.direction is not None:
             own = self.tool_axis is None or self.tool_axis is True
-            axis = "the tool axis" if own else f"the tool axis {numbers(self.tool_axis)}"
-            along = numbers(self.direction)
+            axis = "the tool axis" if own else f"the tool axis {numbers(np.asarray(self.tool_axis))}"
+            along = numbers(np.asarray(self.direction))
             said.append(Text("{axis} within {tol} of {along}", axis=axis, tol=tol, along=along))
         said += ["the tool's origin in a box"] if self.box is not None else []
         said += [Text("the tool's origin within {off} of a plane", off=off)] if self.plane is not None else []
         return joined(", ", said)
 
 
-def _pair(value: Any, name: str, what: str) -> Sequence[Any]:
+def _pair(value: Any, name: str, what: str) -> tuple[Any, Any]:
     if not isinstance(value, Sequence | np.ndarray) or len(value) != 2:
         raise InputError(f"{name} must be {what}, (2, 3); got {quote(value)}")
-    return value
+    return value[0], value[1]
 
 
 def _box(value: Any) -> Array:
@@ -237,7 +240,7 @@ class Kept:
         """For each rotation that is kept: φ (m,), φ u (m, 3) at R (m, 3, 3), and the rows that count; None: all."""
         if self.keep.direction is not None:
             along, axis = np.asarray(self.keep.direction) @ R, np.asarray(self.keep.tool_axis)
-            yield *_turn(np.cross(along, axis), along @ axis), self._across
+            yield *_turn(along @ skew(axis), along @ axis), self._across
         if self.keep.orientation is not None:
             E = np.asarray(self.keep.orientation).T @ R
             w = np.stack([E[:, 2, 1] - E[:, 1, 2], E[:, 0, 2] - E[:, 2, 0], E[:, 1, 0] - E[:, 0, 1]], axis=1)
@@ -313,7 +316,7 @@ class Kept:
         left open by its middle is halved.
         """
         powers = np.arange(len(coefficients) - 1, 0, -1.0)[:, None]
-        reach = (np.abs(coefficients) * np.concatenate([durations**powers, np.ones((1, len(durations)))])[:, :, None])
+        reach = np.abs(coefficients) * np.concatenate([durations**powers, np.ones((1, len(durations)))])[:, :, None]
         w, v = rates(self.arm, reach.sum(axis=0).max(axis=0))
         piece, half = np.arange(len(durations)), 0.5 * durations
         middle, bad = half, np.zeros(len(durations), dtype=bool)

@@ -6,7 +6,8 @@ Source: Berenson, Srinivasa, Ferguson & Kuffner, Manipulation Planning on Constr
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import count
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from ..collision import Scene
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.messages import Argument, Text
-from .free_moves import CLEARANCE, REACH, SMALL, UNLIMITED
+from .free_moves import CLEARANCE, SMALL, UNLIMITED
 from .keep import Flags, Kept
 from .piecewise import JointPath, bernstein, extremes
 from .refusal import PathError
@@ -22,11 +23,14 @@ from .spline import interpolating
 
 # For one attempt after the other: the distance [rad, m] of states, the share of the tolerances that they use, and that
 # of the clearance.
-ATTEMPTS = ((0.1, 0.7, 1.0), (0.05, 0.6, 0.5), (0.025, 0.5, 0.2), (0.0125, 0.5, 0.05))
+ATTEMPTS = ((0.1, 0.7, 1.0), (0.05, 0.6, 1.0), (0.025, 0.5, 0.5), (0.0125, 0.5, 0.2), (0.0125, 0.5, 0.05))
+BESIDE = 0.3  # So near [rad, m] to start and goal states may keep less clearance, where those have less.
+REACH = 1.0  # The longest way [rad, m] that a tree grows at once.
 GAP = 2.0  # Projected states may be so many times farther from each other than the states were before.
 NEW = 0.3  # A state nearer to a known one than this share of the distance of states is none.
 STALLED = 300  # After so many samples in a row without a new state, the trees have filled what they can reach.
 MOST_STATES = 20_000
+AT_ONCE = 32  # Samples that are projected together.
 SHORTCUTS = 40  # Random shortcuts that are tried on a path.
 SMOOTHINGS = 8  # How often each state moves towards its neighbours.
 ROUNDS = 7  # How often pieces of the spline that do not keep all are halved.
@@ -39,7 +43,8 @@ def keeping_path(
 ) -> JointPath:  # fmt: skip
     """A path from `start` (n,) to one of `goals` (k, n), best first, that keeps all and collides with nothing.
 
-    Both ends keep all and are free. The straight way is tried first, its states projected. Otherwise a tree grows from
+    Both ends keep all and are free. The straight way is taken if it
+    keeps all and is free, then the same with its states projected. Otherwise a tree grows from
     the start and one from all goals (Kuffner & LaValle, RRT-Connect, ICRA 2000); steps are projected. Shortcuts and
     averages of neighbours make the path short and smooth. A C² cubic spline leads through its states. Its pieces are
     halved until all of it is proven to keep. If that fails, or the path collides, the search begins anew with smaller
@@ -49,18 +54,23 @@ def keeping_path(
         PathError: No way was found in this part of `max_time` [s] of wall time.
     """
     ends, began = time.monotonic() + part * max_time, time.process_time()
-    near = min(scene.distance(theta).metres for theta in (start, *goals)) - scene.largest_margin
-    roomy = min(clearance, 0.5 * max(near, 0.0))
-    everything = False
-    for step, share, near in ATTEMPTS:
-        search = Search(scene.checks(near * roomy), kept, limits, step, share, ends, np.random.default_rng(seed))
+    for goal in goals:
+        straight = JointPath.straight(start, goal)
+        if not kept.unproven(straight.coefficients, np.ones(1)).any() and scene.is_free(start, goal):
+            return straight
+    filled = False
+    for k in count():
+        step, share, apart = ATTEMPTS[min(k, len(ATTEMPTS) - 1)]
+        is_free = _roomy(scene, apart * clearance, np.array([start, *goals]))
+        search = Search(is_free, kept, limits, step, share, ends, np.random.default_rng(seed + k))
         states = search.found(start, goals)
-        everything = states is None and not search.late
-        if states is None and search.late:
+        if states is not None:
+            path = search.spline(search.smoothed(states))
+            if path is not None and _free(scene, path, proven):
+                return path
+        filled = states is None and not search.late
+        if search.late or (filled and k + 1 >= len(ATTEMPTS)):
             break
-        path = None if states is None else search.spline(search.smoothed(states))
-        if path is not None and _free(scene, path, proven):
-            return path
     raise PathError(
         Text(
             "no way that keeps {what} was found in {time:g} s of wall time ({worked:.2g} s of the processor{filled}); "
@@ -68,11 +78,21 @@ def keeping_path(
             what=kept.keep.describe(),
             time=max_time,
             worked=time.process_time() - began,
-            filled=", the search came to its end" if everything else "",
+            filled=", the search came to its end" if filled else "",
             tol=Argument("tol"),
             max_time=Argument("max_time"),
         )
     )
+
+
+def _roomy(scene: Scene, clearance: float, ends: Array) -> Callable[[Array], bool]:
+    """A check of states with this clearance [m], and with half of that of the ends (k, n) near them."""
+    is_free = scene.checks(clearance)
+    near = [0.5 * max(scene.distance(theta).metres - scene.largest_margin, 0.0) for theta in ends]
+    if min(near) >= clearance:
+        return is_free
+    beside = scene.checks(min(near))
+    return lambda theta: is_free(theta) or (bool((np.abs(ends - theta).max(axis=1) < BESIDE).any()) and beside(theta))
 
 
 def _free(scene: Scene, path: JointPath, proven: bool) -> bool:
@@ -133,10 +153,10 @@ class Search:
             straight = self.between(start, goal)
             if straight is not None:
                 return straight
-        lower, upper = self._ranges(np.array([start, *goals]))
+        samples = self._samples(np.array([start, *goals]))
         one, other, stalled = Tree(start[None]), Tree(goals), 0
         while stalled < STALLED and one.count + other.count < MOST_STATES and not self.late:
-            sample = self.rng.uniform(lower, upper)
+            sample = next(samples)
             i = self._grown(one, one.nearest(sample), sample)
             stalled = stalled + 1 if i is None else 0
             if i is not None and (j := self._joined(other, one.states[i])) is not None:
@@ -145,17 +165,20 @@ class Search:
             one, other = other, one
         return None
 
-    def _ranges(self, ends: Array) -> tuple[Array, Array]:
-        """Where samples lie: inside the limits, and at most half a turn or so beyond start and goals."""
-        lower, upper = ends.min(axis=0) - UNLIMITED, ends.max(axis=0) + UNLIMITED
-        return np.maximum(lower, self.limits.lower), np.minimum(upper, self.limits.upper)
+    def _samples(self, ends: Array) -> Iterator[Array]:
+        """Random states, projected where that succeeds, at most half a turn or so beyond the ends (k, n)."""
+        lower = np.maximum(ends.min(axis=0) - UNLIMITED, self.limits.lower)
+        upper = np.minimum(ends.max(axis=0) + UNLIMITED, self.limits.upper)
+        while True:
+            random = self.rng.uniform(lower, upper, (AT_ONCE, len(lower)))
+            yield from self.kept.projected(random, self.share, lower, upper)[0]
 
     def _grown(self, tree: Tree, i: int, target: Array) -> int | None:
         """Grow a tree from state i towards a target, by one reach at most. Return the new state."""
         states, _ = self._towards(tree.states[i], target)
         if not len(states):
             return None
-        away = np.linalg.norm(tree.states[: tree.count] - states[-1], axis=1)
+        away = _lengths(tree.states[: tree.count] - states[-1])
         return None if away.min() < NEW * self.step else tree.add(states, i)
 
     def _joined(self, tree: Tree, target: Array) -> int | None:
@@ -176,28 +199,28 @@ class Search:
         far = min(length, REACH)
         if length == 0.0:
             return np.empty((0, len(state))), True
-        count = int(np.ceil(far / self.step))
+        steps = int(np.ceil(far / self.step))
         whole = length <= REACH
-        shares = np.arange(1, count + 1 - whole)[:, None] * (far / length / count)
+        shares = np.arange(1, steps + 1 - whole)[:, None] * (far / length / steps)
         found, met = self.kept.projected(state + shares * way, self.share, self.limits.lower, self.limits.upper)
         if whole:
             found, met = np.vstack([found, target]), np.append(met, True)
-        gaps = np.linalg.norm(np.diff(found, axis=0, prepend=state[None]), axis=1)
-        left = np.linalg.norm(target - found, axis=1)
-        good = met & (gaps <= GAP * self.step) & (np.diff(left, prepend=length) < 0.0)
-        good = int(np.argmin(good)) if not good.all() else count
-        free = next((k for k in range(good) if not self.is_free(found[k])), good)
-        return found[:free], whole and free == count
+        gaps = _lengths(found - np.vstack([state, found[:-1]]))
+        left = np.append(length, _lengths(target - found))
+        good = met & (gaps <= GAP * self.step) & (left[1:] < left[:-1])
+        some = int(np.argmin(good)) if not good.all() else steps
+        free = next((k for k in range(some) if not self.is_free(found[k])), some)
+        return found[:free], whole and free == steps
 
     def between(self, one: Array, other: Array) -> Array | None:
         """States (k, n) from one state to another: those of the straight way, projected; None if that fails."""
-        count = int(np.ceil(np.linalg.norm(other - one) / self.step))
-        if count < 2:
+        steps = int(np.ceil(np.linalg.norm(other - one) / self.step))
+        if steps < 2:
             return np.array([one, other])
-        inner = one + np.linspace(0.0, 1.0, count + 1)[1:-1, None] * (other - one)
+        inner = one + np.linspace(0.0, 1.0, steps + 1)[1:-1, None] * (other - one)
         states, met = self.kept.projected(inner, self.share, self.limits.lower, self.limits.upper)
         states = np.vstack([one, states, other])
-        gaps = np.linalg.norm(np.diff(states, axis=0), axis=1)
+        gaps = _lengths(np.diff(states, axis=0))
         if not met.all() or (gaps > GAP * self.step).any() or not all(map(self.is_free, states[1:-1])):
             return None
         return states
@@ -225,11 +248,11 @@ class Search:
     def spline(self, states: Array) -> JointPath | None:
         """A C² cubic spline through states (k, n) that keeps all; None if it does not, or leaves the limits."""
         for _ in range(ROUNDS):
-            steps = np.linalg.norm(np.diff(states, axis=0), axis=1)
+            steps = _lengths(np.diff(states, axis=0))
             states = states[np.append(True, steps > ROUNDING)]
             while len(states) < 4:
                 states = self._halved(states, np.ones(len(states) - 1, dtype=bool))
-            s = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(states, axis=0), axis=1)))
+            s = np.append(0.0, np.cumsum(_lengths(np.diff(states, axis=0))))
             path = JointPath(*interpolating(states, s, s[2:-2], ())).cut_at(s)
             bad = self.kept.unproven(path.coefficients, np.diff(s)) | self._outside(path)
             if not bad.any():
@@ -260,5 +283,9 @@ class Search:
         return outside
 
 
+def _lengths(ways: Array) -> Array:
+    return np.asarray(np.sqrt(np.einsum("ij,ij->i", ways, ways)))
+
+
 def _length(states: Array) -> float:
-    return float(np.linalg.norm(np.diff(states, axis=0), axis=1).sum())
+    return float(_lengths(np.diff(states, axis=0)).sum())

@@ -129,10 +129,10 @@ def plan(
     goals = Goals(ranged, bounds, as_flag(unwrap, "unwrap"))
 
     def planned(proven: bool) -> tuple[Trajectory, Hit | None]:
-        paths = [partial(way, proven=proven) for way in ways]
+        free, keeping = (None if way is None else partial(way, proven=proven) for way in ways)
         # The ways are half of the work. A second round goes on where the first stopped.
         low, share = (0.5, 0.4) if proven else (0.0, 0.5)
-        router = Router(ranged, moves, goals, lambda done: tell(low + share * done / len(moves)), around, *paths)
+        router = Router(ranged, moves, goals, lambda done: tell(low + share * done / len(moves)), around, free, keeping)
         parts, said = _route(router, inside)
         if back:
             parts.insert(0, PathPart(0, JointMove(inside), inside, JointPath.straight(origin, inside), last=False))
@@ -177,7 +177,7 @@ def _route(router: Router, origin: Array) -> tuple[list[PathPart], list[str]]:
 
 def _obstacles(
     arm: Arm, moves: list[Segment], origin: Array, scene: Scene | None, how: Mapping[str, Any]
-) -> tuple[Scene | None, Sequence[Callable[..., Any]]]:
+) -> tuple[Scene | None, tuple[Callable[..., Any] | None, ...]]:
     """Return the scene and the searches for paths in it: a free one, one that keeps something.
 
     A start in collision may be left: its pairs come no nearer.
@@ -186,13 +186,13 @@ def _obstacles(
         if any(isinstance(move, FreeMove) for move in moves):
             what = "a FreeMove needs a scene, which may be the arm alone: give {scene}"
             raise InputError(Text(what, scene=Argument("scene")))
-        return None, ()
+        return None, (None, None)
     from ..collision import require_scene
     from .free_moves import free_path
     from .keeping_path import keeping_path
 
     around = require_scene(scene, arm).leaving(origin)
-    return around, [partial(way, around, **how) for way in (free_path, keeping_path)]
+    return around, (partial(free_path, around, **how), partial(keeping_path, around, **how))
 
 
 def _free(planned: Callable[[bool], tuple[Trajectory, Hit | None]], moves: list[Segment]) -> Trajectory:

@@ -22,6 +22,7 @@ from ..support.errors import InputError, listed, quote
 from ..support.fields import Check, anything, fields, inside, list_of, numbers, one_of, only, table_of, vector, word
 from ..support.files import as_path
 from ..theory.rotations import from_quaternion_wxyz, from_rpy
+from .keep import Keep
 from .motion import LAWS
 from .segments import ArcMove, Dwell, FreeMove, Goal, JointMove, LineMove, Move, ScrewMove, Segment
 from .torque_limits import Load
@@ -39,6 +40,8 @@ WAYS: Mapping[str, list[tuple[Callable[..., Segment], tuple[str, ...], tuple[str
 """The moves of each kind that are given by a table other than a goal: what makes them, needed and optional entries."""
 
 OPTIONS = tuple(option.name for option in dataclasses.fields(Move))
+# Entries of a table `keep`, beside `level`, `rpy` and `quaternion_wxyz`.
+KEPT = tuple(part.name for part in dataclasses.fields(Keep))
 
 ROTATIONS = ("rpy", "quaternion_wxyz", "direction")
 
@@ -116,6 +119,8 @@ class _Reader:
             "rpy": lambda value, name: from_rpy(angle * vector(value, name)),
             "quaternion_wxyz": lambda value, _: from_quaternion_wxyz(value),
             "tolerance": self._tolerance,
+            "keep": self._keep,
+            "tol": lambda value, name: angle * as_positive(value, name),
             "via": self._via,
             "to": self._goal,
             "start": self._start,
@@ -130,12 +135,14 @@ class _Reader:
         return {name: self.known.get(name, anything) for name in names}
 
     def segment(self, entry: Any) -> Segment:
-        table = fields(entry, "", {}, dict.fromkeys(KINDS, anything) | self.checks(OPTIONS))
+        table = fields(entry, "", {}, dict.fromkeys(KINDS, anything) | self.checks((*OPTIONS, "keep")))
         kinds = [kind for kind in KINDS if kind in table]
         if len(kinds) != 1:
             raise InputError(f"it needs one of {', '.join(KINDS)}; got {listed(kinds) or 'none of them'}")
         (kind,) = kinds
         value = table.pop(kind)
+        if "keep" in table and kind != "free":
+            raise InputError(f"keep goes with free; a {kind} takes its own way")
         if kind == "dwell":
             only(table, ("label",))
             return Dwell(as_number(value, kind, least=0.0), **table)
@@ -147,6 +154,22 @@ class _Reader:
         if kind == "arc":
             raise InputError(f"arc takes via and to, or axis, centre and angle; got {quote(value)}")
         return KINDS[kind](self._goal(value, kind), **table)
+
+    def _keep(self, value: Any, name: str) -> Keep:
+        """Read what a free move keeps. `true` for what is so at the start."""
+        of_start = {part for part in KEPT if isinstance(value, dict) and value.get(part) is True}
+        known = self.checks(part for part in KEPT if part not in of_start) | dict.fromkeys(of_start, anything)
+        table = fields(value, name, {}, known | self.checks(("rpy", "quaternion_wxyz", "level")))
+        turned = [each for each in ("orientation", "rpy", "quaternion_wxyz") if each in table]
+        if len(turned) > 1:
+            raise InputError(f"give {' or '.join(turned)}, not both")
+        if turned:
+            table["orientation"] = table.pop(turned[0])
+        if as_flag(table.pop("level", False), "level"):
+            if table.keys() & {"direction", "tool_axis"}:
+                raise InputError("level = true means direction = [0, 0, 1] and tool_axis = true: give one of them")
+            table |= {"direction": [0.0, 0.0, 1.0], "tool_axis": True}
+        return Keep(**table)
 
     def _via(self, value: Any, name: str) -> Goal:
         return self._target(value, name) if isinstance(value, dict) else vector(value, name)

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 FreePath = Callable[[Array, Array], Array]
 # A path that keeps something too, from a start (n,) to one of some goals (k, n), with a share of the time.
 KeepingPath = Callable[[Kept, Array, Array, float], JointPath]
-MOST_GOALS = 8  # Configurations that meet the target of a free move that keeps something, and are tried.
+MOST_GOALS = 4  # Configurations that meet the target of a free move that keeps something, and are tried.
 NEAREST = 8  # How many of the nearest start configurations of a run of curves are tried before all others.
 FOLLOWED = 4  # How many ways through a ladder, least joint motion first, are tried.
 # Radius of a corner on a free way: greatest share of the way to the nearer neighbour, and of the arm's reach.

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line, with_defaults
 from ...collision import Scene
 from ...limits.joint_limits import JointLimits
+from ...planning.keep import Keep
 from ...planning.motion import MotionKind
 from ...planning.segments import as_segments
 from ...planning.trajectory import Progress
@@ -126,6 +127,23 @@ Smooth = Annotated[
 ]
 MaxTime = Annotated[float, quantity("s", "With --avoid: give up the way to a goal after so many seconds.")]
 Clearance = Annotated[float, quantity("m", "With --avoid: how far the way to a goal keeps from everything.", zero=True)]
+Kept = Annotated[
+    Literal["level", "direction", "orientation"] | None,
+    option(
+        None,
+        "With --avoid: what the tool keeps as at the start: level (turning about the vertical is free), the direction "
+        "of its axis, or its orientation; a motion.toml can keep more.",
+        "--keep",
+    ),
+]
+KeepTol = Annotated[
+    float | None, quantity("rad", "How far off --keep the tool may be [°, or rad with --rad]; 3° unless given.")
+]
+KEPT: dict[str, Callable[..., Keep]] = {
+    "level": Keep.level,
+    "direction": partial(Keep, direction=True),
+    "orientation": partial(Keep, orientation=True),
+}
 Counts = Annotated[
     bool, switch("Write what the motors' drives count alone, for firmware that knows no joints.", "--counts")
 ]
@@ -156,6 +174,8 @@ def plan(
     avoid: Avoid = None,
     max_time: MaxTime = MAX_TIME,
     clearance: Clearance = CLEARANCE,
+    keep: Kept = None,
+    keep_tol: KeepTol = None,
     counts: Counts = False,
     dt: Step = 0.01,
 ) -> None:
@@ -165,6 +185,7 @@ def plan(
     typed: dict[str, Any] = {name: value for name, value in whole.items() if value is not None}
     targets = at.all()
     _require_fitting(motion, to, targets, line, avoid, stop, blend, smooth, kind, typed)
+    kept = _kept(keep, keep_tol, avoid is not None and not line and motion is None)
     if counts and not all(FORMATS[kind].counts for kind, _ in out.files):
         raise InputError("--counts goes with *.csv and *.h: a JointTrajectory is in rad and m")
     poses = [arm.ready if start is None else start.of(arm)]
@@ -173,7 +194,8 @@ def plan(
     if motion is not None:
         asked = planning.load_motion(motion, arm)
     else:
-        move = planning.LineMove if line else planning.JointMove if avoid is None else planning.FreeMove
+        free = partial(planning.FreeMove, keep=kept)
+        move = planning.LineMove if line else planning.JointMove if avoid is None else free
         goals = targets or poses[1:]
         blends = [blend or 0.0] * (len(goals) - 1) + [0.0]  # rounded corners between them
         asked = planning.MotionFile(tuple(move(goal, blend=each) for goal, each in zip(goals, blends, strict=True)))
@@ -247,6 +269,17 @@ def _require_fitting(
     for words, is_so in wrong.items():
         if is_so:
             raise InputError(words)
+
+
+def _kept(keep: str | None, tol: float | None, free: bool) -> Keep | None:
+    """What --keep keeps, which goes with free moves."""
+    if keep is None:
+        if tol is not None:
+            raise InputError("--keep-tol goes with --keep, which says what is kept")
+        return None
+    if not free:
+        raise InputError("--keep goes with --avoid, without --line; in a motion.toml, keep stands beside free")
+    return KEPT[keep](tol=np.radians(3.0) if tol is None else tol)
 
 
 def motion_texts(
