@@ -25,7 +25,7 @@ from .spline import interpolating
 # of the clearance.
 ATTEMPTS = ((0.1, 0.7, 1.0), (0.05, 0.6, 1.0), (0.025, 0.5, 0.5), (0.0125, 0.5, 0.2), (0.0125, 0.5, 0.05))
 BESIDE = 0.3  # So near [rad, m] to start and goal states may keep less clearance, where those have less.
-REACH = 1.0  # The longest way [rad, m] that a tree grows at once.
+REACH = 1.5  # The longest way [rad, m] that a tree grows at once.
 GAP = 2.0  # Projected states may be so many times farther from each other than the states were before.
 NEW = 0.3  # A state nearer to a known one than this share of the distance of states is none.
 STALLED = 300  # After so many samples in a row without a new state, the trees have filled what they can reach.
@@ -193,24 +193,28 @@ class Search:
         return None
 
     def _towards(self, state: Array, target: Array) -> tuple[Array, bool]:
-        """The states of a way from one state towards a target, by one reach at most; and whether they arrive."""
+        """The states of a way from one state towards a target, by one reach at most; and whether they arrive.
+
+        A way that does not arrive begins along the tangent of what is kept, so that its projections stay small.
+        """
         way = target - state
         length = float(np.linalg.norm(way))
-        far = min(length, REACH)
-        if length == 0.0:
-            return np.empty((0, len(state))), True
-        steps = int(np.ceil(far / self.step))
-        whole = length <= REACH
-        shares = np.arange(1, steps + 1 - whole)[:, None] * (far / length / steps)
+        if length <= REACH:
+            straight = self.between(state, target)
+            if straight is not None:
+                return straight[1:], True
+        way = self.kept.tangent(state + way * (self.step / length), way, self.share)
+        far = float(np.linalg.norm(way))
+        steps = int(min(far, REACH) / self.step)
+        if not steps:
+            return np.empty((0, len(state))), False
+        shares = np.arange(1, steps + 1)[:, None] * (self.step / far)
         found, met = self.kept.projected(state + shares * way, self.share, self.limits.lower, self.limits.upper)
-        if whole:
-            found, met = np.vstack([found, target]), np.append(met, True)
         gaps = _lengths(found - np.vstack([state, found[:-1]]))
         left = np.append(length, _lengths(target - found))
-        good = met & (gaps <= GAP * self.step) & (left[1:] < left[:-1])
-        some = int(np.argmin(good)) if not good.all() else steps
-        free = next((k for k in range(some) if not self.is_free(found[k])), some)
-        return found[:free], whole and free == steps
+        good = np.append(met & (gaps <= GAP * self.step) & (left[1:] < left[:-1]), False)
+        some = int(np.argmin(good))
+        return found[: next((k for k in range(some) if not self.is_free(found[k])), some)], False
 
     def between(self, one: Array, other: Array) -> Array | None:
         """States (k, n) from one state to another: those of the straight way, projected; None if that fails."""
