@@ -70,7 +70,7 @@ def test_a_locked_joint_stays_in_the_motors_offset_and_in_poses_that_agree(toml:
     assert arm.joint_names == ("b",)
     assert {name: theta.tolist() for name, theta in arm.named_states.items()} == {"ready": [-0.2]}
     assert codes(arm) == ["companion-doubtful"]
-    assert "pose 'stowed': it puts a elsewhere than where it is locked; it is left out" in str(arm.findings[0])
+    assert "pose 'stowed': it moves the locked joint a; it is left out" in str(arm.findings[0])
     assert arm.actuators is not None
     assert free.actuators is not None
     for b in (-0.3, 0.0, 0.4):
@@ -83,7 +83,7 @@ def test_another_chain_than_the_files_takes_what_fits(toml: Path) -> None:
     assert arm.ready.tolist() == [0.1]
     assert arm.actuators is None
     assert codes(arm) == ["off-the-chain", "off-the-chain"]
-    assert "it drives 'b' outside the chain asked for; it is left out" in arm.findings[0].what
+    assert "it drives 'b', outside this chain; it is left out" in arm.findings[0].what
     # The same tip by name is the same chain, and nothing is forgiven.
     assert load_arm(toml, tip="tool0").actuators is not None
 
@@ -94,7 +94,7 @@ def test_a_pose_that_says_too_little_of_another_chain_is_left_out(tmp_path: Path
     path = write(tmp_path, 'source = "arm.urdf"\ntip = "left"\n[poses.ready]\na = 0.1\nb = 0.2', "arm.toml")
     arm = load_arm(path, tip="right")
     assert codes(arm) == ["companion-doubtful"]
-    assert "it says nothing of 'c'" in arm.findings[0].what
+    assert "it gives no value for 'c'" in arm.findings[0].what
     assert load_arm(path).ready.tolist() == [0.1, 0.2]
 
 
@@ -166,7 +166,7 @@ def test_states_that_give_every_coordinate_are_named_states(tmp_path: Path) -> N
     }  # fmt: skip
     assert arm.ready.tolist() == [0.3, -0.4]
     said = {finding.code: str(finding) for finding in arm.findings}
-    assert "group_state 'half': it says nothing of 'b'; it is left out" in said["companion-not-used"]
+    assert "group_state 'half': it gives no value for 'b'; it is left out" in said["companion-not-used"]
     assert "group_state 'beyond': b = 1.2 lies outside its limits [-1, 1]; it is left" in said["outside-limits"]
     assert said["outside-limits"].startswith("warning: ")
     assert "gives 2 named poses" in said["srdf-found"]

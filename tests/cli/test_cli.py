@@ -267,7 +267,7 @@ BAD = (
     (PLAN + "--line --blend 0.1", "--blend"),
     (PLAN + "--line --stop --blend 0.1", "--stop"),
     (PLAN + "--kind quintic", "--kind quintic"),
-    ("plan rover_arm" + " --xyz '1 0 1'" * 3 + " --direction '0 0 1'" * 2, "2 go with 3"),
+    ("plan rover_arm" + " --xyz '1 0 1'" * 3 + " --direction '0 0 1'" * 2, "got 2 for 3 --xyz"),
     (SERVO + "--theta '0 200 0 0'", "joint_2 = 200 °"),
     (SERVO + "--margin -0.1", "--margin"),
     (SERVO + "--on-unreachable jump", "'jump'"),

@@ -67,9 +67,9 @@ def test_a_colour_that_is_none_is_a_finding(rgba: str, tmp_path: Path) -> None:
 
 SIZES = {
     '<box size="0 1 1"/>': ((0, 1, 1), ""),
-    '<box size="-1 2 3"/>': ((1, 2, 3), "without its sign"),
-    '<cylinder radius="1" length="-2"/>': ((1, 2), "without its sign"),
-    '<box size="0 0 1"/>': (None, "nothing of it is to be seen"),
+    '<box size="-1 2 3"/>': ((1, 2, 3), "with positive sizes"),
+    '<cylinder radius="1" length="-2"/>': ((1, 2), "with positive sizes"),
+    '<box size="0 0 1"/>': (None, "it is invisible"),
 }
 
 

@@ -23,12 +23,12 @@ REFUSED = {
     ),
     "an undefined link": (robot(joint("a", "base_link", "uper"), joint("b", "upper", "tool0")), "closest: 'upper'"),
     "swapped limits": (two_joints(inside=LIMIT.format('lower="1" upper="-1"')), "lower 1 > upper -1; exchange them"),
-    "one bound beyond 0": (two_joints(inside=LIMIT.format('lower="1"')), "upper is not written, which is 0"),
+    "one bound beyond 0": (two_joints(inside=LIMIT.format('lower="1"')), "upper is missing, which counts as 0"),
     "a soft limit in words": (
         two_joints(inside='<safety_controller soft_lower_limit="low" k_velocity="1"/>'),
         "soft_lower_limit",
     ),
-    "a bound beyond all places": (two_joints(inside=LIMIT.format('lower="inf"')), "no place to stand"),
+    "a bound beyond all places": (two_joints(inside=LIMIT.format('lower="inf"')), "allow no position"),
     "a mimic of nothing": (two_joints(inside='<mimic joint="bb"/>'), "arm.urdf:2: joint 'a': it mimics 'bb'"),
     "an origin out of this world": (two_joints(xyz="1e200 0 0"), "its <origin> is malformed"),
     "elements without end": (

@@ -64,7 +64,7 @@ def test_what_the_description_lacks_is_told(tmp_path: Path) -> None:
     assert any("no effort limit of 'a', 'b': the payload is unknown" in each for each in found.notes)
     bound = payload(two_links(tmp_path, effort=(0.0, 12.0)), "zero")
     assert np.isclose(bound.mass, (12.0 - 2.0 * G * 0.2) / (0.4 * G))
-    assert any("no effort limit of 'a': what they hold is unknown" in each for each in bound.notes)
+    assert any("no effort limit of 'a': the payload is an upper bound" in each for each in bound.notes)
     light = payload(two_links(tmp_path, mass=0.0), "zero")
     assert any("no link that moves has a mass" in each for each in light.notes)
     assert np.isclose(light.mass, min(30.0 / (0.9 * G), 12.0 / (0.4 * G)))

@@ -160,5 +160,5 @@ def test_limits_of_a_continuous_joint_are_kept(tmp_path: Path) -> None:
 
 
 def test_twists_that_urdf_lacks_are_refused() -> None:
-    with pytest.raises(InputError, match="a rate of its own"):
+    with pytest.raises(InputError, match="no unit twist"):
         to_urdf(arm_from_screws(3.0 * joints.revolute([0, 0, 1], [1, 0, 0]), np.eye(4)))

@@ -85,7 +85,7 @@ def test_what_cannot_be_used(tmp_path: Path, capsys: Capture) -> None:
         (["print", "3_1_forward_kinematic", "-o", "a.pdf"], "closest: '3_1_forward_kinematics'"),
         (["print", LESSON, "-o", "none/a.pdf"], "does not exist; create it first"),
         (["--arm", "scara", "check", "a.py"], "give the options after the command: twistarm guide check … --arm ARM"),
-        (["check", "a.py", "--tip", "hand"], "give an ARM: the other options are about one"),
+        (["check", "a.py", "--tip", "hand"], "give an ARM: the options for loading need one"),
     ],
 )
 def test_what_cannot_be_is_one_sentence(

@@ -167,9 +167,9 @@ def test_its_arrays_are_read_only_and_survive_pickling() -> None:
 
 
 def test_rows_that_do_not_fit_are_refused() -> None:
-    with pytest.raises(InputError, match="must have the same rows, not 0"):
+    with pytest.raises(InputError, match="must have the same number of rows"):
         MotionLimits(("a",), np.ones((2, 1)), np.zeros(1), JointLimits.unbounded(1))
-    with pytest.raises(InputError, match="must have the same rows, not 0"):
+    with pytest.raises(InputError, match="must have the same number of rows"):
         MotionLimits((), np.ones((0, 1)), np.zeros(0), JointLimits.unbounded(0))
     with pytest.raises(InputError, match="joints must be the limits of 3 joints \\('slide', 'pitch', 'roll'\\)"):
         differential().motion_limits(JointLimits.unbounded(2))

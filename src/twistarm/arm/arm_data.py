@@ -17,11 +17,12 @@ from ..description.tree import Description
 from ..limits.actuators import Actuators
 from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED, JointLimits, slides, unit_of, usual_half
 from ..support.checks import (
+    LARGEST_ARRAY,
     Array,
     as_floats,
-    as_generator,
-    as_shape,
+    as_seed,
     as_theta,
+    as_whole,
     frozen,
     require,
     require_names,
@@ -277,7 +278,10 @@ class ArmData:
             InputError: The seed or the size cannot be used.
         """
         lower, upper = self.sampling_bounds
-        return as_generator(rng).uniform(lower, upper, (*as_shape(size, "size"), self.n))
+        generator = rng if isinstance(rng, np.random.Generator) else np.random.default_rng(as_seed(rng))
+        lengths = () if size is None else size if isinstance(size, tuple) else (size,)
+        shape = [as_whole(length, "size", 0, LARGEST_ARRAY) for length in lengths]
+        return generator.uniform(lower, upper, (*shape, self.n))
 
     @property
     def sampling_bounds(self) -> tuple[Array, Array]:

@@ -154,7 +154,7 @@ class Shapes:
         carried = [joint.origin[:3, 3] for joint in description.joints.values() if joint.parent == link.name]
         for end in carried:
             length = float(np.linalg.norm(end))
-            if length > 1e-3 * reach:
+            if length > 1e-3 * reach:  # a shorter one is an offset, and too thin to see
                 radius = min(THICK * reach, STOUT * length)
                 shape = self.primitive("capsule", (radius, max(length - 2.0 * radius, 1e-3 * length)))
                 yield Body(link.name, link.name, shape, along(end), "capsule")

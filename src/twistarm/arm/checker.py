@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 from collections.abc import Container, Iterable, Iterator, Sequence
 from copy import copy
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -51,11 +50,15 @@ class Checker:
             )
         for first, second in self.pairs:
             self._geometry.addCollisionPair(self._pin.CollisionPair(first, second))
-        both = ((k, *way) for k, (i, j) in enumerate(self.pairs) for way in ((i, j), (j, i)))
-        found = ((k, i, j, solid) for k, i, j in both if (solid := self.bodies[i].solid))
-        self._solids = [(k, i, j, solid, self.bodies[j].samples) for k, i, j, solid in found if solid.closed]
+        self._solids = []
+        for k, pair in enumerate(self.pairs):
+            for outer, inner in (pair, pair[::-1]):
+                solid = self.bodies[outer].solid
+                if solid is not None and solid.closed:
+                    self._solids.append((k, outer, inner, solid, self.bodies[inner].samples))
         self._kept = [any(self.bodies[i].solid or self.bodies[i].kind == "points" for i in pair) for pair in self.pairs]
         self._shared, self._local = threading.local(), threading.local()
+        self._margin_tables: tuple[Array, Array] | None = None
 
     def with_margins(self, margins: Sequence[float] | Array) -> Checker:
         """The same bodies and pairs with other margins [m].
@@ -64,8 +67,7 @@ class Checker:
         """
         other = copy(self)
         other.margins = tuple(np.maximum(margins, np.where(self._kept, 0.0, -np.inf)).tolist())
-        other._local = threading.local()
-        other.__dict__.pop("_tables", None)
+        other._local, other._margin_tables = threading.local(), None
         return other
 
     def collides(self, q: Array) -> bool:
@@ -92,11 +94,9 @@ class Checker:
         columns = np.asfortranarray(Q.T)
         found = [self._pin.computeCollisionsInParallel(threads, pool, columns, True) for pool in self._pools(threads)]
         hit = np.any(np.array(found, dtype=bool), axis=0)
-        return (
-            np.array([overlaps or self.collides(q) for overlaps, q in zip(hit, Q, strict=True)])
-            if self._solids
-            else hit
-        )
+        if not self._solids:
+            return hit
+        return np.array([overlaps or self.collides(q) for overlaps, q in zip(hit, Q, strict=True)])
 
     def overlapping(self, q: Array) -> list[int]:
         """The indices of the pairs that overlap or come nearer than their margin at q (nq,)."""
@@ -139,12 +139,12 @@ class Checker:
             own = self._shared.own = _Own(self._model.data, geometry, (model, data), manager, callback)
             self._shared.asked = None
         if self._shared.asked is not self:
-            self._shared.asked, (margins, widest) = self, self._tables
+            self._margin_tables = self._margin_tables or self._tables()
+            self._shared.asked, (margins, widest) = self, self._margin_tables
             own.geometry.setSecurityMargins(self._geometry, margins, True, False)
             own.boxes[1].setSecurityMargins(own.boxes[0], widest, True, False)
         return own
 
-    @cached_property
     def _tables(self) -> tuple[Array, Array]:
         """The margin of each pair (bodies, bodies), and one no less than any of either body.
 

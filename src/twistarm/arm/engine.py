@@ -118,12 +118,6 @@ def servo_of(arrays: tuple[Array, ...], length: float, below: float, damping: fl
     return module.Servo(*arrays, length, below, damping, stops)
 
 
-def gaps_of(*given: Any) -> Any:
-    """The gaps between pairs of bodies in the core, from what `_core.Gaps` takes; None without a core."""
-    module = core()
-    return None if module is None else module.Gaps(*given)
-
-
 @cache
 def _say_once() -> None:
     """Log once that everything is slower without the core; the default log is stderr."""

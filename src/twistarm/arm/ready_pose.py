@@ -102,7 +102,7 @@ class Mechanism:
 def _ratios(J: Array) -> Array:
     """σ_k/σ_1 of matrices (N, r, n), (N, r), none below `HOPELESS`."""
     squares = np.linalg.eigvalsh(J @ np.swapaxes(J, 1, 2))[:, ::-1]
-    return np.sqrt(np.maximum(squares / np.maximum(squares[:, :1], 1e-300), HOPELESS**2))
+    return np.sqrt(np.maximum(squares / np.maximum(squares[:, :1], 1e-300), HOPELESS**2))  # 1e-300: where J is 0
 
 
 class Merit:
@@ -118,6 +118,7 @@ class Merit:
         self._size = float(np.linalg.norm(strokes, axis=1).sum()) or 1.0
         self._rising = np.ptp(corners[..., 2], axis=0) > 1e-3 * self._size
         self._shoulder = max(0, int(np.argmax(self._rising)) - 1)
+        # A nearer corner is the tool's mount: the direction of so short a stroke says nothing of the hand.
         far = np.linalg.norm(arm.corners - arm.tool, axis=-1) > 0.03 * self._size
         self._wrist = int(np.flatnonzero(far)[-1]) if far.any() else 0
 
@@ -130,7 +131,7 @@ class Merit:
             **self._front(corners / self._size),
             **self._heights(corners / self._size),
         }
-        cost = FORBIDDEN * (least < SINGULAR)
+        cost = np.where(least < SINGULAR, FORBIDDEN, 0.0)
         for name, measure in measures.items():
             wanted, price = WANTED[name]
             cost = cost + price * np.maximum(0.0, wanted - measure)
@@ -140,7 +141,7 @@ class Merit:
         """The measures seen from above, and those of the hand."""
         out = (corners - corners[:, self._first, None])[..., :2]
         distance = np.linalg.norm(out[:, -1], axis=-1)
-        ahead = out[:, -1] / np.maximum(distance, 1e-12)[:, None]
+        ahead = out[:, -1] / np.maximum(distance, 1e-12)[:, None]  # no division by 0; such rows are replaced next
         ahead[distance < NEAR_AXIS] = 1.0, 0.0
         aside = out[:, self._first :, 1] * ahead[:, None, 0] - out[:, self._first :, 0] * ahead[:, None, 1]
         hand = corners[:, -1] - corners[:, self._wrist]
@@ -213,7 +214,8 @@ def round_configuration(
         costs = grid.costs(rows) + merit.costs(grid.theta(rows))
         rows = rows[np.argsort(costs, kind="stable")]
         regular = int((costs < FORBIDDEN).sum()) or len(rows)
-        better = np.array([*islice((row for row in rows[:regular] if is_free(tuple(row))), KEPT)] or rows[:1])
+        free = (row for row in rows[:regular] if is_free(tuple(row)))
+        better = np.array(list(islice(free, KEPT)) or rows[:1])
         if np.array_equal(better, kept):
             break
         kept = better
@@ -245,6 +247,7 @@ class Grid:
             middle = 0.0 if low <= 0.0 <= high else 0.5 * (low + high)
             column = middle, 0.0, 0, 0, 0
             for step in STEPS[unit]:
+                # 1e-9: a bound that is a multiple of the step counts, whatever its rounding.
                 first = int(np.ceil(max(low, middle - WINDOW[unit]) / step - 1e-9))
                 last = int(np.floor(min(high, middle + WINDOW[unit]) / step + 1e-9))
                 if last - first + 1 >= FEW:
@@ -262,7 +265,8 @@ class Grid:
         lower, upper = self.bounds
         theta, span = self.theta(rows), np.where(upper > lower, upper - lower, 1.0)
         short = np.maximum(0.0, COMFORT - np.minimum(theta - lower, upper - theta) / span)
-        return np.asarray(np.sum(BENT * (rows != self.rest) + NEAR / (COMFORT - MARGIN) * short, axis=-1))
+        bent = np.where(rows != self.rest, BENT, 0.0)
+        return np.asarray(np.sum(bent + NEAR / (COMFORT - MARGIN) * short, axis=-1))
 
 
 def _free(

@@ -130,7 +130,7 @@ def crosscheck(
         rows += part(arm, theta)
         report_progress(done / len(parts))
     if arm.description is not None and arm.description.gravity is not None:  # an MJCF
-        rows.append(_skipped("all links", "mujoco", "MuJoCo has read the file: it is no second account"))
+        rows.append(_skipped("all links", "mujoco", "MuJoCo compiled this file, so it is not independent"))
     return CrossCheck(arm.name, tuple(rows))
 
 
@@ -190,7 +190,7 @@ def _differences(arm: Arm, theta: Array) -> Iterator[EngineComparison]:
     # A coordinate that turns its joints many times as far, all together, gets a step as many times smaller.
     steps = STEP / np.maximum(1.0, turns.sum(axis=0))
     if steps.min() < SMALLEST_STEP:
-        reason = f"a follower turns {turns.max():g} times as far as its master: a difference is all rounding"
+        reason = f"a follower turns {turns.max():g} times as far as its master: rounding hides a difference"
         yield _skipped("body Jacobian", "differences", reason)
         return
     for i, step in enumerate(np.diag(steps)):

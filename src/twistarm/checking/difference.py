@@ -39,7 +39,7 @@ SAME_RATIO_TOL = 1e-9
 SAME_MASS_TOL = 1e-5  # Relative, of masses and inertias: exports write six digits.
 SAMPLES = 100  # Random configurations at which poses and Jacobians are compared.
 
-NO_MASSES = "masses were not compared: what it is compared with holds none; a golden file that is written now does"
+NO_MASSES = "masses were not compared: the reference has none. A new golden file has them"
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
         if was != names and sorted(was) == sorted(names):
             changes.append(f"order of the {kind}: {', '.join(was)} to {', '.join(names)}")
     if then.joint_names != arm.joint_names or then.screws.shape != arm.screws.shape:
-        return Difference(arm.name, tuple(changes or ["the joints that follow others are different ones"]), notes=notes)
+        return Difference(arm.name, tuple(changes or ["other joints are followers"]), notes=notes)
     changes += geometry_changes(arm, then.screws, then.home)
     if max(np.abs(was - now).max() for was, now in zip(then.coupling, arm.coupling, strict=True)) > SAME_TOL:
         changes.append("the coupling of mimic or locked joints is different")
@@ -209,18 +209,20 @@ def _changes(before: Facts, after: Facts) -> list[str]:
     """What is gone or new, then what differs."""
     changes = [f"{owner} is gone" for owner in before if owner not in after]
     changes += [f"{owner} is new" for owner in after if owner not in before]
-    for owner in (owner for owner in before if owner in after):
-        for part in (part for part in before[owner] if part in after[owner]):
-            then, now = before[owner][part], after[owner][part]
+    for owner, facts in before.items():
+        for part, then in facts.items():
+            now = after.get(owner, {}).get(part)
+            if now is None:
+                continue
             if isinstance(then.value, str) or isinstance(now.value, str):
                 same = then.value == now.value
             else:
                 tolerance = max(then.tolerance, now.tolerance)
                 same = np.allclose(then.value, now.value, rtol=0.0, atol=tolerance, equal_nan=True)
-            if not same:  # in as few digits, six at least, as tell the values apart
+            if not same:  # with the fewest digits, six at least, in which the values differ
                 pairs = ((_digits(then.value, digits), _digits(now.value, digits)) for digits in (6, 9, 12, 17))
                 was, is_ = next((pair for pair in pairs if pair[0] != pair[1]), ("", ""))
-                changes.append(f"{part} of {owner}: {was} to {is_}{now.unit and f' {now.unit}'}")
+                changes.append(f"{part} of {owner}: {was} to {is_} {now.unit}".rstrip())
     return changes
 
 
@@ -250,7 +252,7 @@ def geometry_changes(arm: Arm, screws: Array, home: Array) -> list[str]:
         # The tool's own motion in the home pose, that of what it rides on included.
         words = _shift_words(arm.home[:3, 3] - home[:3, 3]) + _turn_words(arm.home[:3, :3] @ home[:3, :3].T)
         in_all = " in all" if changes else ""
-        words = [word + in_all for word in words] or ["is where it was all the same"]
+        words = [word + in_all for word in words] or ["has the same pose"]
         changes += [f"tool {arm.tip} {word}" for word in words]
     return changes
 
@@ -314,6 +316,6 @@ def _direction(vector: Array) -> str:
     """`x`, `−z`, or the unit vector in base axes."""
     unit = vector / np.linalg.norm(vector)
     i = int(np.abs(unit).argmax())
-    if abs(unit[i]) > 0.9999:
+    if abs(unit[i]) > 0.9999:  # within 0.8° of the axis
         return ("" if unit[i] > 0 else "−") + "xyz"[i]
     return "(" + ", ".join(f"{x:.2f}" for x in unit) + ")"

@@ -41,6 +41,7 @@ class _Options:
 
     def __init__(self, *args: Any, **keywords: Any) -> None:
         super().__init__(*args, **keywords)
+        # Annotations are texts, because of `from __future__ import annotations`.
         arguments = inspect.signature(keywords["callback"], eval_str=True).parameters.values()
         self.shared = {
             argument.name: of

@@ -82,7 +82,7 @@ def parse_numbers(text: str, units: str, option: str, radians: bool = False) -> 
     wrong = [written.strip() for written, value in zip(typed, values, strict=False) if not np.isfinite(value)]
     if len(typed) != len(quantities) or wrong:
         zeros = " ".join("0" for _ in quantities)
-        why = f", where {wrong[0]!r} is none" if wrong else ""
+        why = f"; {wrong[0]!r} is not such a number" if wrong else ""
         such = SUCH_AS[quantities[0]]
         raise InputError(
             f"{option} takes {len(quantities)} numbers such as {such}, as in {option} {zeros}; got {text!r}{why}"

@@ -173,7 +173,7 @@ def _keywords(
     ] = None,
     xacro_args: Annotated[list[str] | None, _loading("xacro_args", "A xacro argument; may be repeated.")] = None,
     ignore_packages: Annotated[
-        list[str] | None, _loading("ignore_packages", "Leave out what a missing package brings; may be repeated.")
+        list[str] | None, _loading("ignore_packages", "Leave out the parts of a missing package; may be repeated.")
     ] = None,
     env_vars: Annotated[
         list[str] | None, _loading("env_vars", "An environment variable that xacro may read; may be repeated.")
@@ -242,7 +242,7 @@ class _Loading:
             if isinstance(entry, Source)
         ]
         if any(typed.values()) and not sources:
-            raise InputError("give an ARM: the other options are about one")
+            raise InputError("give an ARM: the options for loading need one")
         tool = typed["tool"]
         for source in sources:
             source.tool = None if tool is None else tool.read(tool.text, "--tool", bool(ctx.params.get("rad")))

@@ -152,8 +152,8 @@ class Outputs:
             raise InputError(f"a {kind} is a folder, which standard output cannot hold; give -o FOLDER/")
         if kind is None:
             endings = " or ".join("FOLDER/" if FOLDER in ends else f"*{ends[0]}" for ends in kinds.values())
-            option = f", or --format {'|'.join(kinds)}," if form is None else ""
-            raise InputError(f"-o takes {endings}; got {name}: another name{option} says the kind")
+            option = f", or --format {'|'.join(kinds)}" if form is None else ""
+            raise InputError(f"-o takes {endings}; got {name}: choose another name{option}")
         return kind
 
     @property
@@ -184,7 +184,7 @@ class Outputs:
             if isinstance(part, str):
                 say(words(part, radians=self.radians), file=self.words)
                 continue
-            known = self.words.isatty() or "COLUMNS" in os.environ
+            known = self.words.isatty() or "COLUMNS" in os.environ  # else Rich assumes 80 columns and folds text
             console = Console(file=self.words, width=None if known else PIPED_WIDTH, highlight=False, emoji=False)
             if isinstance(part, Table):
                 part.print_on(console, self.radians)
@@ -207,6 +207,7 @@ class Outputs:
             elif isinstance(content, str) and sys.stdout.isatty():
                 say(*content.splitlines())
             else:
+                # As bytes, because Windows would turn \n into \r\n.
                 sys.stdout.buffer.write(content.encode() if isinstance(content, str) else content)
         return [name for name, _ in made]
 

@@ -40,9 +40,9 @@ def _axis(text: str, option: str, radians: bool) -> Array:
         raise InputError(f"{option} takes x, y, z, -x, -y, -z or three numbers; got {text!r}") from error
 
 
-PositionTol = Annotated[float | None, quantity("m", "How far off a position is still met; 1e-5 m by default.")]
+PositionTol = Annotated[float | None, quantity("m", "Tolerance of the position; 1e-5 m by default.")]
 OrientationTol = Annotated[
-    float | None, quantity("rad", "How far the tool may be turned off [°, or rad with --rad]; 5e-5 rad by default.")
+    float | None, quantity("rad", "Tolerance of the orientation [°, or rad with --rad]; 5e-5 rad by default.")
 ]
 
 
@@ -74,13 +74,11 @@ class TypedTargets:
         if len(given) > 1:
             raise InputError(f"give {' or '.join(given)}, not both: a whole orientation, or only where the tool points")
         if self.axis is not None and not self.direction:
-            raise InputError("--axis says which axis of the tool --direction points: give a direction too")
+            raise InputError("--axis chooses the axis of the tool for --direction: give a direction too")
         count = len(self.xyz or ())
-        orientations = max(len(getattr(self, name) or ()) for name in TURNS)
-        if orientations > 1 and orientations != count:
-            raise InputError(
-                f"give one {given[0]} for all positions, or one for each: {orientations} go with {count} --xyz"
-            )
+        turns = max(len(getattr(self, name) or ()) for name in TURNS)
+        if turns > 1 and turns != count:
+            raise InputError(f"give one {given[0]} for all positions, or one for each; got {turns} for {count} --xyz")
 
     @property
     def has_orientation(self) -> bool:

@@ -72,15 +72,11 @@ class Table:
         """What JSON holds of it."""
         if self.key is None:
             return {}
-        named = [
-            (column.key or column.name.replace(" ", "_"), column.values)
-            for column in self.columns
-            if column.key is not None
-        ]
+        kept = [column for column in self.columns if column.key is not None]
+        named = {column.key or column.name.replace(" ", "_"): column.values for column in kept}
         if not self.key:
-            return dict(named)
-        names, values = zip(*named, strict=True)
-        return {self.key: [dict(zip(names, row, strict=True)) for row in zip(*values, strict=True)]}
+            return named
+        return {self.key: [dict(zip(named, row, strict=True)) for row in zip(*named.values(), strict=True)]}
 
     def csv(self) -> str:
         """The columns as CSV in SI, the unit of all values behind the name."""
@@ -97,6 +93,7 @@ class Table:
         if not cells[0]:
             return
         if sum(map(_width, heads, cells)) + GAP * (len(heads) - 1) > out.width:
+            # Heads break at spaces and behind underscores, so that no number has to.
             heads = [re.sub(r"(?<=[^ _])( |_(?=[^_ ]))", lambda found: found[0].strip() + "\n", head) for head in heads]
         made = RichTable(box=box.SIMPLE_HEAD, header_style="dim", show_edge=False, pad_edge=False)
         made.padding, made.show_header = (0, GAP - 1, 0, 0), any(heads)
@@ -108,7 +105,7 @@ class Table:
             made.add_column(escape(head), justify=justify, overflow="fold", no_wrap=not is_text or i == 0)  # type: ignore[arg-type]
         for row in zip(*cells, strict=True):
             made.add_row(*map(escape, row))
-        out.width = max(out.width, least)
+        out.width = max(out.width, least)  # Rich would cut numbers to fit; a line may be longer than the terminal
         if self.title:
             out.print(f"[bold]{escape(printable(self.title))}[/bold]")
         out.print(made)
@@ -116,7 +113,7 @@ class Table:
     def _in_units(self, radians: bool) -> Iterator[tuple[str, list[str], bool]]:
         """Heads, cells, and whether they are text. The rows' units stand before the first column that has them."""
         units_written, rows = False, range(len(self.columns[0].values)) if self.rows is None else self.rows
-        for column in filter(lambda column: column.people, self.columns):
+        for column in (column for column in self.columns if column.people):
             cells = column.cells(radians)
             if not isinstance(column.unit, str) and not units_written:
                 units_written = True
@@ -170,14 +167,10 @@ def joint_columns(arm: Arm, theta: Array, digits: int = 4) -> list[Column]:
     return [Column(name, values, unit, digits=digits) for name, values, unit in named]
 
 
-def joint_heads(arm: Arm, radians: bool = True) -> list[str]:
-    """The heads of columns of joints, with their units."""
-    return [f"{name} [{unit_text(unit, radians)}]" for name, unit in zip(arm.joint_names, arm.units, strict=True)]
-
-
 def theta_typed(arm: Arm, theta: Array, radians: bool) -> str:
     """theta (n,) as it can be typed or pasted: `--theta "0.1 -30 60"`."""
-    return f'--theta "{theta_values(arm, theta, radians)}"' + " --rad" * radians
+    rad = " --rad" if radians else ""
+    return f'--theta "{theta_values(arm, theta, radians)}"{rad}'
 
 
 def theta_values(arm: Arm, theta: Array, radians: bool, digits: int = 6) -> str:
@@ -210,8 +203,3 @@ def pose_entries(g: Array) -> dict[str, Any]:
     """A pose for JSON."""
     R = g[:3, :3]
     return {"matrix": g, "position": g[:3, 3], "rpy": to_rpy(R), "quaternion_wxyz": to_quaternion_wxyz(R)}
-
-
-def jacobian_table(arm: Arm, title: str, J: Array) -> Table:
-    """A Jacobian with its rows and columns named."""
-    return matrix_table(title, J, ["v x", "v y", "v z", "ω x", "ω y", "ω z"], ["", *arm.joint_names])

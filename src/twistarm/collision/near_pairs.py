@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arm import engine
 from ..arm.bodies import Body
 from ..arm.checker import TOLERANCE, Checker
-from ..arm.engine import gaps_of
 from ..arm.pinocchio_model import PinocchioModel
 from ..support.checks import Array
 from .swept import ancestors, pair_speeds
@@ -87,7 +87,7 @@ class NearPairs(Checker):
         around[~self.exact] += ROUNDING
         sizes = np.column_stack([(half - edge[:, None])[box], around, self.exact])
         motion = self._motion(*self.body_pairs.T)
-        self._gaps = gaps_of(joints, at, ball.tolist(), box.tolist(), sizes, *motion)
+        self._gaps = engine.asked("Gaps", joints, at, ball.tolist(), box.tolist(), sizes, *motion)
         self.exact &= self._gaps is not None
         self._all_exact = bool(self.exact.all())
 

@@ -36,7 +36,7 @@ def read_axis(element: ET.Element, kind: str, reading: Reading) -> tuple[Array, 
     with reading.numbers_of(element, "its <axis> is malformed: "):
         vector = np.array(floats(axis.get("xyz", "1 0 0"), 3))
     norm = float(np.linalg.norm(vector))
-    if norm < 1e-9:
+    if norm < 1e-9:  # zeros, or what an export made of them
         remedy = "give the axis it moves along or about"
         raise reading.error(element, "number-malformed", "a moving joint with a zero axis", remedy)
     if abs(norm - 1.0) > AXIS_TOL:
@@ -68,10 +68,10 @@ def read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], read
         reading.note("limit-incomplete", element, what, remedy)
     lower, upper = given.get("lower", -np.inf if both else 0.0), given.get("upper", np.inf if both else 0.0)
     if lower >= WIDE or upper <= -WIDE:
-        what = f"its limits lower {lower:g}, upper {upper:g} leave no place to stand"
+        what = f"its limits lower {lower:g}, upper {upper:g} allow no position"
         raise reading.error(element, "number-malformed", what, "give finite bounds")
     if lower > upper:
-        unwritten = f"; {missing[0]} is not written, which is 0" if missing else ""
+        unwritten = f"; {missing[0]} is missing, which counts as 0" if missing else ""
         what = f"its limits are swapped: lower {lower:g} > upper {upper:g}{unwritten}"
         raise reading.error(element, "limits-swapped", what, "write both" if missing else "exchange them")
     if lower == upper:
@@ -94,7 +94,7 @@ def softened(element: ET.Element, kind: str, hard: Bounds, reading: Reading) -> 
     lower, upper = max(hard[0], soft_lower), min(hard[1], soft_upper)
     if lower < upper or (lower == upper == hard[0] == hard[1]):
         return lower, upper
-    what = f"its soft limits [{soft_lower:g}, {soft_upper:g}] leave no room in [{hard[0]:g}, {hard[1]:g}]; not kept"
+    what = f"its soft limits [{soft_lower:g}, {soft_upper:g}] lie outside its limits; they are ignored"
     reading.note("outside-limits", element, what, "correct its <safety_controller>, or take it out")
     return hard
 
@@ -136,7 +136,7 @@ def note_commanded(robot: ET.Element, joints: Mapping[str, Joint], reading: Read
                 odd[f"{joint.name} {name} [{', '.join(ends)}]"] = None
     if odd:
         what = f"<ros2_control> has other limits or names, which are not used here: {listed(odd, MOST_SHOWN)}"
-        reading.note("companion-doubtful", None, what, "write those that the robot keeps in <limit>, or in an arm.toml")
+        reading.note("companion-doubtful", None, what, "write the limits of the robot in <limit>, or in an arm.toml")
 
 
 def rate(value: float | None) -> float:

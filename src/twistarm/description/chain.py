@@ -67,7 +67,7 @@ def _follow(description: Description, name: str, locked_joints: Mapping[str, flo
         joint = description.joints[name]
         if name in locked_joints:
             return Affine(None, 0.0, multiplier * float(locked_joints[name]) + offset)
-        if not joint.moving or multiplier == 0.0:
+        if not joint.moving or multiplier == 0.0:  # a multiplier of 0 holds the follower still
             return Affine(None, 0.0, offset)
         if joint.mimic is None:
             if not joint.scalar:
@@ -179,17 +179,14 @@ def _narrowed(
     lower, upper = max(limits.lower[i], ends[0]), min(limits.upper[i], ends[1])
     if (lower, upper) == (limits.lower[i], limits.upper[i]):
         return limits, []
-    usable = bool(lower < upper)
-    noted = finding(
-        "limits-adjusted" if usable else "outside-limits",
-        description.place(follower),
-        f"it follows {affine.master} beyond its own limits [{follower.lower:g}, {follower.upper:g}]; "
-        + (f"{affine.master} is kept in [{lower:.4g}, {upper:.4g}]" if usable else "its limits are not kept"),
-        "make both joints' limits fit the mimic's multiplier and offset",
-    )
-    if not usable:
-        return limits, [noted]
+    what = f"it follows {affine.master} beyond its own limits [{follower.lower:g}, {follower.upper:g}]; "
+    remedy = "make both joints' limits fit the mimic's multiplier and offset"
+    if not lower < upper:
+        what += "its limits are not kept"
+        return limits, [finding("outside-limits", description.place(follower), what, remedy)]
     master = coordinates[i]
+    what += f"{master} is kept in [{lower:.4g}, {upper:.4g}]"
+    noted = finding("limits-adjusted", description.place(follower), what, remedy)
     return limits.with_({"lower": {master: lower}, "upper": {master: upper}}, coordinates), [noted]
 
 

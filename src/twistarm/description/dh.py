@@ -150,7 +150,7 @@ def table_of_rows(
     moving = [i for i, row in enumerate(read) if row.get("type") != FIXED]
     first, end = (moving[0], moving[-1] + 1) if moving else (0, 0)
     if len(moving) < end - first:
-        raise InputError("a fixed row stands before the first joint or behind the last; add its numbers to theirs")
+        raise InputError("a fixed row comes before the first joint or after the last; merge it into another row")
     numbers = np.array([[row.get(name, 0.0) for name in PARAMETERS] for row in read])
     transforms = [transform_of(row, convention) for row in numbers]
     joints = read[first:end]
@@ -183,7 +183,7 @@ def _read(row: Mapping[str, Any], i: int) -> dict[str, Any]:
             if name in WORDS:
                 read[name] = cell
                 continue
-            quantity = PARAMETERS.get(name) or LIMITS[name][kind == TYPES[1]]
+            quantity = PARAMETERS.get(name) or LIMITS[name][1 if kind == "prismatic" else 0]
             value = number_in(cell, key) if isinstance(cell, str) else as_number(cell, key)
             if quantity == "rad" and not unit and abs(value) > LONGEST[name]:
                 raise InputError(f"{angle_hint(np.array(value))}; name the column {name}_deg, or {name} [rad]")

@@ -49,12 +49,10 @@ class Geometries:
             what = f"{plural(len(self._twice), 'material')} with several colours: {names}; the first of a name counts"
             self._reading.note("bad-geometry", None, what, "give each colour a name of its own")
         if self._unnamed:
-            what = f"a <material> without a name in {listed(self._unnamed, 3)}; others drop it, with a link's shapes"
+            what = f"a <material> without a name in {listed(self._unnamed, 3)}; others drop it and the shapes"
             self._reading.note("word-unread", None, what, 'write <material name="…">')
         if self._undefined:
-            what = (
-                f"a <material> that nothing before it gives a colour: {listed(self._undefined, 3)}; drawn without one"
-            )
+            what = f"no colour is defined before the <material> {listed(self._undefined, 3)}; drawn without one"
             self._reading.note("bad-geometry", None, what, "give it a <color>, or correct its name")
         for rgba in self._odd:
             what = f"the colour rgba={rgba[:60]!r} is not four numbers from 0 to 1; the nearest colour is drawn, if any"
@@ -115,7 +113,7 @@ class Geometries:
         # A box may be flat, a cylinder a disc, a capsule a ball.
         seen = np.count_nonzero(size) >= 2 if shape.tag == "box" else size[0] != 0.0
         if min(size) < 0.0 or not seen:
-            drawn = "the size without its sign is drawn" if seen else "nothing of it is to be seen"
+            drawn = "it is drawn with positive sizes" if seen else "it is invisible"
             what = f"its <{shape.tag}> has the size {' '.join(f'{x:g}' for x in size)}; {drawn}"
             self._reading.note("bad-geometry", link, what, "give sizes above 0")
         return Geometry(shape.tag, origin, tuple(map(abs, size)), None, colour) if seen else None  # type: ignore[arg-type]
@@ -191,11 +189,15 @@ def drop_unusable_inertials(robot: ET.Element, reading: Reading) -> None:
     for link in robot.findall("link"):
         first = link.find("inertial")
         link[:] = [child for child in link if child.tag != "inertial" or child is first]
-        if first is not None and (problem := inertial_problem(first)):
+        if first is None:
+            continue
+        inertia = first.find("inertia")
+        lacking = [] if inertia is None else [name for name in INERTIA if name not in inertia.attrib]
+        if problem := inertial_problem(first):
             link.remove(first)
             what = f"its <inertial> {problem}; the link counts as massless"
             reading.note("inertial-unusable", link, what, INERTIAL_REMEDY)
-        elif first is not None and (lacking := [name for name in INERTIA if name not in first.find("inertia").attrib]):  # type: ignore[union-attr]
+        elif lacking:
             what = f"its <inertia> has no {', '.join(lacking)}: read as 0, and other readers refuse the link"
             reading.note("inertial-unusable", link, what, INERTIAL_REMEDY)
 

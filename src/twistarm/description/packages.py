@@ -112,8 +112,9 @@ class PackageIndex:
             workspaces = (parent.parent for parent in installed.parents if parent.name == INSTALLED)
             sources = next(workspaces, Path(installed.anchor)) / SOURCES
             built = installed.parent.name == SHARE and os.path.realpath(installed) == str(installed)
-            if built and not is_too_wide(sources.parent) and source.is_relative_to(sources):
-                yield from () if any(part[0] == "." for part in source.relative_to(sources).parts) else (source,)
+            inside = built and not is_too_wide(sources.parent) and source.is_relative_to(sources)
+            if inside and not any(part.startswith(".") for part in source.relative_to(sources).parts):
+                yield source
 
     def _copy(self, package: str) -> Path | None:
         """The folder of that name that looks like a robot's package, one above the description first.
@@ -171,7 +172,8 @@ def package_index(
         user_dirs = [user_dirs]
     found = []
     for dirs in (user_dirs, mesh_dirs):
-        for folder in (folders := tuple(map(as_path, dirs))):
+        folders = tuple(map(as_path, dirs))
+        for folder in folders:
             if "\0" in str(folder) or not os.path.isdir(folder):
                 raise InputError(f"package_dirs: {quote(str(folder))} is not a folder; give one that holds packages")
         found.append(tuple(folder.resolve() for folder in folders))
@@ -186,11 +188,6 @@ def checked_names(given: object, argument: str) -> tuple[str, ...]:
         if not pattern.fullmatch(name):
             raise InputError(f"{argument} takes {wanted}; got {quote(name)}")
     return tuple(dict.fromkeys(names))
-
-
-def is_package_name(name: str) -> bool:
-    """Whether a package may have that name: a word, not a path."""
-    return NAMES["ignore_packages"][0].fullmatch(name) is not None
 
 
 def home_of(file: Path) -> Path:
@@ -261,9 +258,8 @@ def _children(folder: Path) -> list[Path]:
     """The visible folders in a folder, by their names. None in an unreadable one."""
     try:
         with os.scandir(folder) as inside:
-            names = sorted(
-                entry.name for entry in inside if entry.name[0] != "." and (entry.is_symlink() or entry.is_dir())
-            )
+            visible = [entry for entry in inside if not entry.name.startswith(".")]
+            names = sorted(entry.name for entry in visible if entry.is_symlink() or entry.is_dir())
     except OSError:
         return []
     return [folder / name for name in names if os.path.isdir(folder / name)]
@@ -310,9 +306,9 @@ def why_missing(uri: str, packages: PackageIndex) -> tuple[str, str]:
     here = next((file for file in named if is_file(file) and packages.allows(Path(os.path.realpath(file)))), None)
     if here and not package:
         path = os.path.relpath(here.with_stem("NAME"), packages.file.parent)
-        return "their paths are those of another place, and files of these names are here", f'write filename="{path}"'
+        return "their paths do not exist, and files of these names are near the description", f'write filename="{path}"'
     where = f"in package {package!r}" if package else "where the description looks for them"
-    return f"no such file stands {where}", "correct the paths, or put the files there"
+    return f"there is no such file {where}", "correct the paths, or put the files there"
 
 
 def _places(uri: str, packages: PackageIndex) -> tuple[str, list[Path], list[Path]]:

@@ -43,7 +43,7 @@ def split_planar_joints(robot: ET.Element, reading: Reading) -> dict[str, str]:
             continue
         names = coordinate_names(joint.get("name", ""))
         if given := [name for limit in joint.findall("limit") for name in limit.attrib]:
-            what = f"its <limit> gives {', '.join(given)}, one number for slides and turn alike; taken as unbounded"
+            what = f"its <limit> gives {', '.join(given)}, one number for slides and turn alike; it counts as unbounded"
             reading.note("limits-adjusted", joint, what, f"give limits of {', '.join(names)} in arm.toml")
         if clash := joints.intersection(names):
             what = f"its coordinates are named {', '.join(names)}, and there is a joint {min(clash)!r} already"

@@ -178,7 +178,8 @@ def bodies(description: Description, base: str) -> list[Body]:
                     child = description.links[joint.child]
                     in_place = not (joint.origin[:3, 3].any() or child.visuals or child.collisions)
                     of_base = body.depth == 0 and (in_place or joint.type in ("planar", "floating"))
-                    body.children.append(Body(joint, {joint.child: ""}, body, body.depth + (not of_base)))
+                    depth = body.depth if of_base else body.depth + 1
+                    body.children.append(Body(joint, {joint.child: ""}, body, depth))
                 else:
                     body.links[joint.child] = link
                     fixed.append(joint.child)
@@ -197,13 +198,14 @@ def _wheels(body: Body) -> Sequence[Body]:
     """Wheels and legs: ends with such names, bodies that carry only those, and ends that spin beside another."""
     rolling, spinning = [], []
     for child in body.children:
+        spins = child.joint is not None and child.joint.type == "continuous" and not child.holds_tool
         if child.children:
             if len(child.on("locomotion")) == len(child.children):
                 rolling.append(child)
         elif named_like("locomotion", *child.names, *child.links):
             rolling.append(child)
-        elif child.joint and child.joint.type == "continuous" and not child.holds_tool:
-            spinning += [] if named_like("finger", *child.names) else [child]
+        elif spins and not named_like("finger", *child.names):
+            spinning.append(child)
     return [*rolling, *spinning] if rolling or (len(spinning) > 1 and body.depth < CARRIED) else ()
 
 
@@ -441,9 +443,9 @@ def _unclear(
         return refusal("no-chain", description.place(), "no joint moves", "is it the description of an arm?")
     likely = {link: end for end in ends for link in _tips(description, end)[1]}
     if len(likely) < 2:
-        what = f"nothing that is an arm in it, only {'too short a chain' if ends else 'wheels, legs or heads'}"
+        what = f"it has no arm, only {'too short a chain' if ends else 'wheels, legs or heads'}"
         moved = (link for link, body in _leaves(description, found).items() if body.joint and body.part != "locomotion")
-        remedy = Text("to take one of its chains all the same, pass {tip}", tip=Argument("tip", *[*likely, *moved][:1]))
+        remedy = Text("to use one of its chains anyway, pass {tip}", tip=Argument("tip", *[*likely, *moved][:1]))
         return refusal("no-tip", description.place(), what, remedy)
     candidates = [f"{listed([link])} ({plural(end.depth, 'joint')})" for link, end in likely.items()]
     what = f"several links could be the tip: {', '.join(candidates[:SHOWN])}"
@@ -455,5 +457,5 @@ def _unclear(
         "no-tip",
         description.place(),
         what,
-        Text("pass {tip}, or another of them; each is an arm of its own", tip=Argument("tip", next(iter(likely)))),
+        Text("pass {tip}, or another of them", tip=Argument("tip", next(iter(likely)))),
     )

@@ -68,18 +68,14 @@ def read_description(
     else:
         noted, text, reading = (), read_text(file), Reading(file, packages)
     reading.findings += noted
-    if may_be_mjcf(text) and (root := parse_xml(text, reading)).tag == "mujoco":
+    # A URDF may hold settings for MuJoCo in such an element too.
+    if _MJCF.search(text) and (root := parse_xml(text, reading)).tag == "mujoco":
         from .mjcf.translation import translated  # most programs read none
 
         urdf, semantics, gravity = translated(root, reading)
         description = build_description(urdf, replace(reading, show_lines=False, lines={}))
         return replace(description, semantics=semantics, gravity=gravity)
     return build_description(text, reading)
-
-
-def may_be_mjcf(text: str) -> bool:
-    """Whether a text may be an MJCF. A URDF may hold settings for MuJoCo in such an element too."""
-    return _MJCF.search(text) is not None
 
 
 def build_description(text: str, reading: Reading) -> Description:
@@ -128,7 +124,7 @@ def _note_copies(reading: Reading) -> None:
     for package, folder in reading.packages.copies.items():
         if folder.parent == models_share():  # the wheel's own, which pip has put there
             continue
-        what = f"no package.xml names package {package!r}: it is taken to be the folder {folder}, for its name"
+        what = f"no package.xml names package {package!r}; the folder {folder} is used because of its name"
         remedy = Text("put a package.xml of that name into it, or pass {folder}", folder=package_folder("another"))
         reading.note("package-without-manifest", None, what, remedy)
 
@@ -146,7 +142,7 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
     if kind not in _JOINT_TYPES:
         remedy = f"URDF has {', '.join(_JOINT_TYPES)}{closest(kind, _JOINT_TYPES)}"
         raise reading.error(element, "joint-type-unknown", f"joint type {kind!r} is unknown", remedy)
-    remedy = "give xyz and rpy as three numbers each, or in the place of rpy quat_xyzw as four"
+    remedy = "give xyz and rpy as three numbers each, or quat_xyzw instead of rpy as four"
     with reading.numbers_of(element, "its <origin> is malformed: ", remedy):
         origin = read_origin(element)
     _note_degrees(element, reading)

@@ -132,7 +132,7 @@ def _directions(given: Any) -> Array:
     """Unit vectors (N, 3); none for the position alone."""
     if isinstance(given, str):
         down = require_choice(given, ("down", "position"), "directions") == "down"
-        return np.array([[0.0, 0.0, -1.0]] * down).reshape(-1, 3)
+        return np.array([[0.0, 0.0, -1.0]]) if down else np.empty((0, 3))
     around = isinstance(given, int) and given == len(AROUND)
     name = 'directions, where not "down", "position" or 26,'
     units = np.atleast_2d(as_direction(AROUND if around else given, name))

@@ -61,7 +61,9 @@ class PanelTask(Brief):
 
         With hold="position", in front and at the place alone.
         """
-        g = screws.exp(self.twist, np.array([0.0, 0.0, 0.5, 1.0, 1.0 - self.back]) * (self.hold != "position"))
+        last = 0.0 if self.back else 1.0
+        along = np.array([0.0, 0.0, 0.5, 1.0, last]) if self.hold != "position" else np.zeros(5)
+        g = screws.exp(self.twist, along)
         places, directions = g[:, :3, :3] @ self.place + g[:, :3, 3], np.tile(self.direction, (len(g), 1))
         directions = g[:, :3, :3] @ self.direction if self.hold == "pose" else directions
         into = max(0.0, float((places[-1] - self.place) @ self.direction))  # the tool stands so far in the panel
@@ -74,8 +76,9 @@ class PanelTask(Brief):
         places = self.checkpoints(clearance)[0]
         away = float(np.linalg.norm(places[-1] - places[1 if self.back else 3]))
         moves: list[Segment] = [LineMove(Approach(self.place, self.direction, tool_axis))]
-        moves += [ArcMove(None, None, twist=self.twist, label=self.name, **how)]
-        moves += [ArcMove(None, None, twist=-self.twist, **how)] * self.back
+        moves.append(ArcMove(None, None, twist=self.twist, label=self.name, **how))
+        if self.back:
+            moves.append(ArcMove(None, None, twist=-self.twist, **how))
         return [*moves, LineMove.by(-away * tool_axis, constrain="approach")]
 
 
@@ -128,8 +131,8 @@ def load_panel(path: str | os.PathLike[str]) -> Panel:
         frame = {"xyz": np.zeros(3), "normal": -np.eye(3)[0], "up": np.eye(3)[2], **top.get("panel", {})}
         z, g = frame["normal"], np.eye(4)
         across = np.cross(frame["up"], z)
-        if np.linalg.norm(across) < 1e-6:
-            raise InputError("panel: normal and up are parallel: of a panel that lies flat, say which side is up")
+        if np.linalg.norm(across) < 1e-6:  # six digits of its direction would be lost
+            raise InputError("panel: normal and up are parallel; give an up that lies in the panel")
         x = across / np.linalg.norm(across)
         g[:3, :3], g[:3, 3] = np.stack([x, np.cross(z, x), z], axis=-1), frame["xyz"]
     tasks: dict[str, PanelTask] = {}
@@ -168,7 +171,7 @@ def _task(value: Any, angle: Callable[..., float]) -> PanelTask:
         pitch = table.get("lead", 0.0) / (2.0 * np.pi)
         twist = table["angle"] * np.concatenate([np.cross(point, axis) + pitch * axis, axis])
         if not table["angle"]:
-            raise InputError(f"angle must not be 0: by how far to {kind}")
+            raise InputError(f"angle must not be 0: give the angle to {kind} by")
     hold = table.get("hold", hold)
     if hold != "pose" and np.abs((screws.exp(twist) - np.eye(4)) @ np.append(place, 1.0)).max() < 1e-9:
         raise InputError('the tool stays where it is: give a point on the axis of the lever, or hold = "pose"')
@@ -176,7 +179,8 @@ def _task(value: Any, angle: Callable[..., float]) -> PanelTask:
 
 
 def _length(value: Any, name: str, most: float = FAR) -> float:
-    if abs(metres := as_number(value, name)) > most:
+    metres = as_number(value, name)
+    if abs(metres) > most:
         raise InputError(f"{name} is {metres:g} m, and at most {most:g} m are allowed: lengths are in metres")
     return metres
 

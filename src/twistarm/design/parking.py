@@ -96,7 +96,9 @@ class PanelReport(Brief):
             PathError: The way from one task to another collides.
         """
         if not self.done:
-            raise InputError("no task of the panel is done, so there is no motion: results say why")
+            raise InputError(
+                "no task of the panel is done, so there is no motion; `why` of each result gives the reason"
+            )
         to = JointMove if self.scene is None else FreeMove
         g, segments = screws.inverse(self.base) @ self.panel.pose, list[Segment]()
         for result in self.done:
@@ -130,7 +132,7 @@ def check_panel(
     if inside is not None and panel.size is not None:
         inside.find_allowed_pairs()
         before, inside = inside.placed, copy(inside)
-        inside.put_back(before)  # its own obstacles from here on
+        inside.put_back(before)  # a copy shares its obstacles; from here on it has its own
         behind = np.eye(4)
         behind[2, 3] = -panel.gap - 0.5 * panel.size[2]
         inside.add_box("panel", panel.size, g @ behind)
@@ -163,17 +165,18 @@ def best_parking(arm: Arm, panel: Panel, scene: Scene | None = None, progress: P
     seen, best, most = np.empty((0, 4)), ranges.mean(axis=1), (-1, 0.0)
     for grid in range(2):
         places, step = _grid(panel, around)
-        met, margin = _estimated(arm, panel, places)
-        seen = np.vstack([seen, np.column_stack([places, met.sum(axis=0)])])
-        order = np.lexsort((margin, met.sum(axis=0)))[::-1]
+        reached, margin = _estimated(arm, panel, places)
+        counts = reached.sum(axis=0)
+        seen = np.vstack([seen, np.column_stack([places, counts])])
+        order = np.lexsort((margin, counts))[::-1]
         for k in range(CANDIDATES):
-            if len(order) and met[:, order[0]].sum() >= max(most[0], 1):
+            if len(order) and counts[order[0]] >= max(most[0], 1):
                 at = places[order[0]]
-                tasks = tuple(task for task, is_met in zip(panel.tasks, met[:, order[0]], strict=True) if is_met)
+                tasks = tuple(panel.tasks[i] for i in np.flatnonzero(reached[:, order[0]]))
                 found = check_panel(arm, replace(panel, tasks=tasks), panel.base_at(*at), inside)
-                best, most = max(
-                    (best, most), (at, (len(found.done), found.margin)), key=lambda candidate: candidate[1]
-                )
+                score = len(found.done), found.margin
+                if score > most:
+                    best, most = at, score
                 order = order[(np.abs(places[order] - at) > 1.5 * step).any(axis=1)]  # no neighbours of it
             report_progress((grid + (k + 1) / CANDIDATES) / 3.0)
         around = np.clip(np.stack([best - step, best + step], axis=-1), ranges[:, :1], ranges[:, 1:])
@@ -192,17 +195,17 @@ def _scene(arm: Arm, panel: Panel, scene: Scene | None) -> Scene | None:
 
 def _result(arm: Arm, panel: Panel, task: PanelTask, g: Array, scene: Scene | None) -> TaskResult:
     """The task of the panel at g (4, 4), from the first start with room in all joints, or with the most room."""
-    here, met = task.seen_from(g), dict[str, Any](panel.tolerances)
+    here, tolerances = task.seen_from(g), dict[str, Any](panel.tolerances)
     found = TaskResult(task, "", "", np.empty((0, arm.n)))
     places, directions = here.checkpoints(panel.clearance)
     targets = [Approach(p, d).of(arm) for p, d in zip(places, directions, strict=True)]
     for point, target in zip(POINTS, targets, strict=True):
-        at = solve_ik(arm, target, **met)
+        at = solve_ik(arm, target, **tolerances)
         if not at.converged:
             return replace(found, code=at.stop.name.lower(), why=joined(": ", [str(point), in_one_line(at)]))
     for start in _starts(arm, targets[0], scene):
         try:
-            motion = plan(arm, [JointMove(start), *here.moves(arm.tool_axis, panel.clearance)], **met)
+            motion = plan(arm, [JointMove(start), *here.moves(arm.tool_axis, panel.clearance)], **tolerances)
         except PathError as error:
             if not found.code:
                 code = CODES.get(error.reason, error.reason.replace(" ", "_"))
@@ -210,7 +213,7 @@ def _result(arm: Arm, panel: Panel, task: PanelTask, g: Array, scene: Scene | No
             if start is targets[0]:  # plan has tried all starts
                 break
             continue
-        first = int(np.searchsorted(motion.breakpoints, motion.times[1] - 1e-9))
+        first = int(np.searchsorted(motion.breakpoints, motion.times[1] - 1e-9))  # 1e-9 s: rounding
         pieces = motion.breakpoints[first:], motion.coefficients[:, first:]
         hit = None if scene is None else scene.first_collision(*pieces)
         if hit is None:
@@ -230,14 +233,15 @@ def _starts(arm: Arm, target: Approach, scene: Scene | None) -> Iterator[Approac
     found = branches(arm, target, arm.ready)
     if scene is not None and len(found):
         found = found[~scene.collides(found)]
-    yield from found[np.unique(np.linspace(0, len(found) - 1, BRANCHES).astype(int))] if len(found) else ()
+    if len(found):
+        yield from found[np.unique(np.linspace(0, len(found) - 1, BRANCHES).astype(int))]
 
 
 def _measured(arm: Arm, task: PanelTask, motion: Trajectory, scene: Scene | None) -> TaskResult:
     theta = motion(np.linspace(motion.times[1], motion.duration, SAMPLES))
     room = np.minimum(theta - arm.limits.lower, arm.limits.upper - theta).min(axis=0)
     sigma = np.linalg.svd(scaled_jacobian(arm.body_jacobian(theta), arm.prismatic, arm.reach), compute_uv=False)
-    worst = float((sigma[:, 0] / np.maximum(sigma[:, -1], 1e-15)).max())
+    worst = float((sigma[:, 0] / np.maximum(sigma[:, -1], 1e-15)).max())  # finite also at a singularity
     joint = arm.joint_names[int(room.argmin())]
     clearance = np.inf if scene is None else min(scene.distance(x).metres for x in theta)
     return TaskResult(task, "done", "", theta, float(room.min()), joint, worst, clearance)

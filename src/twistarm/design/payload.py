@@ -178,7 +178,7 @@ def _gaps(arm: Arm, unlimited: NDArray[np.bool_]) -> Iterator[str]:
         yield from (f"{one.place}: {one.what}" for one in found if one.code in TOLD)
     if unlimited.any():
         lacking = listed(name for name, lacks in zip(arm.joint_names, unlimited, strict=True) if lacks)
-        so = "the payload is unknown" if unlimited.all() else "what they hold is unknown, and the payload a bound"
+        so = "the payload is unknown" if unlimited.all() else "the payload is an upper bound"
         yield f"no effort limit of {lacking}: {so}; write effort in <limit>, or in [limits] of an arm.toml"
     turning = arm.limits.effort[np.array(arm.units) == "rad"]
     if len(turning) > 2 and np.isfinite(turning[0]) and (turning == turning[0]).all():

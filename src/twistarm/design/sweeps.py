@@ -107,12 +107,14 @@ def sweep(
     designs = [dict(zip(axes, values, strict=True)) for values in product(*axes.values())]
     work = Sweep(_measured, (arms, measure, designs), count, 1, [_identity(arms), _identity(measure), repr(designs)])
     found = dict(work.run(workers=workers, executor=executor, folder=folder, progress=progress))
-    measured = [
-        dict(zip(one["names"].tolist(), one["values"].tolist(), strict=True)) for _, one in sorted(found.items())
-    ]
-    lacking = dict.fromkeys((name for measures in measured for name in measures), np.nan)
-    errors = [{"error": str(found[i]["error"])} if found[i]["error"] else {} for i in range(count)]
-    return DesignTable(tuple(d | lacking | m | e for d, m, e in zip(designs, measured, errors, strict=True)))
+    chunks = [found[i] for i in range(count)]
+    names = dict.fromkeys(name for chunk in chunks for name in chunk["names"].tolist())
+    rows = []
+    for design, chunk in zip(designs, chunks, strict=True):
+        measures = dict(zip(chunk["names"].tolist(), chunk["values"].tolist(), strict=True))
+        error = {"error": str(chunk["error"])} if chunk["error"] else {}
+        rows.append(design | dict.fromkeys(names, np.nan) | measures | error)
+    return DesignTable(tuple(rows))
 
 
 def _identity(source: Any) -> Any:

@@ -119,7 +119,7 @@ class ReachMap:
         """The map, or InputError if it is one of another arm: other axes, coupling, tool or limits."""
         if digest_of(require_arm(arm)) != self.digest:
             raise InputError(
-                f"the map is one of another arm ({self.name}) than {arm.name}; reach_map or twistarm reach makes one"
+                f"the map belongs to another arm ({self.name}); make one of {arm.name} by reach_map or twistarm reach"
             )
         return self
 

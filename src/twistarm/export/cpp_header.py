@@ -50,7 +50,7 @@ def cpp_header(arm: Arm) -> str:
     """
     constants: Mapping[str, Any] = arm.require_core("a C++ header").constants()
     joints, n = constants["joints"], constants["coordinates"]
-    lower, upper = arm.sampling_bounds
+    lower, upper = arm.sampling_bounds  # finite, for the random starts of the solver
     poses = {"ready": arm.ready, **arm.named_states}
     return filled(
         TEMPLATES / "arm.hpp.in",
@@ -143,7 +143,7 @@ def _closed_form(arm: Arm) -> str:
 
 def _family(arm: Arm, kind: str, numbers: ClosedFormParameters, words: str) -> str:
     held = [int(i) for i in numbers.held]
-    held_words = f" Where theta0 has them stand: {', '.join(arm.joint_names[i] for i in held)}." if held else ""
+    held_words = f" Held at theta0: {', '.join(arm.joint_names[i] for i in held)}." if held else ""
     axes, held_axes = (
         ", ".join(f"{{{cpp_numbers(axis[:3])}, {cpp_numbers(axis[3:6])}, {_truth(axis[6])}}}" for axis in table)
         for table in (numbers.axes, numbers.held_axes)

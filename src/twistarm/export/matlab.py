@@ -42,7 +42,7 @@ def matlab_text(arm: Arm, file: str | None = None) -> str:
             f"MATLAB calls a function by its file's name, of letters, digits and _: {name!r} is none; "
             f"call the file {better}{SUFFIX}"
         )
-    theta = np.vstack([arm.ready, arm.random_theta(0, VECTORS - 1)])
+    theta = np.vstack([arm.ready, arm.random_theta(0, VECTORS - 1)])  # seeded: the same arm gives the same file
     by_pinocchio = arm.description is not None
     own = arm.fk(theta), arm.spatial_jacobian(theta), arm.body_jacobian(theta)
     g, spatial, body = arm.by_pinocchio(theta) if by_pinocchio else own

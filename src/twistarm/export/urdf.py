@@ -67,10 +67,11 @@ def _write_joints(robot: ET.Element, arm: Arm, description: Description) -> None
     `WIDE` stands for no limit, because 0 would be a standstill. A joint of the URDF that has the same limits stays.
     """
     written = {joint.get("name", ""): joint for joint in robot.findall("joint")}
+    # A joint without a master never moves: its value is the offset.
     locked = {name: affine.offset for name, affine in arm.couplings.items() if affine.master is None}
     if halves := locked.keys() - written.keys():
         name = min(halves)
-        raise InputError(f"{arm.name}: URDF has no half of a planar joint, and {name!r} is locked; load it unlocked")
+        raise InputError(f"{arm.name}: URDF cannot lock one coordinate of a planar joint; load {name!r} unlocked")
     for name, joint in written.items():
         read = description.joints.get(name)
         if name in locked and read is not None:

@@ -37,7 +37,8 @@ class MotionLimits(Brief):
             object.__setattr__(self, name, frozen(getattr(self, name)))
         r = len(self.names)
         if not r or self.C.ndim != 2 or {len(self.C), self.c.size, self.limits.lower.size} != {r}:
-            raise InputError(f"{r} names, C {self.C.shape}, c {self.c.shape} and limits must have the same rows, not 0")
+            shapes = f"C {self.C.shape}, c {self.c.shape}"
+            raise InputError(f"{r} names, {shapes} and limits must have the same number of rows, at least 1")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -187,7 +188,7 @@ class Actuators:
         upper = np.where(alone, ends.max(axis=0), np.inf).min(axis=0, initial=np.inf)
         if (lower > upper).any():
             j = int(np.argmax(lower > upper))
-            raise InputError(f"the motors' position limits leave joint {self.joint_names[j]!r} no place")
+            raise InputError(f"the position limits of the motors allow joint {self.joint_names[j]!r} no position")
         effort = np.full(n, np.inf) if self.undriven else _least(self.limits.effort, self.P.T)
         velocity, acceleration = _least(self.limits.velocity, self.G), _least(self.limits.acceleration, self.G)
         return JointLimits(lower, upper, velocity, acceleration, np.full(n, np.inf), effort)

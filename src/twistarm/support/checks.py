@@ -100,12 +100,16 @@ def number_in(text: str, name: str, least: float = -LARGEST, most: float = LARGE
 def _within(real: float, given: Any, name: str, least: float, most: float, unit: str) -> float:
     if least <= real <= most:  # False for NaN
         return real
-    low, high = least > -LARGEST, most < LARGEST
-    size = f" from {least:g} to {most:g}" if low and high else f", {least:g} or more" if low else ""
-    size = f", {most:g} or less" if high and not low else size
+    bounds = {
+        (True, True): f" from {least:g} to {most:g}",
+        (True, False): f", {least:g} or more",
+        (False, True): f", {most:g} or less",
+    }
+    size = bounds.get((least > -LARGEST, most < LARGEST), "")
+    of_unit = f" [{unit}]" if unit else ""
     kind = "a number" if least == -inf or most == inf else "a finite number"
     point = "; decimals have a point" if isinstance(given, str) and given.count(",") == 1 else ""
-    raise InputError(f"{name} must be {kind}{size}{unit and f' [{unit}]'}; got {quote(given)}{point}")
+    raise InputError(f"{name} must be {kind}{size}{of_unit}; got {quote(given)}{point}")
 
 
 def as_positive(value: Any, name: str, most: float = LARGEST, unit: str = "") -> float:
@@ -123,12 +127,6 @@ def as_whole(value: Any, name: str, least: int = 0, most: int = LARGEST_WHOLE) -
     return int(value)
 
 
-def as_shape(value: Any, name: str) -> tuple[int, ...]:
-    """`value`, a number or a tuple of lengths, as a shape; None is the shape of one."""
-    lengths = () if value is None else value if isinstance(value, tuple) else (value,)
-    return tuple(as_whole(length, name, 0, LARGEST_ARRAY) for length in lengths)
-
-
 def as_flag(value: Any, name: str) -> bool:
     """`value` as True or False."""
     if not isinstance(value, (bool, np.bool_)):
@@ -143,11 +141,6 @@ def as_seed(rng: Any) -> int:
     if isinstance(rng, (int, np.integer)) and not isinstance(rng, bool) and 0 <= rng < SEEDS:
         return int(rng)
     raise InputError(f"rng must be a seed, an integer from 0 to 2^64 − 1, or a numpy Generator; got {quote(rng)}")
-
-
-def as_generator(rng: Any) -> np.random.Generator:
-    """A NumPy Generator: the one given, or a new one of a seed."""
-    return rng if isinstance(rng, np.random.Generator) else np.random.default_rng(as_seed(rng))
 
 
 def require(value: Any, kind: type[T], name: str, how: str) -> T:
@@ -179,9 +172,9 @@ def require_names(values: Any, name: str) -> tuple[str, ...]:
         names = (None,) if isinstance(values, str) else tuple(values)
     except TypeError:
         names = (None,)
-    if not all(isinstance(one, str) for one in names):
+    if not all(isinstance(entry, str) for entry in names):
         raise InputError(f"{name} must be a sequence of names; got {quote(values)}")
-    return tuple(str(one) for one in names)
+    return tuple(map(str, names))
 
 
 def require_callback(value: Any, name: str, arguments: str) -> Callable[..., object] | None:
@@ -223,7 +216,7 @@ def as_direction(value: ArrayLike, name: str) -> Array:
     array = as_vector(value, name)
     # hypot does not overflow where the sum of squares would.
     norm = np.hypot.reduce(array, axis=-1, keepdims=True)
-    if not (norm > 1e-12).all():
+    if not (norm > 1e-12).all():  # shorter is the rounding of zero, from points metres away
         raise InputError(f"{name} must not be the zero vector: it has no direction")
     return array / norm
 

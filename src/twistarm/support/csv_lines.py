@@ -108,9 +108,9 @@ def csv_rows(lines: Iterable[str], file: str) -> Iterator[Row]:
 
     rows = written()
     first = next(rows, "")
-    signs = [sign for sign in "\t;," if sign in first]
-    words = first.upper() != first.lower()
-    separator = max(signs, key=first.count if words else lambda sign: -signs.index(sign), default=None)
+    separators = [sign for sign in "\t;," if sign in first]
+    has_words = first.upper() != first.lower()
+    separator = max(separators, key=first.count) if separators and has_words else next(iter(separators), None)
     whole = chain([first] if first else [], rows)
     try:
         for cells in map(str.split, whole) if separator is None else csv.reader(whole, delimiter=separator):

@@ -48,8 +48,9 @@ def direction_in_words(direction: Array, frame: str) -> str:
     largest = int(np.argmax(np.abs(direction)))
     if abs(direction[largest]) >= ALONG_AXIS:
         owner = "its" if frame == "tool" else "the base's"
-        return f"{owner} {'−' * int(direction[largest] < 0)}{'xyz'[largest]} axis"
-    components = ", ".join(f"{value:.2f}" for value in np.round(direction, 2) + 0.0)
+        sign = "−" if direction[largest] < 0 else ""
+        return f"{owner} {sign}{'xyz'[largest]} axis"
+    components = ", ".join(f"{value:.2f}" for value in np.round(direction, 2) + 0.0)  # + 0.0: −0 is 0
     return f"({components}) in {frame} axes"
 
 

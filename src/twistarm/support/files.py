@@ -167,8 +167,9 @@ def write_folder(folder: str | os.PathLike[str], contents: Mapping[str, str | by
     new = not target.exists()
     temporary = (target.parent if new else target) / f".{target.name[:40]}.{os.urandom(6).hex()}{TEMPORARY}"
     try:
-        for name in () if new else contents:
-            writable(target / name)
+        if not new:
+            for name in contents:
+                writable(target / name)
         temporary.mkdir()
         for name, content in contents.items():
             write_whole(temporary / name, content)

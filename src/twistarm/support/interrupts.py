@@ -58,9 +58,9 @@ def ended_like_ctrl_c() -> Iterator[list[int]]:
 
 def end_by(sent: Sequence[int]) -> None:
     """End by the first of the signals that were sent, if any was."""
-    for number in sent[:1]:
-        signal.signal(number, signal.SIG_DFL)
-        signal.raise_signal(number)
+    if sent:
+        signal.signal(sent[0], signal.SIG_DFL)
+        signal.raise_signal(sent[0])
 
 
 @contextmanager

@@ -106,7 +106,7 @@ def theta_hint(theta: Array, units: Sequence[str], lower: Array, upper: Array) -
     angles = np.abs(theta[..., turning])
     outside = ((theta < lower) | (theta > upper))[..., turning]
     beyond = angles[outside & (angles > 2.0 * TURN)]  # less may have been turned up
-    plainly = beyond.size and angles.max() <= 360.0
+    plainly = beyond.size and angles.max() <= 360.0  # nobody types more than a turn in degrees
     if not plainly:
         return ""
     return Text("angles of up to {angle} look like degrees", angle=Quantity(float(beyond.max()), "rad"))

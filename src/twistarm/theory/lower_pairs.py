@@ -66,7 +66,7 @@ def _spherical(screw: Screw, A: Array, i: int) -> LowerPair | None:
     rows = (i, i + 1, i + 2)
     if not (_independent(A, rows) and all(_turns(screw, row) for row in rows)):
         return None
-    axes, lines = screw.axis[list(rows)], screw.point[list(rows)]
+    axes, lines = screw.axis[list(rows)], screw.point[list(rows)]  # axes z, y, x from base to tip
     # The lines' points nearest to the origin are q − w wᵀq, and three orthonormal w make Σ w wᵀ = I.
     centre = lines.sum(axis=0) / 2
     meet = np.abs(np.cross(axes, centre - lines)).max() <= SAME_TOL * (1 + np.abs(centre).max())

@@ -48,6 +48,7 @@ class Manipulability(Brief):
         """σ_1 / σ_directions (...): the condition without the directions that the arm lacks everywhere."""
         last = as_whole(directions, "directions", 1, self.singular_values.shape[-1]) - 1
         largest, smallest = self.singular_values[..., 0], self.singular_values[..., last]
+        # A smaller value is the rounding of the singular value decomposition, and its quotient means nothing.
         return np.divide(largest, smallest, out=np.full_like(largest, np.inf), where=smallest > 1e-15 * largest)
 
     @property

@@ -88,7 +88,7 @@ def motions(S: Array, x: ArrayLike) -> Array:
 
 def products(factors: Array) -> Array:
     """The running products g₁, g₁ g₂, … of motions (..., m, 4, 4), which they replace in the given array."""
-    for i in range(1, factors.shape[-3]):
+    for i in range(1, factors.shape[-3]):  # each product is the next one's first factor, so in place
         factors[..., i, :, :] = factors[..., i - 1, :, :] @ factors[..., i, :, :]
     return factors
 

@@ -107,7 +107,7 @@ def angle_between(R1: ArrayLike, R2: ArrayLike) -> Array:
 
 def split(w: Array) -> tuple[Array, Array]:
     """(u, ‖w‖): direction (..., 3) and length (...) of w (..., 3), both zero where ‖w‖ ≤ `TINY`."""
-    length: Array = np.hypot(np.hypot(w[..., 0], w[..., 1]), w[..., 2])
+    length: Array = np.hypot(np.hypot(w[..., 0], w[..., 1]), w[..., 2])  # squares would overflow, or underflow
     some = length > TINY
     return w / np.where(some, length, np.inf)[..., None], np.where(some, length, 0.0)
 
@@ -233,7 +233,7 @@ def _quaternion(R: Array) -> Array:
     """
     products = _quaternion_products(R)
     largest = np.argmax(np.diagonal(products, axis1=-2, axis2=-1), axis=-1)
-    row = np.take_along_axis(products, largest[..., None, None], axis=-2)[..., 0, :]
+    row = np.take_along_axis(products, largest[..., None, None], axis=-2)[..., 0, :]  # nothing cancels in it
     return _canonical(row / np.linalg.norm(row, axis=-1, keepdims=True))
 
 
@@ -308,9 +308,10 @@ def to_euler(order: str, R: ArrayLike) -> Array:
     a = np.arctan2(lean * _sign(i, start) * R[..., side, k], lean * R[..., start, k])
     a = np.where(locked, 0.0, a)
     b = np.arctan2(radius, height) if proper else np.arctan2(_sign(j, k) * height, radius)
+    # From a, not from R alone: an error of a, large near the lock, is made good by c.
     row = np.cos(a)[..., None] * R[..., j, :] + (_sign(i, j) * np.sin(a))[..., None] * R[..., _third(i, j), :]
     c = np.arctan2(-_sign(k, j) * row[..., _third(j, k)], row[..., j])
-    if fixed:
+    if fixed:  # a is the last of the list, and 0 at the lock already
         return np.stack([c, b, a], axis=-1)
     return np.stack([np.where(locked, np.sign(height) * c, a), b, np.where(locked, 0.0, c)], axis=-1)
 

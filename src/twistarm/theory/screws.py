@@ -150,7 +150,7 @@ def exp_along(terms: Array, length: Array, theta: Array) -> Array:
     sin_half = np.sin(half)
     coefficients = np.empty((*half.shape, 1, 3))
     coefficients[..., 0, 0] = 2.0 * sin_half * np.cos(half)
-    coefficients[..., 0, 1] = 2.0 * sin_half**2
+    coefficients[..., 0, 1] = 2.0 * sin_half**2  # 1 − cos φ, which would cancel near 0
     coefficients[..., 0, 2] = theta
     return (coefficients @ terms).reshape(*half.shape, 4, 4) + np.eye(4)
 
@@ -161,7 +161,7 @@ def turn_and_slide(xi: Array) -> tuple[Array, Array]:
     They do not depend on θ: for `exp_along` at many θ they are computed once.
     """
     v, (u, length) = xi[..., :3], rotations.split(xi[..., 3:])
-    turning = (length > 0)[..., None]
+    turning = (length > 0)[..., None]  # `split` has set the length of tiny w to 0
     along = np.where(turning, u * np.sum(u * v, axis=-1, keepdims=True), v)
     across = (v - along) / np.where(turning, length[..., None], 1.0)
     A = hat(np.concatenate([across, u], axis=-1))
@@ -180,6 +180,7 @@ def log(g: ArrayLike) -> Array:
     w, p = rotations.log_of(g[..., :3, :3]), g[..., :3, 3]
     u, angle = rotations.split(w)
     half = 0.5 * angle
+    # (φ/2) cot(φ/2) as cos/sinc is finite at 0 and accurate up to π.
     sinc = np.divide(np.sin(half), half, out=np.ones_like(half), where=half != 0)
     along = u * np.sum(u * p, axis=-1, keepdims=True)
     v = along + (np.cos(half) / sinc)[..., None] * (p - along) - 0.5 * cross(w, p)

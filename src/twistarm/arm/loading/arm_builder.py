@@ -200,7 +200,7 @@ class ArmBuilder:
         if self._home is None:
             raise InputError(f"{self.name} has no tool: say where it is with .tool(home)")
         if not self._rows:
-            raise InputError(f"{self.name} has no joints: add one, .revolute(name, axis, point) say")
+            raise InputError(f"{self.name} has no joints: add one, such as .revolute(name, axis, point)")
         robot = ET.Element("robot", name=self.name)
         ET.SubElement(robot, "link", name=self._base)
         parent, last = self._base, np.eye(4)
@@ -241,7 +241,7 @@ def builder_of(arm: Arm) -> ArmBuilder:
         j, *others = np.flatnonzero(row)
         master, rate = arm.joint_names[j], float(row[j])
         if others or master not in arm.moving_names or abs(screw.magnitude - 1.0) > UNIT:
-            raise InputError(f"{arm.name}: URDF has no joint like {name!r}: it turns or slides by a rate of its own")
+            raise InputError(f"{arm.name}: URDF has no joint like {name!r}: its screw is no unit twist")
         slides = bool(np.isinf(screw.pitch))
         point = builder._last if slides else screw.point
         limits = {limit: float(getattr(arm.limits, limit)[j]) for limit in LIMIT_NAMES} if master == name else {}

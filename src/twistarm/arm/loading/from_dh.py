@@ -45,8 +45,8 @@ MOST_PARALLEL = 0.1  # rad. A table whose axes may be farther apart is another a
 EXACT = 1e-14  # A smaller number of a row is rounding.
 
 OF_COUPLED = Text(
-    "Its screws and coupling are in arm.screws and arm.coupling, and `twistarm bake` writes them; with the joints that "
-    "lead others in {locked} there is a table of the rest",
+    "Use arm.screws and arm.coupling, which `twistarm bake` writes. For a table of the other joints, lock those that "
+    "lead others by {locked}",
     locked=Argument("locked_joints", None),
 )
 """What to do instead of a table."""

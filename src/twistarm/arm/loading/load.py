@@ -304,7 +304,7 @@ def assemble(description: Description, specification: ArmSpecification, changes:
         tool=tool.g_tip_tool,
         tip_link=tip,
     )
-    return _with_semantics(arm, specification, semantics, group)
+    return _with_srdf(arm, specification, semantics, group)
 
 
 def _semantics(
@@ -342,9 +342,7 @@ def _ends(
     return choice.base, choice.tip, None, note_choice(description, choice)
 
 
-def _with_semantics(
-    arm: Arm, specification: ArmSpecification, semantics: Semantics | None, group: ArmGroup | None
-) -> Arm:
+def _with_srdf(arm: Arm, specification: ArmSpecification, semantics: Semantics | None, group: ArmGroup | None) -> Arm:
     """The arm with its actuators and the arm.toml's poses, and the states and disabled pairs of the SRDF.
 
     A finding names the `ready` pose, unless the arm.toml has a pose `ready`.
@@ -360,7 +358,7 @@ def _with_semantics(
         used += [f"{plural(len(pairs), 'pair')} of links that need no collision check"] if pairs else []
         what = f"{path_from(arm.description, semantics.path)} gives {', '.join(used) or 'nothing that the arm uses'}"
         given = {name: Argument(name, None) for name in ("tip", "srdf")}
-        remedy = Text("{tip}, an arm.toml or another {srdf} win over it", **given)
+        remedy = Text("{tip}, an arm.toml or another {srdf} overrides it", **given)
         found = finding("srdf-found", Place(semantics.path.name), what, remedy)
         if passive := [name for name in arm.joint_names if name in semantics.passive_joints]:
             what = f"passive joints, which no motor drives, count as driven: {listed(passive)}"
@@ -376,5 +374,5 @@ def _with_semantics(
     if not own and semantics is not None:
         place = Place(semantics.path.name, None, "group_state", name)
     what = f"the ready pose, where programs start, is the one named {name!r}"
-    noted = finding("ready-named", place, what, "[poses.ready] in an arm.toml wins over it")
+    noted = finding("ready-named", place, what, "[poses.ready] in an arm.toml overrides it")
     return replace(arm, findings=(*arm.findings, noted))

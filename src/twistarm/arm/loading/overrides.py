@@ -118,14 +118,15 @@ def _unfit(arm: Arm, values: Mapping[str, float], locked_joints: Mapping[str, fl
     """Code and reason why a pose or state does not fit this arm; empty if it does."""
     for joint, value in locked_joints.items():
         if abs(values.get(joint, value) - value) > LOCK_TOL:
-            return "companion-doubtful", f"it puts {joint} elsewhere than where it is locked"
+            return "companion-doubtful", f"it moves the locked joint {joint}"
     if missing := [name for name in arm.joint_names if name not in values]:
-        return "companion-not-used", f"it says nothing of {listed(missing)}"
-    bounds = zip(arm.joint_names, arm.limits.lower, arm.limits.upper, strict=True)
-    beyond = {(name, low, high): max(low - values[name], values[name] - high) for name, low, high in bounds}
-    (name, low, high), worst = max(beyond.items(), key=lambda item: item[1], default=(("", 0.0, 0.0), 0.0))
-    if worst > tol:
-        return "outside-limits", f"{name} = {values[name]:g} lies outside its limits [{low:g}, {high:g}]"
+        return "companion-not-used", f"it gives no value for {listed(missing)}"
+    theta, lower, upper = np.array([values[name] for name in arm.joint_names]), arm.limits.lower, arm.limits.upper
+    beyond = np.maximum(lower - theta, theta - upper)
+    worst = int(beyond.argmax())
+    if beyond[worst] > tol:
+        what = f"{arm.joint_names[worst]} = {theta[worst]:g} lies outside its limits"
+        return "outside-limits", f"{what} [{lower[worst]:g}, {upper[worst]:g}]"
     return "", ""
 
 
@@ -143,7 +144,7 @@ def fitted_actuators(arm: Arm, specification: ArmSpecification) -> tuple[Actuato
             motors.append(motor)
         elif specification.other_chain and set(beyond) <= set(arm.couplings):
             place = Place(specification.source, None, "actuator", motor.name)
-            what = f"it drives {listed(beyond)} outside the chain asked for; it is left out"
+            what = f"it drives {listed(beyond)}, outside this chain; it is left out"
             noted.append(finding("off-the-chain", place, what, "nothing, where that is meant"))
         else:
             joint, names = beyond[0], arm.joint_names

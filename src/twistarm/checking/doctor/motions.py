@@ -96,7 +96,7 @@ def check_postures(arm: Arm, rank: int) -> Iterator[Finding]:
         return
     best = arm.computed_ready
     at_best = condition(best)
-    advice = f"say in arm.toml (condition number {at_best:.1f}; look at it first, twistarm view):\n"
+    advice = f"write in arm.toml (condition number {at_best:.1f}; check it in twistarm view first):\n"
     snippet = advice + toml_table("poses.ready", arm.theta_to_dict(best))
     if poor and at_best < at_ready / 10 and not any(np.array_equal(arm.ready, homes[pose]) for pose in singular):
         what = f"the ready pose is nearly singular: condition number {_condition_words(at_ready)}"
@@ -171,7 +171,7 @@ def check_without_effect(arm: Arm) -> Iterator[Finding]:
     sizes = np.abs(J).max(axis=(0, 1))
     for name, size in zip(arm.joint_names, sizes, strict=True):
         if size <= NO_MOTION:
-            what = f"joint {name!r} does not move the tool at any configuration: what it turns is turned back"
+            what = f"joint {name!r} never moves the tool: other joints undo its motion"
             yield finding("joint-without-effect", place_of(arm), what, "look at the mimics behind it, or lock it")
 
 
@@ -196,13 +196,12 @@ def check_tool(arm: Arm, description: Description) -> Iterator[Finding]:
     if last.moving and not slides(last.type) and not named and np.array_equal(arm.tool, np.eye(4)):
         end = _end_of(description.links[arm.tip_link], arm.tool_axis)
         xyz = ", ".join(f"{value + 0.0:.6g}" for value in (end or OUT) * arm.tool_axis)
-        guess = f"which no shape tells, so measure it; {OUT:g} m along {direction_in_words(arm.tool_axis, 'tool')} is"
+        guess = f"measure it; {OUT:g} m along {direction_in_words(arm.tool_axis, 'tool')} are"
         yield finding(
             "tool-frame-missing",
             description.place(description.links[arm.tip_link]),
-            f"the tool is the frame of {last.name} itself: its origin lies on that joint's axis, "
-            "and nothing says where the arm grips",
-            f"say in arm.toml where the tool is, seen from {one_line(arm.tip_link)} [m, rad], "
+            f"the tool is the frame of {last.name}, with its origin on that joint's axis: where it grips is unknown",
+            f"write in arm.toml where the tool is, seen from {one_line(arm.tip_link)} [m, rad], "
             f"{'for the end of its shapes' if end else guess}:\n"
             f'[tool]\nname = "tool"\nxyz = [{xyz}]\nrpy = [0.0, 0.0, 0.0]',
         )
@@ -226,7 +225,8 @@ def _points_of(shape: Geometry) -> Array:
             return np.concatenate([piece.corners.reshape(-1, 3) for piece in pieces]) * shape.size
         return np.zeros((0, 3))
     wide, long = 2 * shape.size[0], shape.size[-1] if len(shape.size) > 1 else 2 * shape.size[0]
-    size = shape.size if shape.shape == "box" else (wide, wide, long + wide * (shape.shape == "capsule"))
+    length = long + wide if shape.shape == "capsule" else long
+    size = shape.size if shape.shape == "box" else (wide, wide, length)
     return np.array(size) * (np.array([*np.ndindex(2, 2, 2)]) - 0.5)
 
 
@@ -242,13 +242,13 @@ def check_axes(arm: Arm) -> Iterator[Finding]:
             joints.setdefault(near.what, []).append(near.joints)
         kinds = _first([f"{', '.join(names)} {what}" for what, names in joints.items()], KINDS)
         off = length_in_words(sum(near.moves for near in found))
-        what = f"{kinds}; taken as exact, the tool is off by some {off}"
+        what = f"{kinds}; exact axes would move the tool by about {off}"
         yield finding("axes-almost-exact", place_of(arm), what, _rewriting(arm))
     report = closed_form_of(arm)
     if report.nearly and not report.held:
         what = (
-            f"{report.miss}: a {report.target} has no exact closed form; solve_ik_all corrects the answers of the "
-            "nearest exact arm, and cannot say whether these are all"
+            f"{report.miss}: a {report.target} has no exact closed form; solve_ik_all refines the answers of the "
+            "nearest exact arm, and may miss some"
         )
         remedy = f"{_rewriting(arm)}; exact axes give every configuration, and the proof that a target has none"
         yield finding("axes-almost-exact", place_of(arm), what, remedy)

@@ -70,7 +70,7 @@ def check_limits(description: Description, arm: Arm | None) -> Iterator[Finding]
             yield finding("unit-doubtful", place, f"{limits} look like {other}", f"if so, write {values}")
         elif 0.0 < joint.upper - joint.lower < TINY[unit]:
             remedy = "angles are in radians and slides in metres; make it a fixed joint if it is meant to stand still"
-            yield finding("limit-incomplete", place, f"{limits} leave it hardly any room", remedy)
+            yield finding("limit-incomplete", place, f"{limits} allow hardly any motion", remedy)
         if joint.mimic is None and FASTEST[unit] < joint.velocity < AS_GOOD_AS_UNBOUNDED:
             what = f"a velocity limit of {joint.velocity:g} {unit}/s, faster than any arm's joint; planning uses it"
             remedy = f"write {factor * joint.velocity:.4g} if it is in {other} per second, else the figure of the motor"

@@ -95,7 +95,7 @@ def engine_of(arm: Arm) -> str:
 def joints_table(arm: Arm) -> Table:
     """The joints with their limits."""
     limits = arm.limits
-    jerk = bool(np.isfinite(limits.jerk).any())
+    jerk = bool(np.isfinite(limits.jerk).any())  # URDF before 1.2 has none, and most arms give none
     columns = [
         Column("joint", arm.joint_names, key="name"),
         Column("type", arm.joint_types),
@@ -172,7 +172,7 @@ def show_installation(out: Outputs) -> None:
     for name, extra in extras.items():
         missing = f"not installed: pip install 'twistarm[{extra}]'" if extra else "not installed"
         lines.append(f"  {name:<20} {libraries[name] or missing}")
-    out.show(data, *lines, "an ARM's own: twistarm info ARM; the arms there are by name: twistarm arms")
+    out.show(data, *lines, "about an arm: twistarm info ARM; names of arms: twistarm arms")
 
 
 Motion = Annotated[
@@ -205,9 +205,9 @@ def init(source: File, outputs: Written, motion: Motion = False) -> None:
             plan = " ".join(["twistarm plan", shlex.quote(source.name), shlex.quote(output), *options])
             say(f"{output}: a motion with every kind of segment; next: {plan}")
         return
-    for name in ("limits", "locked_joints"):
+    for name, flag in (("limits", "--limits"), ("locked_joints", "--locked-joint")):
         if name in source.keywords:
-            raise InputError(f"{'--limits' if name == 'limits' else '--locked-joint'} goes into the arm.toml by hand")
+            raise InputError(f"{flag} is not copied: write it into the arm.toml")
     draft = draft_arm_file(source.name, Path(os.path.realpath(output)).parent, source.tool, **source.keywords)
     outputs.write({"toml": lambda: draft})
     if output != STDOUT:

@@ -26,7 +26,7 @@ from ...support.messages import plural
 from ..numbers import option, quantity, switch, whole
 from ..options import ArmArgument, Json, SceneFile, answers
 from ..output import STDOUT, Outputs, entries, note, plain, progress_bar, say
-from ..tables import Column, Table, joint_heads, theta_values
+from ..tables import Column, Table, theta_values, unit_text
 from ..wording import words
 
 
@@ -64,7 +64,7 @@ def doctor(source: ArmArgument, out: Repaired, strict: Strict = False, fix: Fix 
         "directions": able and {"position": able.position, "rotation_in_place": able.turning},
         "findings": [plain(one) | {"meaning": CODES[one.code].meaning} for one in findings],
     }
-    does = "no arm until the errors below are mended"
+    does = "it cannot be loaded until the errors below are fixed"
     if arm is not None and able is not None:
         does = f"{plural(arm.n, 'joint')} from {arm.base} to {arm.tip}; {summary(arm, able)}"
     words_of = {"error": "error", "warning": "warning", "info": "remark"}
@@ -74,7 +74,7 @@ def doctor(source: ArmArgument, out: Repaired, strict: Strict = False, fix: Fix 
     contents: dict[str, Callable[[], str]] | None = None
     for _, file in out.files:
         if diagnosis.description is None:
-            parts.append(f"{file} not written: mend the errors above first")
+            parts.append(f"{file} not written: fix the errors above first")
             continue
         made = repair(diagnosis.description, COPY if file == STDOUT else file)
         reads = f"does not read it: {made.complaint}" if made.complaint else "reads it"
@@ -100,7 +100,7 @@ def _paragraphs(findings: Sequence[Finding]) -> Iterator[RenderableType]:
 
 
 Samples = Annotated[int, whole(1, 1_000_000, "Random configurations to look at.")]
-Against = Annotated[str | None, option("FILE", "A golden file, a baked arm or another ARM: say what differs from it.")]
+Against = Annotated[str | None, option("FILE", "Report differences from a golden file, a baked arm or another ARM.")]
 
 
 def check(source: ArmArgument, out: Json, samples: Samples = 1000, against: Against = None) -> int:
@@ -194,7 +194,8 @@ def collisions(
         Column("theta", [pair.theta for pair in found.pairs],
                text=[theta_values(arm, pair.theta, out.radians, digits=3) for pair in found.pairs]),
     ]  # fmt: skip
-    order = f"examples as in --theta: {', '.join(joint_heads(arm, out.radians))}"
+    heads = (f"{name} [{unit_text(unit, out.radians)}]" for name, unit in zip(arm.joint_names, arm.units, strict=True))
+    order = f"examples as in --theta: {', '.join(heads)}"
     out.show(
         {"arm": arm, "allowed": allowed, "samples": found.samples, "share": found.share, "findings": made.findings},
         *lines,

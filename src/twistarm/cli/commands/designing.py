@@ -32,7 +32,7 @@ from .motion import MOTION_KINDS, MaxTime, Step, Unwrap, motion_of_file, motion_
 
 Motion = Annotated[Path | None, option("FILE", "Along a motion: *.csv, *.json, *.yaml or *.toml.")]
 PanelOption = Annotated[Path | None, option("FILE", "Which share of a panel.toml each arm does.")]
-Mass = Annotated[float, quantity("kg", "A wanted payload: what each joint and motor needs for it.", zero=True)]
+Mass = Annotated[float, quantity("kg", "Show what each joint and motor needs for this payload.", zero=True)]
 
 KINDS = {"npz": (".npz",), "png": (".png",)}
 
@@ -44,7 +44,7 @@ MapFiles = Annotated[
 Voxel = Annotated[float, quantity("m", "Side of a cube.")]
 Towards = Annotated[str, option("WHICH", "down, position (in any orientation), 26 (all around) or 'X Y Z'.")]
 Method = Annotated[str, option("ik|fk", "ik is exact; fk, by random configurations, a first look.")]
-Resume = Annotated[Path | None, option("FOLDER", "Keep what is done there, and go on from it.")]
+Resume = Annotated[Path | None, option("FOLDER", "Save finished parts in this folder, and resume from them.")]
 Workers = Annotated[int | None, whole(1, 1024, "Threads; else one per processor.")]
 
 PanelFile = Annotated[Path, argument("PANEL", "A panel.toml with tasks, and where to park.")]
@@ -101,8 +101,8 @@ def _sentences(found: Payload, by: str, radians: bool) -> tuple[str, ...]:
     at = "here" if found.t is None else f"at {number(found.t[found.worst], 3)} s, here"
     if least == 0.0:
         return f"{by} cannot hold the arm itself {at}:", typed
-    median = f", {number(float(np.median(found.mass)), 2)} kg in the median" if found.mass.size > 1 else ""
-    return f"holds {number(least, 2)} kg at {found.arm.tip}{median}; {by} limits it {at}:", typed
+    median = f" (median {number(float(np.median(found.mass)), 2)} kg)" if found.mass.size > 1 else ""
+    return f"payload {number(least, 2)} kg at {found.arm.tip}{median}; {by} limits it {at}:", typed
 
 
 def _needs_table(found: Payload, needs: Needs, mass: float) -> Table:
@@ -120,7 +120,7 @@ def _needs_table(found: Payload, needs: Needs, mass: float) -> Table:
     ]
     if needs.speed.any():
         columns += [Column("speed /s", needs.speed, digits=3, key="speed"), Column("power", needs.power, "W", digits=1)]
-    title = f"{found.arm.name}: needed with {mass:g} kg at {found.arm.tip}; configurations: {found.mass.size}"
+    title = f"{found.arm.name}: efforts for {mass:g} kg at {found.arm.tip}; configurations: {found.mass.size}"
     return Table(title, columns, "needs")
 
 
@@ -250,7 +250,8 @@ def panel(
     done, count = len(found.done), len(found.results)
     typed = " ".join([quantity_text(x, "m", rad), quantity_text(y, "m", rad), quantity_text(yaw, "rad", rad, 6)])
     missed = [f"{result.task.name}, {result.code}: {result.why}" for result in found.results if result.code != "done"]
-    sentence = f'{done} of {count} tasks are done with the arm\'s base at --base-pose "{typed}"' + " --rad" * rad
+    flag = " --rad" if rad else ""
+    sentence = f'{done} of {count} tasks are done with the arm\'s base at --base-pose "{typed}"{flag}'
     written: list[str] = []
     try:
         if out.files and not found.done:

@@ -44,24 +44,22 @@ Tolerance = Annotated[
 class Robot:
     """The typed options for a robot, and the links to it. InputError where options do not go together."""
 
-    udp: Annotated[str | None, option("HOST:PORT", "Send setpoints to a robot there; needs --listen.")] = None
-    listen: Annotated[str | None, option("HOST:PORT", "Where the robot's joint states arrive, an address of ours.")] = (
-        None
-    )
+    udp: Annotated[str | None, option("HOST:PORT", "Send setpoints to a robot at this address; needs --listen.")] = None
+    listen: Annotated[str | None, option("HOST:PORT", "Local address for the robot's joint states.")] = None
     serial: Annotated[
         str | None, option("PORT[:BAUD]", "Drive a robot on a serial port by compact lines, both ways.")
     ] = None
     units: Annotated[
-        str, option("joint|motor|counts", "What the robot speaks; motors by [actuators] of the arm.toml.")
+        str, option("joint|motor|counts", "Units of the robot; motors and counts by [actuators] of the arm.toml.")
     ] = "joint"
     senders: Annotated[
-        list[str] | None, option("HOST", "Take datagrams from this host alone; repeatable.", "--from")
+        list[str] | None, option("HOST", "Accept datagrams from this host only; repeatable.", "--from")
     ] = None
     key: Annotated[
-        str | None, option("FILE", "Sign datagrams, and take signed ones alone, by the key in this file.")
+        str | None, option("FILE", "Sign datagrams by the key in this file, and accept only signed ones.")
     ] = None
     velocity_mode: Annotated[
-        bool, switch("The robot takes rates alone: correct them by what is measured.", "--velocity-mode")
+        bool, switch("The robot accepts only rates: correct them by measured positions.", "--velocity-mode")
     ] = False
     feedback_timeout: Annotated[float, quantity("s", "How long a joint state holds.")] = MESSAGE_TIMEOUT
     record: Annotated[str | None, option("FILE.mcap", "Record the stream as ROS 2 messages.")] = None
@@ -77,7 +75,7 @@ class Robot:
         if self.units != "joint" and self.is_simulated:
             raise InputError("--units is for a robot: it needs --udp or --serial")
         if self.velocity_mode and self.is_simulated:
-            raise InputError("--velocity-mode is for a robot that takes rates alone: it needs --udp or --serial")
+            raise InputError("--velocity-mode is for a robot that accepts only rates: it needs --udp or --serial")
         Outputs(kinds={"mcap": (".mcap",)}, force=self.force).named(*self.written)
         key = None if self.key is None else stream.read_key(self.key)
         object.__setattr__(self, "admitted", {"senders": tuple(self.senders or ()), "key": key})
@@ -150,11 +148,11 @@ def address(text: str, option: str) -> tuple[str, int]:
     return host.removeprefix("[").removesuffix("]"), int(port)
 
 
-Commands = Annotated[str | None, option("HOST:PORT", "Take commands as datagrams to there, not from the page.")]
+Commands = Annotated[str | None, option("HOST:PORT", "Receive commands as datagrams here, not from the page.")]
 CommandTimeout = Annotated[float, quantity("s", "How long a command holds.")]
 Margin = Annotated[Any, quantity("rad m", "Distance kept from position limits; rad and m without a unit.", zero=True)]
-OnUnreachable = Annotated[str, option("slide|stop", "Where the arm cannot follow: slide along, or stop on the course.")]
-Duration = Annotated[float | None, quantity("s", "End after so long; else Ctrl-C ends it.")]
+OnUnreachable = Annotated[str, option("slide|stop", "Where the arm cannot follow: slide along the limit, or stop.")]
+Duration = Annotated[float | None, quantity("s", "End after this time; else Ctrl-C ends it.")]
 
 
 def servo(
@@ -260,7 +258,7 @@ def follow(
     arm = source.load()
     robot.require_datagrams()
     if theta is not None and not robot.is_simulated:
-        raise InputError("--theta is where simulated joints stand; a robot says where it is")
+        raise InputError("--theta places simulated joints; a robot reports its own")
     checked_rate(rate, ServoSettings())
     if speed > 1.0:
         raise InputError(f"--speed is a share of the motion's own, at most 1; got {speed:g}")
@@ -343,7 +341,7 @@ def typed_keys() -> Iterator[Callable[[], str] | None]:
                 return os.read(terminal, AT_ONCE).decode("utf-8", "replace")
         return ""
 
-    tty.setcbreak(terminal)
+    tty.setcbreak(terminal)  # not raw: Ctrl-C still sends its signal
     try:
         yield waiting
     finally:

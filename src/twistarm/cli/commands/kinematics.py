@@ -18,7 +18,7 @@ from .. import rows
 from ..numbers import VALUES, JointValues, joint_values, option, quantity, switch
 from ..options import Answer, ArmArgument, Avoid, CsvAnswer, Theta, avoided
 from ..output import Outputs, entries, progress_bar
-from ..tables import Column, Table, jacobian_table, joint_columns, number, pose_entries, pose_parts, theta_typed
+from ..tables import Column, Table, joint_columns, matrix_table, number, pose_entries, pose_parts, theta_typed
 
 Configurations = Annotated[
     str | None,
@@ -63,8 +63,8 @@ def fk(
 def _poses_table(title: str, lines: Sequence[int], g: Array) -> Table:
     """Poses (N, 4, 4): positions and quaternions, scalar last, as `ik --targets` reads them."""
     numbers = np.concatenate([g[:, :3, 3], to_xyzw(g[:, :3, :3])], axis=-1).T
-    names = ("x", "y", "z", "qx", "qy", "qz", "qw")
-    columns = [Column(name, row, "m" * (len(name) == 1), digits=6) for name, row in zip(names, numbers, strict=True)]
+    units = {"x": "m", "y": "m", "z": "m", "qx": "", "qy": "", "qz": "", "qw": ""}
+    columns = [Column(name, row, unit, digits=6) for (name, unit), row in zip(units.items(), numbers, strict=True)]
     return Table(title, [Column("line", lines), *columns], rows=range(min(len(lines), rows.ROWS_SHOWN)))
 
 
@@ -77,11 +77,14 @@ def jacobian(
     """The spatial and body Jacobians (rows v, ω) and the singular values of the body Jacobian."""
     arm = source.load()
     x = arm.ready if theta is None else theta.anywhere(arm)
-    names = [f"{one}_jacobian" for one in ([kind] if kind else ["spatial", "body"])]
-    matrices = {name: getattr(arm, name)(x) for name in names}
+    kinds = [kind] if kind else ["spatial", "body"]
+    matrices = {f"{name}_jacobian": getattr(arm, f"{name}_jacobian")(x) for name in kinds}
     measure = arm.manipulability(x)
     values = " ".join(number(s) for s in measure.singular_values)
-    tables = [part for name, J in matrices.items() for part in (jacobian_table(arm, name.replace("_j", " J"), J), "")]
+    tables: list[Table | str] = []
+    for name, J in matrices.items():
+        heads = ["v x", "v y", "v z", "ω x", "ω y", "ω z"], ["", *arm.joint_names]
+        tables += [matrix_table(name.replace("_j", " J"), J, *heads), ""]
     out.show(
         {"arm": arm, "joint_names": arm.joint_names, "theta": x, **matrices}
         | entries(measure, "singular_values condition length"),
@@ -96,12 +99,11 @@ Posture = Annotated[
     JointValues | None,
     joint_values(
         VALUES,
-        "Where a redundant arm stands while it meets the target: near theta0 (the start), middle (of the limits), a "
-        "pose or values.",
+        "Posture of a redundant arm at the target: near theta0 (the start), middle (of the limits), a pose or values.",
     ),
 ]
-MaxTime = Annotated[float | None, quantity("s", "Give up after so many seconds; with --all what is found by then.")]
-All = Annotated[bool, switch("Every configuration that meets the target, the one nearest to --start first.", "--all")]
+MaxTime = Annotated[float | None, quantity("s", "Time limit; with --all the answer is what was found by then.")]
+All = Annotated[bool, switch("Every configuration that reaches the target, the one nearest to --start first.", "--all")]
 FixedJoints = Annotated[
     JointValues | None,
     joint_values(
@@ -112,7 +114,7 @@ FixedJoints = Annotated[
     ),
 ]
 Turns = Annotated[
-    bool, switch("With --all: what differs by whole turns of joints counts as different.", "--include-turns")
+    bool, switch("With --all: configurations that differ by whole turns count as different.", "--include-turns")
 ]
 
 
@@ -133,7 +135,7 @@ def ik(
 ) -> int:
     """Inverse kinematics: joint values for a position and orientation, all of them (--all), or for a CSV's rows."""
     arm = source.load()
-    if len(goal.xyz or ()) != (targets is None):
+    if len(goal.xyz or ()) != (1 if targets is None else 0):
         raise InputError("give one position by --xyz, or a file of targets by --targets")
     if not all_ and (fixed_joints or include_turns):
         raise InputError("--fixed-joint and --include-turns are about all configurations: they go with --all")
@@ -201,7 +203,7 @@ def _show_batch(out: Outputs, file: str, lines: list[int], batch: IKBatch) -> No
         Column("line", lines),
         Column("answer", [answer.stop.name for answer in answers]),
         Column("off", [answer.position_error for answer in answers], "m"),
-        Column("turned off", [answer.orientation_error for answer in answers], "rad"),
+        Column("angle off", [answer.orientation_error for answer in answers], "rad"),
         Column("theta", [theta_typed(arm, answer.theta, out.radians) for answer in answers]),
     ]
     table = Table(arm.name, columns, rows=range(min(len(lines), rows.ROWS_SHOWN)))
@@ -262,9 +264,7 @@ def _all_csv(solutions: AllSolutions) -> str:
     arm, inside, outside = solutions.arm, len(solutions), len(solutions.outside)
     columns = [
         Column("number", range(1, inside + outside + 1)),
-        *joint_columns(
-            arm, np.vstack([np.reshape(rows, (-1, arm.n)) for rows in (solutions.theta, solutions.outside)])
-        ),
+        *joint_columns(arm, np.append(solutions.theta, solutions.outside).reshape(-1, arm.n)),
         Column("free", [" ".join(names) for names in solutions.free] + [""] * outside),
         Column("within_limits", ["yes"] * inside + ["no"] * outside),
     ]

@@ -169,7 +169,7 @@ def _write_site(sources: Sequence[Source], out: Outputs) -> None:
             failed.append(str(error) if source.name in str(error) else f"{source.name}: {error}")
     if failed:
         what = f"nothing is written, since {len(failed)} of {len(sources)} ARM cannot be loaded"
-        raise InputError(f"{what}; leave them out, or mend them by twistarm doctor: {'; '.join(failed)}")
+        raise InputError(f"{what}; leave them out, or fix them: twistarm doctor: {'; '.join(failed)}")
     cards, files = site_of(arms, lambda words: say(words, file=out.words))
     out.show({"arms": cards, "files": list(files)}, files={"site": lambda: files})
 

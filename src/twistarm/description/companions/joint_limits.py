@@ -83,7 +83,7 @@ class LimitsFile:
                 what = f"its soft limits are kept: [{lower:g}, {upper:g}]"
                 noted.append(finding("limits-adjusted", place, what, "set has_soft_limits: false for its whole range"))
             else:
-                what = f"its soft limits leave no room in [{hard[0]:g}, {hard[1]:g}]; not kept"
+                what = "its soft limits lie outside its limits; they are ignored"
                 noted.append(finding("outside-limits", place, what, "correct them, or set has_soft_limits: false"))
         return limits, tuple(noted)
 
@@ -123,8 +123,8 @@ def read_joint_limits(path: str | os.PathLike[str]) -> LimitsFile:
         raise unusable(file, f"{there} (at the top: {keys})", remedy)
     noted: list[Finding] = []
     if factors := [f"{key} {value}" for key, value in found[0].items() if str(key).startswith("default_")]:
-        what = f"{' and '.join(factors)}: MoveIt plans with limits scaled so; here they are taken as they are"
-        noted.append(finding("companion-not-used", Place(file.name), what, "lower limits that should hold here too"))
+        what = f"{' and '.join(factors)}: MoveIt scales its limits by this factor; twistarm does not"
+        noted.append(finding("companion-not-used", Place(file.name), what, "write the scaled limits here too"))
     try:
         table = table_of(table_of(anything))(found[0]["joint_limits"], "joint_limits")
         joints = {joint: _joint(joint, entries) for joint, entries in table.items()}

@@ -111,7 +111,7 @@ def note_names(semantics: Semantics, description: Description) -> tuple[Finding,
     place = Place(semantics.path.name)
     if semantics.name != description.name:
         what = f"it is for a robot {semantics.name!r}, the description is of {description.name!r}; it is used"
-        noted.append(finding("companion-doubtful", place, what, "give both one name, if they belong together"))
+        noted.append(finding("companion-doubtful", place, what, "if they belong together, give both the same name"))
     groups = semantics.groups.values()
     joints = [*semantics.passive_joints, *(name for group in groups for name in group.joints)]
     joints += [name for state in semantics.states for name in state.values]
@@ -144,7 +144,7 @@ def _semantics(text: str, reading: Reading) -> Semantics:
     for element in robot.findall("group"):
         name = _attribute(element, "name", reading)
         if name in groups:
-            raise reading.error(element, "companion-unusable", "a group of this name stands above", "rename one")
+            raise reading.error(element, "companion-unusable", "another group has this name", "rename one")
         chains = pairs(element, "chain", "base_link", "tip_link")
         groups[name] = Group(name, chains, *(names(element, tag) for tag in ("joint", "link", "group")))
     effectors = []

@@ -170,12 +170,12 @@ def _missing_package(package: str, expansion: Expansion) -> DescriptionError:
     what = f"package {package!r} not found; searched {expansion.packages.searched()}"
     if far := expansion.packages.find_for_mesh_alone(package):
         what = (
-            f"package {package!r} stands in {far}, which the arm.toml alone names: of packages that far from it meshes "
-            "are drawn, and nothing is included"
+            f"package {package!r} is in {far}. Only the arm.toml names this folder, so its meshes are drawn "
+            "and its files are not included"
         )
     near = closest(package, expansion.packages.names())
     remedy = Text(
-        "{correct}pass {folder}, or where the arm can do without it (a sensor's, a gripper's, a simulator's) {without}",
+        "{correct}pass {folder}; if the arm does not need it (sensor, gripper, simulator), pass {without}",
         correct=f"correct the name{near}, or " if near else "",
         folder=package_folder("it"),
         without=Argument("ignore_packages", [package]),

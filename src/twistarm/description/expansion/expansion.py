@@ -20,7 +20,7 @@ from ...support.errors import listed
 from ...support.messages import Argument, Text, package_folder
 from ..document import Reading, Refused, parse_xml, read_inside, real_inside
 from ..findings import Finding, Place, finding, refusal
-from ..packages import PackageIndex, is_package_name
+from ..packages import NAMES, PackageIndex
 from ..structure import ATTRIBUTES, CONTENTS
 from .expressions import LEFT_OUT, evaluate, type_of
 
@@ -79,7 +79,7 @@ class Expansion:
             unknown.append(finding("package-not-found", Place(self.path.name), what, remedy))
         for tag, place in self._bare.items():
             if tag.rpartition(".")[2] in self._macros:
-                what = f"<{tag}> stands without the prefix xacro: and does nothing"
+                what = f"<{tag}> lacks the prefix xacro: and does nothing"
                 unknown.append(finding("word-unread", place, what, f"write <xacro:{tag} …>"))
         return (*unknown, *self._notes.values())
 
@@ -178,15 +178,15 @@ class Expansion:
     def _required(self, name: str) -> str:
         value = os.environ.get(name) if name in self._env_vars else None
         if value is None:
-            remedy = Text("pass {allowed} if it may know it, and set it", allowed=Argument("env_vars", [name]))
+            remedy = Text("set it, and pass {allowed} to let the file read it", allowed=Argument("env_vars", [name]))
             raise Refused("xacro-failed", f"environment variable {name!r} is not set for it", remedy)
         return value
 
     def _optional(self, name: str, default: str = "") -> str:
         if name in self._env_vars:
             return os.environ.get(name, default)
-        what = f"it asks for the environment variable {name!r}, and was answered as if that were not set: {default!r}"
-        remedy = Text("pass {allowed} if it may know it", allowed=Argument("env_vars", [name]))
+        what = f"it asks for the environment variable {name!r}, which counts as not set: {default!r} is used"
+        remedy = Text("pass {allowed} to let the file read it", allowed=Argument("env_vars", [name]))
         self._notes.setdefault(f"env {name}", finding("environment-kept", Place(self.path.name), what, remedy))
         return default
 
@@ -196,7 +196,8 @@ class Expansion:
         """The text for the folder of a package."""
         if self.packages.find_for_mesh(package) is None and package not in self._ignored:
             self._unknown.add(package)
-        return PACKAGE + package if is_package_name(package) else MISSING_PACKAGE + package
+        is_word = NAMES["ignore_packages"][0].fullmatch(package)
+        return PACKAGE + package if is_word else MISSING_PACKAGE + package
 
     def _named_from_here(self, name: str) -> str:
         """A path relative to the file being read, as a name that holds in every file."""

@@ -54,7 +54,7 @@ def evaluate(expression: str, names: Any, namespace: Any) -> Any:
     names.update(__builtins__={"__attribute__": attribute})
     value = eval(_compiled(expression.strip()), names)
     if isinstance(value, namespace) or (callable(value) and not isinstance(value, type)):
-        raise Refused(REFUSED, f"a {type(value).__name__} is no value", "call it, or name one of its items")
+        raise Refused(REFUSED, f"the result is a {type(value).__name__}", "call it, or name one of its items")
     return value
 
 
@@ -68,7 +68,7 @@ def type_of(value: Any) -> type:
 @functools.lru_cache(4096)
 def _compiled(expression: str) -> CodeType:
     """The code. Refused if a part of the syntax tree is not allowed, or if it is too deep."""
-    too_deep = Refused(REFUSED, "an expression nested that deep", "split it into properties")
+    too_deep = Refused(REFUSED, "an expression that nests too deep", "split it into properties")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # about odd expressions, which nobody who reads the file can mend
         try:

@@ -128,7 +128,7 @@ def shaded(corners: Array) -> tuple[Array, Array, Numbers]:
     points = corners.reshape(-1, 3)
     vertex = welded(points)
     normals = _corner_normals(corners, vertex)
-    steps = np.round((normals + 1.0) * 500.0).astype(np.int64)
+    steps = np.round((normals + 1.0) * 500.0).astype(np.int64)  # 0 to 1000: below the 1024 of the key
     key = ((vertex * 1024 + steps[:, 0]) * 1024 + steps[:, 1]) * 1024 + steps[:, 2]
     _, first, faces = np.unique(key, return_index=True, return_inverse=True)
     return frozen(points[first]), frozen(normals[first]), faces.reshape(-1, 3)

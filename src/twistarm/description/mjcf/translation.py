@@ -96,8 +96,9 @@ class _Writer:
         """Note angles in degrees that look like radians: ranges all within 2π, or multiples of π/4 in `euler`."""
         if "radian" in [element.get("angle") for element in self.mjcf.root.findall("compiler")]:
             return
-        hinges = self.model.jnt_limited * (self.model.jnt_type == self.mujoco.mjtJoint.mjJNT_HINGE)
-        largest = np.degrees(np.abs(self.model.jnt_range).max(axis=1, initial=0.0) * hinges).max(initial=0.0)
+        # MuJoCo has compiled degrees to radians.
+        hinges = (self.model.jnt_limited != 0) & (self.model.jnt_type == self.mujoco.mjtJoint.mjJNT_HINGE)
+        largest = np.degrees(np.abs(self.model.jnt_range[hinges]).max(initial=0.0))
         words = [word for element in self.mjcf.root.iter() for word in element.get("euler", "").split()]
         angles = [word for word in words if NEAR < abs(float(word)) < 7]
         odd = [word for word in angles if abs(math.remainder(float(word), np.pi / 4)) < NEAR]
