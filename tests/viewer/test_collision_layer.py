@@ -212,6 +212,12 @@ def test_a_motion_of_the_page_is_refused_or_goes_round() -> None:
     assert stage.playback is not None
     motion = stage.playback.trajectory
     assert not scene.collides(motion(np.linspace(0.0, motion.duration, 500))).any()
+    ask(stage, "move", id=stage.poses.poses[1].id, by="level")
+    done(ask(stage, "plan", kind="s_curve", stop=False, corner=0.02))
+    motion = stage.playback.trajectory
+    g = ARM.fk(motion(np.linspace(0.0, motion.duration, 500)))
+    assert (g[:, 2, :3] @ g[0, 2, :3]).min() > np.cos(np.radians(3.01))  # what was upright at the start
+    assert not scene.collides(motion(np.linspace(0.0, motion.duration, 500))).any()
     planned = stage.path
     end = stage.poses.poses[1]
     put(stage, "goal", "sphere", [0.05], ARM.fk(end.theta)[:3, 3])

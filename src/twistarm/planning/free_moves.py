@@ -47,10 +47,7 @@ def free_path(
         PathError: Start or goal collides, or no way was found in `max_time` [s] of wall time.
         MissingExtraError: OMPL is not installed.
     """
-    for theta, name in ((start, "start"), (goal, "goal")):
-        contacts = scene.contacts(theta)
-        if contacts:
-            raise PathError(f"the {name} collides: {contacts[0]}", theta=theta)
+    require_clear(scene, start, goal)
     if scene.is_free(start, goal):
         return np.array([start, goal])
     began, worked = time.monotonic(), time.process_time()
@@ -84,6 +81,14 @@ def free_path(
             clearance=Argument("clearance"),
         )
     )
+
+
+def require_clear(scene: Scene, start: Array, goal: Array) -> None:
+    """Raise PathError if start or goal (n,) collides."""
+    for theta, name in ((start, "start"), (goal, "goal")):
+        contacts = scene.contacts(theta)
+        if contacts:
+            raise PathError(f"the {name} collides: {contacts[0]}", theta=theta)
 
 
 def _seems_free(is_free: Callable[[Array], bool], one: Array, other: Array) -> bool:

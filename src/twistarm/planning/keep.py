@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from math import inf
 from typing import Any, Literal
 
@@ -171,6 +171,14 @@ class Keep(Brief):
         said += ["the tool's origin in a box"] if self.box is not None else []
         said += [Text("the tool's origin within {off} of a plane", off=off)] if self.plane is not None else []
         return joined(", ", said)
+
+
+AS_AT_START: Mapping[str, Callable[..., Keep]] = {
+    "level": Keep.level,
+    "direction": partial(Keep, direction=True),
+    "orientation": partial(Keep, orientation=True),
+}
+"""What may be kept as it is at the start, by name: makers that take `tol`."""
 
 
 def _pair(value: Any, name: str, what: str) -> tuple[Any, Any]:

@@ -15,7 +15,7 @@ from ..collision import Scene
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.messages import Argument, Text
-from .free_moves import CLEARANCE, SMALL, UNLIMITED
+from .free_moves import CLEARANCE, SMALL, UNLIMITED, require_clear
 from .keep import Flags, Kept
 from .piecewise import JointPath, bernstein, extremes
 from .refusal import PathError
@@ -51,8 +51,9 @@ def keeping_path(
     steps and distances. A path that need not be `proven` free, because its motion will be, is checked in small steps.
 
     Raises:
-        PathError: No way was found in this part of `max_time` [s] of wall time.
+        PathError: Start or goal collides, or no way was found in this part of `max_time` [s] of wall time.
     """
+    require_clear(scene, start, goals[0])
     ends, began = time.monotonic() + part * max_time, time.process_time()
     for goal in goals:
         straight = JointPath.straight(start, goal)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -15,7 +15,7 @@ from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line, with_defaults
 from ...collision import Scene
 from ...limits.joint_limits import JointLimits
-from ...planning.keep import Keep
+from ...planning.keep import AS_AT_START, Keep
 from ...planning.motion import MotionKind
 from ...planning.segments import as_segments
 from ...planning.trajectory import Progress
@@ -139,11 +139,6 @@ Kept = Annotated[
 KeepTol = Annotated[
     float | None, quantity("rad", "How far off --keep the tool may be [°, or rad with --rad]; 3° unless given.")
 ]
-KEPT: dict[str, Callable[..., Keep]] = {
-    "level": Keep.level,
-    "direction": partial(Keep, direction=True),
-    "orientation": partial(Keep, orientation=True),
-}
 Counts = Annotated[
     bool, switch("Write what the motors' drives count alone, for firmware that knows no joints.", "--counts")
 ]
@@ -279,7 +274,7 @@ def _kept(keep: str | None, tol: float | None, free: bool) -> Keep | None:
         return None
     if not free:
         raise InputError("--keep goes with --avoid, without --line; in a motion.toml, keep stands beside free")
-    return KEPT[keep](tol=np.radians(3.0) if tol is None else tol)
+    return AS_AT_START[keep](tol=np.radians(3.0) if tol is None else tol)
 
 
 def motion_texts(

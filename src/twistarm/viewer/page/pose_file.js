@@ -35,7 +35,7 @@ function checked(file, pose, i) {
   const numbers = Array.isArray(theta) && theta.every((value) => Number.isFinite(value));
   if (!numbers) throw new Error(`${file}: theta of pose ${i + 1} must be a list of numbers, in rad and m`);
   if (by === undefined) return { name, theta };
-  if (typeof by !== "string") throw new Error(`${file}: by of pose ${i + 1} must be joint, line, screw, via or free`);
+  if (typeof by !== "string") throw new Error(`${file}: by of pose ${i + 1} must be joint, line, screw, via, free, level, direction or orientation`);
   return { name, theta, by };
 }
 

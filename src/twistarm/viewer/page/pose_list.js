@@ -12,6 +12,9 @@ const MOVES = [
   ["screw", "screw", "Screw motion of the tool: a turn about one axis and a slide along it"],
   ["via", "arc", "Circular arc of the tool through this pose to the next"],
   ["free", "free", "Any way that collides with nothing, round the obstacles of the Scene panel"],
+  ["level", "level", "Free, and the tool stays level within 3°, like a full cup"],
+  ["direction", "axis", "Free, and the tool axis points the same way within 3°"],
+  ["orientation", "rotation", "Free, and the tool does not turn by more than 3°"],
 ];
 
 export class PoseList {

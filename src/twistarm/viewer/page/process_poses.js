@@ -6,7 +6,7 @@ const LONGEST_NAME = 60;
 const MOST_STEPS = 100; // that can be undone
 const ROUNDING = 1e-6; // rad, m: a value may lie this far beyond a limit
 const START = { rad: 0.2, m: 0.02 }; // the first pose, a measured start, this far
-const MOVES = ["joint", "line", "screw", "via", "free"];
+const MOVES = ["joint", "line", "screw", "via", "free", "level", "direction", "orientation"];
 const STALE = "The list has changed since this motion was planned: plan again.";
 
 // An Error where a joint's value is farther beyond its limits than `spare`.

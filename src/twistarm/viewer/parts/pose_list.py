@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm
+from ...planning.keep import AS_AT_START
 from ...planning.within import inside_from
 from ...support.checks import Array, frozen
 from ...support.errors import InputError, LimitError, one_line
@@ -20,8 +21,9 @@ LONGEST_NAME = 60  # Most characters of a pose's name. A row of the page shows h
 LARGEST_LIST = LARGEST_MESSAGE * 7 // 8  # Bytes of a whole list as a message: some 300 poses of seven joints.
 MAX_STEPS = 100  # Most changes of the list that can be undone.
 # How the arm moves to a pose: every joint straight, the tool on a straight line or a screw motion, or on the arc
-# that leads through this pose to the next, or on any way round obstacles.
-MOVES = ("joint", "line", "screw", "via", "free")
+# that leads through this pose to the next, or on any way round obstacles. The last ones keep something on that way.
+FREE = ("free", *AS_AT_START)
+MOVES = ("joint", "line", "screw", "via", *FREE)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,6 +18,7 @@ from ...limits.joint_limits import JointLimits
 from ...planning.configurations import LONGEST_JUMP
 from ...planning.goals import Curved, Goals
 from ...planning.joint_space import LAWS, plan_joint
+from ...planning.keep import AS_AT_START
 from ...planning.motion import plan
 from ...planning.refusal import PathError
 from ...planning.segments import ArcMove, FreeMove, JointMove, LineMove, ScrewMove
@@ -28,9 +29,10 @@ from ...support.errors import InputError
 from ..jobs import Job, Memo, Progress, same
 from ..messages import Message
 from .arm_data import NO_PATH, drawn, tool_path
-from .pose_list import PoseList, RecordedPose
+from .pose_list import FREE, PoseList, RecordedPose
 from .show import Part, Playback, Route, Show
 
+KEEP_TOL = np.radians(3.0)  # How far off the tool may be of what a free move keeps.
 POINTS = 60  # Points of the ideal path from a pose to the next.
 
 
@@ -44,8 +46,11 @@ def segments(arm: Arm, poses: Sequence[RecordedPose], corner: float) -> list[Joi
         blend = corner if i + 1 < len(poses) else 0.0
         if poses[i - 1].by == "via" and i > 1:
             made.append(ArcMove(Position(arm.fk(poses[i - 1].theta)[:3, 3]), pose.theta, blend=blend))
-        elif pose.by in ("joint", "free"):
-            made.append((JointMove if pose.by == "joint" else FreeMove)(pose.theta, blend=blend))
+        elif pose.by == "joint":
+            made.append(JointMove(pose.theta, blend=blend))
+        elif pose.by in FREE:
+            keep = AS_AT_START[pose.by](tol=KEEP_TOL) if pose.by in AS_AT_START else None
+            made.append(FreeMove(pose.theta, blend=blend, keep=keep))
         elif pose.by != "via":
             made.append((LineMove if pose.by == "line" else ScrewMove)(pose.theta, blend=blend))
         if pose.by == "via" and (i + 1 == len(poses) or poses[i + 1].by == "via"):
@@ -147,7 +152,7 @@ class Program(Part):
             raise InputError("the poses of the list are all the same: there is no motion between them")
         if asked.corner < 0.0 or asked.linear_speed < 0.0:
             raise InputError("the radius of corners and the tool's speed must be 0 or more")
-        if show.scene is None and any(pose.by == "free" for pose in poses[1:]):
+        if show.scene is None and any(pose.by in FREE for pose in poses[1:]):
             raise InputError("to go round obstacles, switch the layer Collision on first")
         scene = copy(show.scene)  # obstacles may move meanwhile
         work = partial(_planned, show.arm, poses, asked, self.limits, show.tolerances, scene)
@@ -205,7 +210,7 @@ def _stop(arm: Arm, error: PathError, scene: Scene | None) -> dict[str, Any] | N
         return None
     position = np.round(arm.fk(error.theta)[:3, 3], 6).tolist()
     why = f"{error.joint} at its limit" if error.joint else WHY.get(error.reason, error.reason)
-    words = f"stops at {100.0 * error.share:.0f} %: {why}"
+    words = f"stops at {100.0 * error.share:.0f} %: {why}" if error.reason != "not kept" else "not kept here"
     if error.reason == "collision":
         words = "collides" if scene is not None and scene.collides(error.theta) else "no free way from here"
     return {"position": position, "words": words, "arm": error.theta.tolist()}
