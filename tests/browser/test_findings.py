@@ -96,7 +96,7 @@ def test_the_closed_list_s_summary_counts_what_diagnose_finds(shared: Any, arm: 
     assert shared.locator("#findings").get_attribute("open") is None
     counts = Counter(one.severity for one in diagnose(arm))
     assert counts["warning"] > 1 < counts["info"]
-    assert shared.locator("#findings-count").inner_text() == f"{counts['warning']} warnings, {counts['info']} remarks"
+    assert shared.locator("#findings-count").inner_text() == f"{counts['warning']} warnings, {counts['info']} info"
 
 
 def test_every_finding_is_there_in_words_and_nothing_in_it_is_markup(live: Any, arm: Arm) -> None:
@@ -106,7 +106,7 @@ def test_every_finding_is_there_in_words_and_nothing_in_it_is_markup(live: Any, 
     for text, one in zip(texts, found, strict=True):
         for part in (one.code, str(one.place), one.what, one.remedy):
             assert part in text
-        nowhere = "About no single link or joint." in text
+        nowhere = "Concerns the whole arm." in text
         assert nowhere == (one.place.element == "")
     assert live.locator("#findings img").count() == 0
     assert live.evaluate("globalThis.hacked") is None
@@ -160,7 +160,7 @@ def test_an_axis_is_thickened_about_itself_also_where_screws_are_not_shown(live:
 def test_the_header_says_that_nobody_named_the_tip_and_leads_to_the_reason(live: Any, arm: Arm) -> None:
     (chosen,) = (one for one in arm.findings if one.code == "several-tips")
     live.evaluate("document.getElementById('findings').open = false")
-    live.get_by_role("button", name="tip taken: why?").click()
+    live.get_by_role("button", name="Why this tip?").click()
     assert chosen.what in live.locator('.finding[aria-pressed="true"]').inner_text()
     assert pointed_at(live, live.evaluate(f"twistarm.state.hello.links[{arm.tip!r}]"))
 

@@ -130,7 +130,7 @@ def test_nonsense_is_marked_and_nothing_is_sent(page: Any, text: str) -> None:
         page.keyboard.press("Delete")
     assert box(page, "shoulder").get_attribute("aria-invalid") == "true"
     page.keyboard.press("Enter")
-    assert said(page) == f"shoulder: “{text}” is no number of degrees, such as 0.5"
+    assert said(page) == f"shoulder: “{text}” is not an angle. Write 45 deg, 0.8 rad or pi/4."
     page.keyboard.press("Tab")
     assert box(page, "shoulder").input_value() == text
     assert sent(page) == before

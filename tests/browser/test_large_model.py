@@ -84,7 +84,7 @@ def test_a_slow_model_shows_its_progress_and_ends_complete(
     until(page, "globalThis.twistarm?.state.frame")
     plain = viewer._server.drawing.plain
     until(page, f"{DRAWN} === {plain}")
-    bar = page.get_by_role("progressbar", name="The scene, drawn so far")
+    bar = page.get_by_role("progressbar", name="Progress of the drawing")
     assert bar.is_visible()
     assert page.locator("#status").inner_text() == f"{plain} / {plain + MESHES}"
     assert (bar.get_attribute("aria-valuenow"), bar.get_attribute("aria-valuemax")) == (str(plain), str(plain + MESHES))

@@ -169,7 +169,7 @@ def test_the_list_is_edited_by_keyboard_and_mouse_on_two_pages(page: Any, other:
     page.get_by_label("Round corners within").fill("0")
     plan(page, "time_optimal")
     until(other, "document.getElementById('plan-kind').value === 'time_optimal'")  # of all pages
-    assert "straight in joint space" in other.locator("#program-note").text_content()
+    assert "traight in joint space" in other.locator("#program-note").text_content()
     other.get_by_label("Kind of motion").select_option("quintic")
     assert other.locator("#program-note").inner_text() == "The motion was planned with other settings: plan again."
     other.get_by_label("Torque limits").check()

@@ -124,7 +124,7 @@ def test_the_saved_page_stands_as_it_stood_and_outlasts_a_reload(page: Any, tmp_
         for role, name in (("button", "Plan"), ("button", "Stand-alone page"), ("checkbox", "Collision")):
             control = page.get_by_role(role, name=name, include_hidden=True)
             assert control.is_disabled()
-            assert control.get_attribute("title") == "run twistarm view"
+            assert control.get_attribute("title") == "Needs Python: run twistarm view"
 
 
 @pytest.mark.parametrize("lacking", ["WebAssembly", "DecompressionStream"])
@@ -279,10 +279,10 @@ def test_the_page_films_its_motion(page: Any, other: Any, tmp_path: Path) -> Non
         said = page.locator("#share-said")
         film.click()
         until(page, CANCELLED)
-        until(page, "document.getElementById('share-said').textContent.startsWith('cancelled')")
+        until(page, "document.getElementById('share-said').textContent.startsWith('Cancelled')")
         draw(page)
         assert_shows(other, saved(page, tmp_path, film.click).read_bytes(), motion, (192, 108))
-        until(page, "document.getElementById('share-said').textContent === 'saved: rover_arm.webm'")
+        until(page, "document.getElementById('share-said').textContent === 'Saved: rover_arm.webm'")
         assert viewer.theta == pytest.approx(motion(motion.duration), abs=1e-9)
         assert page.evaluate("twistarm.view.viewer.camera.zoom") == camera
         page.evaluate("delete globalThis.VideoEncoder")

@@ -90,7 +90,7 @@ def test_a_missed_target_is_told_beside_every_panel(page: Any) -> None:
     assert missed.is_hidden()  # the panel says it
     page.get_by_role("tab", name="Theory").click()
     assert missed.is_visible()
-    assert missed.inner_text().startswith("✕ not met: out of reach · position 2.5")
+    assert missed.inner_text().startswith("✕ Out of reach by 2.5")
     page.get_by_role("tab", name="Move").click()
     page.get_by_role("button", name="zero").click()
     until(page, "document.getElementById('missed').textContent === ''")
@@ -142,7 +142,7 @@ def test_a_process_that_has_gone_is_told_and_one_started_anew(browser: Any, arm:
     page.on("websocket", lambda opened: asked.append(opened.url))
     with Viewer(arm, open_browser=False, port=port):
         until(page, "!document.getElementById('error').hidden && twistarm.link.socket.readyState === WebSocket.CLOSED")
-        until(page, "document.getElementById('error').textContent.includes('open the address that it printed')")
+        until(page, "document.getElementById('error').textContent.includes('Open the address that it printed')")
         tried = len(asked)
         page.wait_for_timeout(2500)  # longer than the page waits before it tries a silent process again
         assert len(asked) == tried

@@ -51,7 +51,7 @@ def test_without_a_scene_nothing_is_made_until_the_layer_is_switched_on() -> Non
     assert said(stage, "collision") == {
         "type": "collision", "ready": False, "links": [], "words": [], "nearest": None,
     }  # fmt: skip
-    with pytest.raises(InputError, match="switch the layer Collision on"):
+    with pytest.raises(InputError, match="turn on the layer Collision"):
         put(stage, "a", "sphere", [0.1])
     stage.needed = frozenset({"collision"})
     job = stage.collisions.due(stage)
@@ -229,7 +229,7 @@ def test_a_motion_of_the_page_is_refused_or_goes_round() -> None:
     assert stage.path is planned
     bare = Stage(ARM)
     ask(bare, "poses", joints=list(ARM.joint_names), poses=[pose.entry() for pose in stage.poses.poses])
-    with pytest.raises(InputError, match="switch the layer Collision on"):
+    with pytest.raises(InputError, match="turn on the layer Collision"):
         ask(bare, "plan", kind="s_curve", stop=True)
 
 

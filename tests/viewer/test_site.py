@@ -37,7 +37,7 @@ def test_the_site_of_a_folder_of_arms(folder: Path, capsys: pytest.CaptureFixtur
     assert run(["view", "a.urdf", "b.urdf", "c.urdf", "d.urdf", "--json", "-o", "site/"]) == 0
     out, err = capsys.readouterr()
     answer = json.loads(out)
-    assert [arm["name"] for arm in answer["arms"]] == [ODD, "index", "two", "two (2)"]
+    assert [arm["name"] for arm in answer["arms"]] == [ODD, "index", "two (c.urdf)", "two (d.urdf)"]
     assert sorted(os.listdir("site")) == sorted(answer["files"])
     assert len([line for line in err.splitlines() if " of 4: " in line]) == 4
     index = Path("site/index.html").read_text()
@@ -74,6 +74,9 @@ def test_what_stands_in_the_folder_is_kept_and_replaced_by_force_alone(folder: P
     assert (site / "index.html").read_text() == "mine"
     assert run(["view", "c.urdf", "-o", "site", "--force"]) == 0
     assert (site / "index.html").read_text() != "mine"
+    assert (site / "CNAME").read_text() == "mine"
+    assert run(["view", "a.urdf", "-o", "site", "--force"]) == 0
+    assert not (site / "two.html").exists(), "the page of an arm that the site has no more"
     assert (site / "CNAME").read_text() == "mine"
     (site / "index.html").unlink()
     (site / "index.html").mkdir()

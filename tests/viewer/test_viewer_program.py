@@ -302,7 +302,7 @@ def test_the_poses_at_which_the_arm_stops_in_place_of_rounding_are_named() -> No
     motion = planned(stage, corner=0.01)
     at_rest = np.abs(motion(motion.times[1:-1], 1)).max(axis=1) < 1e-9
     assert at_rest.tolist() == [False, False, True]
-    assert re.findall(r"stops at ('.*?'):", said(stage, "program")["note"]) == ["'pose 5'"]
+    assert re.findall(r"Stops at ('.*?'):", said(stage, "program")["note"]) == ["'pose 5'"]
     planned(stage, stop=True)
     assert "stops" not in said(stage, "program")["note"]
     ask(stage, "delete", id=stage.poses.poses[2].id)
@@ -355,7 +355,7 @@ def test_a_line_that_ends_in_another_configuration_is_told() -> None:
     motion = planned(stage)
     j = int(np.abs(flipped - motion.waypoints[1]).argmax())
     assert abs(flipped[j] - motion.waypoints[1, j]) > 0.5
-    told = re.findall(r"'(pose \d)' is met in another configuration .*?: (\w+) by", said(stage, "program")["note"])
+    told = re.findall(r"'(pose \d)' is reached in another configuration: (\w+) differs", said(stage, "program")["note"])
     assert told == [("pose 2", arm.joint_names[j])]
 
 

@@ -56,7 +56,7 @@ def test_a_new_page_is_told_the_arm_the_scene_and_where_everything_stands(arm: A
         "left": 0,
         "exact": False,
         "simplified": False,
-        "notes": ["drawn as simple shapes, the mesh was not found: 'a/b <i>'"],
+        "notes": ["meshes not found, drawn as simple shapes: 'a/b <i>'"],
     }
     assert frame["theta"] == list(THETA)
     assert frame["others"] == {"finger": 0.01}

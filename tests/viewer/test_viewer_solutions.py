@@ -85,7 +85,7 @@ def test_what_moves_the_arm_otherwise_lets_them_go() -> None:
     assert told(stage)[0] is kept
     ask(stage, "joint", name="wrist_roll", value=0.3)
     assert told(stage)[0]["asked"] is False
-    with pytest.raises(InputError, match="ask for all of them again"):
+    with pytest.raises(InputError, match="press All configurations again"):
         ask(stage, "solution", place=0, ease=False)
     stage = asked(ROVER, "approach")
     theta = stage.theta

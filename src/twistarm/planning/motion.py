@@ -292,4 +292,6 @@ def _stops_noted(parts: list[PathPart], stopped: list[PathPart]) -> list[str]:
     stops = [part for part in corners if part in stopped]
     every = len(stops) == len(corners) > 1
     where = "every corner" if every else ", ".join(place(part.index, part.segment) for part in stops)
-    return [f"stops at {where}: no rounding there is faster"] if stops else []
+    blends = {part.blend for part in stops}
+    corner = f"a corner within {blends.pop():g} m" if len(blends) == 1 else "a corner"
+    return [f"stops at {where}: {corner} would save no time"] if stops else []

@@ -30,8 +30,9 @@ INDEX = """<!DOCTYPE html>
 <meta http-equiv="Content-Security-Policy"
   content="default-src 'none'; style-src 'unsafe-inline'; img-src 'self' file: data:">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="color-scheme" content="light dark">
+<meta name="color-scheme" content="light">
 <title>{count} · twistarm</title>
+<meta name="generator" content="twistarm view">
 <link rel="icon" href="data:,">
 <style>
 {style}</style>
@@ -42,6 +43,7 @@ INDEX = """<!DOCTYPE html>
 </ul></main></body>
 </html>
 """
+MARK = '<meta name="generator" content="twistarm view">'
 SAMPLES = 20_000  # Random configurations; in the best of them the tool is as far from the base as it comes, to 3 %.
 
 
@@ -49,8 +51,8 @@ def save_site(arms: Iterable[Arm], folder: str | os.PathLike[str]) -> Path:
     """Write a static site that shows `arms`: index.html, and a page for each that opens without a server.
 
     Links are relative, and all pages share their scripts. An installed browser draws the pictures; without one, the
-    index has line drawings. The site is written whole or not at all. Files of the same names are replaced, and others
-    in the folder stay.
+    index has line drawings. The site is written whole or not at all. Files of the same names are replaced, pages of
+    arms that an older site had are removed, and other files in the folder stay.
 
     Returns the path of index.html. Raises InputError for no arms or a folder that cannot be written, and
     MissingExtraError without Meshcat.
@@ -59,7 +61,18 @@ def save_site(arms: Iterable[Arm], folder: str | os.PathLike[str]) -> Path:
         arms: The arms, in the order of the index. Several may have the same name.
         folder: The folder, which need not exist.
     """
-    return write_folder(writable(folder, folder=True), site_of(arms)[1]) / "index.html"
+    return write_site(folder, site_of(arms)[1]) / "index.html"
+
+
+def write_site(folder: str | os.PathLike[str], files: Mapping[str, str | bytes]) -> Path:
+    """Write the files of a site, then remove the pages of arms that only the site before it had."""
+    target = writable(folder, folder=True)
+    before = _pages(target)
+    written = write_folder(target, files)
+    for path in before:
+        if path.name not in files:
+            path.unlink(missing_ok=True)
+    return written
 
 
 def site_of(
@@ -78,7 +91,7 @@ def site_of(
     for number, arm in enumerate(several, start=1):
         plain = re.sub(r"[^A-Za-z0-9_.-]", "_", arm.name).strip("._-")[:50] or "arm"
         names = (plain if k == 1 else f"{plain}_{k}" for k in range(1, len(cards) + 3))
-        name = next(each for each in names if each.casefold() not in {"index", *cards})
+        name = next(free for free in names if free.casefold() not in {"index", *cards})
         snapshot, findings, picture = of_arm(arm), doctor_findings(arm), _drawing(arm)
         try:
             if drawn:
@@ -89,9 +102,8 @@ def site_of(
             progress(f"drawings instead of pictures: {error}")
         page, scripts = beside(snapshot.saying(findings))
         files |= {f"{name}.html": page, **scripts}
-        alike = sum(each.name == arm.name for each in several[:number])
         card = cards[name.casefold()] = {
-            "name": printable(arm.name) + (f" ({alike})" if alike > 1 else ""),
+            "name": printable(arm.name) + _distinction(arm, number, several),
             "page": f"{name}.html",
             "joints": Counter(arm.joint_types),
             "reach": float(np.linalg.norm(arm.fk(arm.random_theta(0, SAMPLES))[:, :3, 3], axis=-1).max()),
@@ -103,6 +115,29 @@ def site_of(
     count = f"{len(several)} arm{'s' * (len(several) != 1)}"
     index = INDEX.format(count=count, style=page_text("site.css"), arms="\n".join(entries))
     return [*cards.values()], files | {"index.html": index}
+
+
+def _distinction(arm: Arm, number: int, arms: list[Arm]) -> str:
+    """What tells the arm, the one of that number, from others of its name: its file, or else the number."""
+
+    def name_of(one: Arm) -> str:
+        path = one.description and one.description.path
+        return path.name if path else ""
+
+    alike, file = [name_of(other) for other in arms if other.name == arm.name], name_of(arm)
+    if len(alike) == 1:
+        return ""
+    return f" ({file})" if file and alike.count(file) == 1 else f" ({number})"
+
+
+def _pages(folder: Path) -> list[Path]:
+    """The pages, pictures and meshes of the site in `folder`, by its index; none where the index is not ours."""
+    index = folder / "index.html"
+    text = index.read_text("utf-8", "replace") if index.is_file() else ""
+    if MARK not in text:
+        return []
+    pages = [folder / name for name in re.findall(r'<li><a href="([\w.-]+\.html)">', text)]
+    return [*pages, *(page.with_suffix(".png") for page in pages), *folder.glob("meshes_" + "[0-9a-f]" * 12 + ".js")]
 
 
 def _lines(card: Mapping[str, Any]) -> tuple[str, str]:

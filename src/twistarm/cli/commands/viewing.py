@@ -19,9 +19,10 @@ from ...support.checks import Array
 from ...support.errors import InputError, TwistarmError
 from ...viewer import Viewer, page_html
 from ...viewer.saved_page import of_arm
+from ...viewer.scene.links import lost_meshes
 from ...viewer.screenshot import png_of
 from ...viewer.server.watching import load_with_files
-from ...viewer.site import site_of
+from ...viewer.site import site_of, write_site
 from ..command import Shared
 from ..numbers import JointValues, argument, option, switch, whole
 from ..options import ArmArgument, SceneFile, Source, Theta, answers
@@ -136,6 +137,8 @@ def view(
     motion = None if play is None else motion_of_file(arm, play)[1]
     if out.files:
         start = x if motion is None else motion(0.0)
+        for note in () if arm.description is None else lost_meshes(arm.description):
+            warn(note)
         out.show(
             {"arm": arm, "duration": motion and motion.duration},
             files={
@@ -171,7 +174,9 @@ def _write_site(sources: Sequence[Source], out: Outputs) -> None:
         what = f"nothing is written, since {len(failed)} of {len(sources)} ARM cannot be loaded"
         raise InputError(f"{what}; leave them out, or fix them: twistarm doctor: {'; '.join(failed)}")
     cards, files = site_of(arms, lambda words: say(words, file=out.words))
-    out.show({"arms": cards, "files": list(files)}, files={"site": lambda: files})
+    [(_, folder)] = out.files
+    write_site(folder, files)
+    out.show({"arms": cards, "files": list(files)}, written=[folder])
 
 
 Show = Annotated[bool, switch("Open the view, or write demo.html; demo.csv is written.", "--view/--no-view")]

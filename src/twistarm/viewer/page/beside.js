@@ -63,7 +63,7 @@ export class Beside {
     $("beside-joints").replaceChildren(...[...this.rows.values()].map(({ row }) => row));
     $("beside-follow").checked = this.shared.size > 0;
     $("beside-follow").disabled = this.shared.size === 0;
-    $("beside-follow").parentElement.title = `${this.shared.size} of ${joints.length} joints have a name of the first arm's, and follow it inside their limits`;
+    $("beside-follow").parentElement.title = `${this.shared.size} of ${joints.length} joints share a name with the first arm and follow it within their limits`;
   }
 
   placed(frame) {
@@ -91,7 +91,7 @@ export class Beside {
     for (const [name, row] of this.rows) row.show(values[name]);
     const { position } = this.state.frame.tool;
     const apart = Math.hypot(...position.map((value, i) => value - tool.position[i]));
-    $("beside-tool").textContent = `Tool at ${tool.position.map((value) => signed(value, 3)).join(", ")} m, ${(1000 * apart).toFixed(0)} mm from the first one's`;
+    $("beside-tool").textContent = `Tool at ${tool.position.map((value) => signed(value, 3)).join(", ")} m, ${(1000 * apart).toFixed(0)} mm from the first tool`;
   }
 
   // A ghost where the first one's base is, or as it is drawn, beside the first.

@@ -107,7 +107,9 @@ export class Core {
     const [count, inside, families] = many(0, 3);
     const rows = Array.from({ length: count }, (_, i) => many(3 + 2 * i * this.n, 2 * this.n));
     const free = rows.map((row) => this.arm.joints.filter((_, i) => row[this.n + i] === 1).map(({ name }) => name));
-    return { theta: rows.map((row) => row.slice(0, this.n)), inside, families, free };
+    const [, exact, swept] = unpacked(this.numbers.forms[target.kind]); // as core_numbers.py packs them
+    const held = swept < 0 ? null : this.arm.joints[swept].name; // the joint that is searched where Python sweeps it
+    return { theta: rows.map((row) => row.slice(0, this.n)), inside, families, free, exact: exact === 1, held };
   }
 
   // A simulated servo with the usual limits; onUnreachable: "slide" or "stop".

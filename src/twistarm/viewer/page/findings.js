@@ -4,7 +4,7 @@ import { $, element } from "./element.js";
 import { tell } from "./words.js";
 
 const TAKEN = "several-tips"; // the finding that says which link was taken as the tool, where nobody said
-const WORDS = { error: "error", warning: "warning", info: "remark" };
+const SEVERITIES = { error: ["error", "errors"], warning: ["warning", "warnings"], info: ["info", "info"] }; // one, several
 
 export class Findings {
   // `point(node, name)` makes a node of the scene stand out; point(null) takes that back.
@@ -36,11 +36,11 @@ export class Findings {
     const item = element("li", finding.severity);
     const box = element(finding.node ? "button" : "div", "finding");
     const head = element("span", "head");
-    head.append(element("span", "severity", WORDS[finding.severity]), element("code", "", finding.code));
+    head.append(element("span", "severity", finding.severity), element("code", "", finding.code));
     box.append(head, element("span", "place", finding.place), element("span", "what", finding.what));
     if (finding.remedy) box.append(element("span", "remedy", `→ ${finding.remedy}`));
     if (finding.node) this.choosable(box, finding);
-    else box.append(element("span", "nowhere", "About no single link or joint."));
+    else box.append(element("span", "nowhere", "Concerns the whole arm."));
     item.append(box);
     return item;
   }
@@ -74,9 +74,9 @@ export class Findings {
   }
 }
 
-// "3 warnings, 5 remarks"
+// "3 warnings, 5 info"
 function counted(counts) {
-  const parts = Object.entries(WORDS).filter(([severity]) => counts[severity])
-    .map(([severity, word]) => element("span", severity, `${counts[severity]} ${word}${counts[severity] > 1 ? "s" : ""}`));
+  const parts = Object.entries(SEVERITIES).filter(([severity]) => counts[severity])
+    .map(([severity, [one, several]]) => element("span", severity, `${counts[severity]} ${counts[severity] > 1 ? several : one}`));
   return parts.length === 0 ? ["none"] : parts.flatMap((part, i) => (i === 0 ? [part] : [", ", part]));
 }

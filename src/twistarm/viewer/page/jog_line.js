@@ -64,7 +64,7 @@ export class JogLine {
   // How much of the command is done, where it is not all of it, and not nothing, which the reason says.
   done() {
     const percent = Math.round(100 * this.servo.share);
-    return this.steady && percent > 0 ? `${percent} % of what was asked` : "";
+    return this.steady && percent > 0 ? `${percent} % of the command` : "";
   }
 }
 

@@ -73,6 +73,7 @@ export class JogPad {
   show({ frame, taken, pushes }) {
     for (const button of [...this.tool, ...this.ofJoints]) {
       button.disabled = !taken;
+      button.title = taken ? "" : "Turn on Drive first";
       button.classList.toggle("held", pushes.has(button.push));
     }
     if (frame === this.frame) return;

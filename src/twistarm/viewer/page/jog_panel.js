@@ -5,8 +5,8 @@ import { speedWords } from "./jog_line.js";
 import { JogPad } from "./jog_pad.js";
 import { tell } from "./words.js";
 
-const HINT = "Drive lets a servo on simulated joints move the arm by these buttons, by keys or a gamepad.";
-const OTHERS = "A servo of the program drives the arm.";
+const HINT = "Turn on Drive to move a simulated arm with buttons, keys or a gamepad.";
+const OTHERS = "A servo of your program drives the arm.";
 
 export class JogPanel {
   // `page` holds jog and ask(request).

@@ -48,8 +48,8 @@ import { View } from "./view.js";
 import { Work } from "./work.js";
 
 const QUIET = ["jog", "jog_joints", "needs"]; // asked again and again, or unseen: an error stays to be read
-const SILENCE = "The process has ended or does not answer. You can use the panel again when it answers.";
-const STRANGER = "The view was started anew: open the address that it printed.";
+const SILENCE = "twistarm view has ended or does not answer. The panel works again when it answers.";
+const STRANGER = "twistarm view was started again. Open the address that it printed.";
 const LACKING = "This browser cannot run the page, which needs WebAssembly and DecompressionStream. Open it with Firefox 121, Chrome or Edge 115, Safari 16.4, or a later one.";
 
 const saved = $("data") && JSON.parse($("data").textContent); // where this is a saved page
@@ -256,7 +256,7 @@ const receive = {
 // A message of another version of the process is told, not drawn.
 function show(message) {
   const wrong = violation(schema.messages, message);
-  if (wrong) return panel.showError(`this page does not understand the process: ${wrong}; load it again`);
+  if (wrong) return panel.showError(`This page and twistarm differ in version: ${wrong}. Reload the page.`);
   said[message.type] = message;
   if (message.type === "frame") tell({ ...message, ...ahead });
   else if (message.type !== "target" || !ahead?.theta) tell(message);

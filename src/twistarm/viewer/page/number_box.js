@@ -4,6 +4,11 @@ import { element } from "./element.js";
 import { figure, step, stride, typed, unitShown } from "./units.js";
 
 const STRIDES = { ArrowUp: 1, ArrowDown: -1, PageUp: 10, PageDown: -10 };
+const REMEDIES = {
+  rad: "is not an angle. Write 45 deg, 0.8 rad or pi/4.",
+  m: "is not a length. Write 0.5, 50 cm or 500 mm.",
+  1: "is not a number. Write 0.5.",
+};
 const NAMES = { "°": "degrees", rad: "radians", m: "metres", 1: "" };
 
 export class NumberBox {
@@ -100,11 +105,11 @@ export class NumberBox {
     }
   }
 
-  // What to write in place of what is no number.
+  // What is wrong with the text, and what to write.
   remedy() {
     const pointed = this.input.value.replace(",", ".");
     const comma = pointed !== this.input.value && typed(pointed, this.joint.unit) !== null;
-    return comma ? `has a comma: write a point, as in ${pointed.trim()}` : `is no number${this.unit && ` of ${this.unit}`}, such as 0.5`;
+    return comma ? `has a comma. Write a point: ${pointed.trim()}` : REMEDIES[this.joint.unit];
   }
 
   restore() {

@@ -52,7 +52,7 @@ export class Panel {
   buildButtons(poses) {
     this.movers = poses.map((name) => named(name, `Go to the pose ${name}`, () => this.act.pose(name)));
     $("poses").replaceChildren(...this.movers);
-    const random = named("random", "Anywhere inside the limits", () => this.act.random());
+    const random = named("random", "A random configuration inside the limits", () => this.act.random());
     this.movers.push(random);
     const copy = named("copy theta", "The arm's joint values as a Python list, in rad and m", () => this.act.copy());
     const apart = element("span", "apart");

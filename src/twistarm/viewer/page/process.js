@@ -1,7 +1,7 @@
 // The process of a saved page: it answers the requests of schema.json in place of Python. It keeps where the arm stands,
 // its poses, its motion and its servo, and tells the page what has changed.
 
-import { $$, unzipped } from "./element.js";
+import { $$, element, unzipped } from "./element.js";
 import { Glide } from "./glide.js";
 import { Motion } from "./motion.js";
 import { Playback } from "./playback.js";
@@ -10,7 +10,7 @@ import { Drive } from "./process_servo.js";
 import { keep, kept } from "./storage.js";
 import { shown } from "./units.js";
 
-const PYTHON = "run twistarm view"; // for what only Python can do
+const PYTHON = "Needs Python: run twistarm view"; // what a saved page cannot do
 const SPEEDS = [0.05, 20];
 const MOST_SHOWN = 32; // configurations
 const AT_SOLUTION = 1e-3; // rad, m: an arm this near to a configuration is at it
@@ -18,7 +18,7 @@ const ON_MOTION = 1e-8; // rad, m: an arm this near to its motion is on it
 const FREEDOMS = { pose: 6, approach: 5, position: 3 };
 const NO_TARGET = { type: "target", given: null, met: null, words: "", ghost: null };
 const NO_SOLUTIONS = { type: "solutions", asked: false, places: [], words: "", theta: [] };
-const DRIVEN = "a servo drives the arm: sliders, poses and trajectories are free again once Drive in the Jog panel is switched off";
+const DRIVEN = "a servo drives the arm: turn off Drive in the Jog panel first";
 const MOVES = ["theta", "pose", "random", "play", "seek", "target", "solutions", "solution", "go"]; // not while a servo drives
 
 export class Process {
@@ -87,7 +87,7 @@ export class Process {
 
   receive({ type, ...fields }) {
     try {
-      if (!(type in this.routes)) throw new Error(`this needs Python: ${PYTHON}`);
+      if (!(type in this.routes)) throw new Error(PYTHON);
       if (MOVES.includes(type)) this.requireFree();
       this.routes[type](fields);
     } catch (error) {
@@ -207,7 +207,7 @@ export class Process {
   }
 
   switch(on) {
-    if (on && !this.core.driven) throw new Error(`${this.arm.name} has more joints than the servo of a page drives: ${PYTHON}`);
+    if (on && !this.core.driven) throw new Error(`${this.arm.name} has more joints than the servo of a page drives. ${PYTHON}`);
     if (on) this.go(this.checked(this.theta));
     this.drive.switch(on, this.theta);
   }
@@ -216,7 +216,7 @@ export class Process {
 
   loaded(doing) {
     if (this.playback) return this.playback;
-    throw new Error(`nothing to ${doing}: no trajectory is loaded`);
+    throw new Error(`There is no motion to ${doing}.`);
   }
 
   play() {
@@ -273,16 +273,24 @@ export class Process {
   find(target) {
     const where = this.goal;
     const found = this.core.configurations(target, where, this.tolerances);
-    if (found === null) throw new Error(`to search the configurations of an arm without a closed form, ${PYTHON}`);
+    if (found === null) throw new Error(`This arm has no closed form for that target. ${PYTHON}`);
     const theta = found.theta.slice(0, MOST_SHOWN);
     const inside = Math.min(found.inside, MOST_SHOWN);
     const places = theta.map((each, i) => ({ free: i < inside ? found.free[i] : [], beyond: i < inside ? [] : this.beyond(each) }));
     const count = `${inside === 0 ? "no" : inside} configuration${inside === 1 ? "" : "s"} inside the limits`;
-    const held = this.joints.length > FREEDOMS[target.kind] ? ["joints that the target leaves free stay where they are"] : [];
-    const words = ["", `${count}${theta.length > inside ? `, ${theta.length - inside} outside` : ""}`, "found by the closed form", ...held].join("\n");
+    const words = ["", `${count}${theta.length > inside ? `, ${theta.length - inside} outside` : ""}: ${this.completeness(target, found)}`].join("\n");
     this.choices = { inside, message: { type: "solutions", asked: true, places, words, theta } };
     this.where = where;
     this.at = this.stands = inside > 0 && near(theta[0], where, AT_SOLUTION) ? 0 : null;
+  }
+
+  completeness({ kind }, { theta, exact, held, free }) {
+    const always = this.joints.map(({ name }) => name).filter((name) => free.length > 0 && free.every((names) => names.includes(name)));
+    if (held !== null) return `${held} is free. It stays where it is, and other values of it give more configurations`;
+    if (this.joints.length > FREEDOMS[kind]) return "joints that the target leaves free stay where they are";
+    if (theta.length > MOST_SHOWN) return `the nearest ${MOST_SHOWN} of ${theta.length}`;
+    const which = always.length > 0 ? `each with ${always.join(", ")} free; ` : "";
+    return which + (exact ? "all that exist, by the closed form" : "found by the closed form, more may exist");
   }
 
   beyond(theta) {
@@ -295,7 +303,7 @@ export class Process {
   // The arm goes to a configuration inside the limits; of another, the ghost shows.
   step(place, ease) {
     const theta = this.choices?.message.theta[place];
-    if (!theta) throw new Error("these configurations were let go, because the arm was moved: ask for all of them again");
+    if (!theta) throw new Error("the arm has moved since: press All configurations again");
     this.at = place;
     if (place >= this.choices.inside) return;
     this.stands = place;
@@ -315,16 +323,18 @@ export class Process {
   }
 }
 
-// Greys what only Python can do, with the way to it, whatever is written there later. `said`: types of messages that
-// were saved, such as a map of the reach.
+// Disable what only Python can do, and say so in words too: a phone shows no titles. Later writes to these properties
+// are ignored, as every part enables its own controls. `said`: types of the saved messages, such as a map of the reach.
 function withhold(said) {
   const fixed = (value) => ({ get: () => value, set() {} });
   const properties = { title: fixed(PYTHON), disabled: fixed(true), href: fixed("") };
   for (const area of $$("[data-python]")) {
     if (said.includes(area.dataset.python)) continue;
-    for (const each of [area, ...area.querySelectorAll("button, input, select, a")]) {
-      Object.assign(each, { title: PYTHON, disabled: true, ariaDisabled: "true" }).removeAttribute("href");
-      Object.defineProperties(each, properties);
+    const reason = element(area.matches("fieldset") ? "p" : "small", "reason", area.matches("fieldset") ? `${PYTHON}.` : " (needs Python)");
+    if (!area.matches("button")) area[area.matches("fieldset") ? "prepend" : "append"](reason);
+    for (const control of [area, ...area.querySelectorAll("button, input, select, a")]) {
+      Object.assign(control, { title: PYTHON, disabled: true, ariaDisabled: "true" }).removeAttribute("href");
+      Object.defineProperties(control, properties);
     }
   }
 }

@@ -67,7 +67,7 @@ export class Drive {
 
   // {twist, frame}, {rates}, or null to stop.
   take(command) {
-    if (!this.driven) throw new Error("no servo takes commands here: switch Drive on in the Jog panel");
+    if (!this.driven) throw new Error("Turn on Drive in the Jog panel first.");
     this.command = command;
     this.heard = performance.now();
   }

@@ -114,11 +114,11 @@ export class Program {
   }
 
   tell() {
-    const word = this.failed ? "Not planned anew; still loaded" : "Planned";
+    const word = this.failed ? "Planning failed; still loaded" : "Planned";
     const done = this.planned && this.duration !== null ? `${word}: ${this.duration.toFixed(2)} s` : "";
     const outdated = this.planned && !same(this.asked, this.settings);
     if (outdated) tell($("program-note"), OUTDATED);
-    else tell($("program-note"), [done, this.note].filter(Boolean).join(": "));
+    else tell($("program-note"), [done && `${done}.`, this.note].filter(Boolean).join(" "));
     $("program-note").classList.toggle("stale", outdated || !this.planned);
     $("plan-payload").disabled = !$("plan-torques").checked;
     const few = this.poses.length < 2;

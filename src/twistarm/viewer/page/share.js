@@ -55,10 +55,10 @@ export class Share {
   async act(make) {
     if (this.busy) return;
     this.busy = true;
-    this.say("making it …");
+    this.say("Saving …");
     await new Promise((resolve) => setTimeout(resolve)); // so that it is read
     try {
-      this.say(`saved: ${await make()}`);
+      this.say(`Saved: ${await make()}`);
     } catch (error) {
       this.say(error.message, true);
     } finally {
@@ -121,7 +121,7 @@ export class Share {
       stopped: () => this.stopped || this.duration !== duration,
     });
     if (made) return made;
-    throw new Error(this.stopped ? "cancelled: nothing is saved" : "the motion was replaced: nothing is saved");
+    throw new Error(this.stopped ? "Cancelled: nothing is saved." : "The motion was replaced: nothing is saved.");
   }
 
   // See the arm on its whole way, unless somebody has turned the view.
@@ -142,7 +142,7 @@ export class Share {
     if (this.time === time && this.awaited) return;
     await new Promise((resolve, reject) => {
       this.awaited = { time, resolve, fail: (words) => reject(new Error(words)) };
-      setTimeout(reject, PATIENCE, new Error("the motion does not follow: nothing is saved"));
+      setTimeout(reject, PATIENCE, new Error("The motion does not play: nothing is saved."));
       this.page.seek(time);
     });
   }

@@ -84,7 +84,7 @@ export class Solutions {
     $("solutions").dataset.beyond = beyond.length > 0;
     tell($("solution-words"), beyond.length > 0 ? `outside the limits: ${beyond.join(", ")}; the arm stays`
       : this.hit.includes(at) ? "in collision"
-      : free.length > 0 && this.differ ? `one of a family: ${free.join(", ")} may go on moving` : "");
+      : free.length > 0 && this.differ ? `one of a family: ${free.join(", ")} can move while the tool stays` : "");
     this.draw();
   }
 

@@ -14,10 +14,10 @@ import { tell } from "./words.js";
 
 const KINDS = [[6, "pose"], [5, "approach"], [0, "position"]]; // what an arm of at least so many joints begins with
 const HINTS = {
-  approach: "5 joints: not every pose is in reach, so the axis about which the tool rolls is pointed, and its turn about that is free.",
-  position: "Fewer than 5 joints: the tool's position is met, and its orientation is free.",
+  approach: "With 5 joints the arm reaches a position and one direction of the tool. The turn about that direction is free.",
+  position: "With fewer than 5 joints the target is a position. The tool's orientation is free.",
 };
-const MANY = "This arm has more joints than a page solves for: move it by its sliders.";
+const MANY = "This arm has too many joints for the page's solver. Move it with its sliders.";
 const FIRST = "Drag an arrow or a ring at the tool; G hides them.";
 const DRAGGED = "twistarm dragged"; // whether somebody has, on any page
 const PARALLEL = 0.999; // cosine from which a ring is about the axis that an approach points

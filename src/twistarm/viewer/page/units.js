@@ -5,7 +5,6 @@ import { keep, kept } from "./storage.js";
 
 const DEGREES = 180 / Math.PI;
 const KEPT = "twistarm radians";
-const NARROW = { "°": 10, rad: 0.1, m: 0.1 }; // ranges whose ends need a digit more
 const STEPS = { "°": 1, rad: 0.01, m: 0.001, 1: 0.01 };
 const WRITTEN = { m: { m: 1, cm: 100, mm: 1000, in: 1 / 0.0254 }, rad: { rad: 1, deg: DEGREES, "°": DEGREES }, 1: {} }; // typed units
 
@@ -40,7 +39,8 @@ export function shown(value, unit, digits) {
 }
 
 export function span([low, high], unit) {
-  const digits = (high - low) * scale(unit) < NARROW[unitShown(unit)] ? 1 : 0;
+  const whole = [low, high].every((end) => Number(figure(end, unit, 0).replace("−", "-")) === Number(figure(end, unit, 1).replace("−", "-")));
+  const digits = whole ? 0 : 1; // those that a message about the limit has
   return `${figure(low, unit, digits)} … ${figure(high, unit, digits)}${mark(unit)}`;
 }
 

@@ -1,4 +1,4 @@
-// Whether the target is met, in a word and a colour, with the reason; the details are folded.
+// Whether the target is reached, in a sign and a colour, with the reason; the details are folded.
 
 import { DEFAULTS } from "./core.js";
 import { $, element } from "./element.js";
@@ -25,25 +25,27 @@ export class Verdict {
   show(message) {
     const [short, ...why] = message.words.split("\n");
     this.place.dataset.met = message.met ?? "";
-    if (message.given) tell(this.place, [element("span", "met", message.met ? "✓ met" : "✕ not met"), ` ${short}`], why);
-    else tell(this.place, "");
-    this.missed.textContent = message.met === false ? `✕ not met: ${short}` : "";
+    const mark = message.met ? "✓" : "✕";
+    tell(this.place, message.given ? [element("span", "met", mark), ` ${short}`] : "", message.given ? why : []);
+    this.missed.textContent = message.met === false ? `✕ ${short}` : "";
   }
 }
 
 // What the solution of a target comes to, line by line: the first in short. `hello` of the arm that `core` is of.
 export function inWords({ arm, core: { reasons } }, core, given, solution, tolerances) {
   const { met, stop, theta, unlimited } = solution;
-  const errors = missed(given, solution, tolerances);
-  if (met) return errors;
-  const lines = [`${reasons[stop]} · ${errors}`];
+  const parts = { position: ["Position"], approach: ["Position", "direction"], pose: ["Position", "orientation"] }[given.kind];
+  if (met) return `${parts.join(" and ")} reached`;
   const far = solution.positionError > (tolerances.position || DEFAULTS.position);
+  const off = solution.orientationError > (tolerances.orientation || DEFAULTS.orientation) && parts.length > 1;
+  const turned = off ? [`${parts[1]} ${angle(solution.orientationError)} off`] : [];
+  const lines = far ? [shortfall(reasons[stop], stop, given, solution), ...turned] : [`Position reached, ${turned}: ${reasons[stop]}`];
   if (unlimited !== null) lines.push(...blocked(arm, core, given, solution, tolerances, far));
-  else if (far) lines.push(`the nearest position inside the limits is ${length(solution.positionError)} away`, ...impossible(core, given, theta));
+  else if (far) lines.push(...impossible(core, given, theta));
   else lines.push(...impossible(core, given, theta), ...prevented(core, given, theta));
   const bounds = theta.flatMap((value, i) => within(arm.joints[i], value, AT_BOUND));
   if (bounds.length > 0) lines.push(`at its limit: ${bounds.join(", ")}`);
-  if (solution.certain) lines.push("the arm's closed form has no answer inside the limits: that is certain");
+  if (solution.certain) lines.push("the closed form proves that no configuration inside the limits reaches it");
   return lines.join("\n").slice(0, LONGEST).replace(/[\ud800-\udbff]$/, "");
 }
 
@@ -52,10 +54,10 @@ function blocked({ joints }, core, given, { unlimited, orientationError }, { ori
   const beyond = unlimited.flatMap((value, i) => within(joints[i], value, 0));
   const where = beyond.length > 0 ? `for one with ${beyond.join(", ")}` : "a hair beyond them";
   const turned = turn(core, given, unlimited);
-  if (turned <= (orientation || DEFAULTS.orientation)) return [`without limits it could be met, ${where}`];
+  if (turned <= (orientation || DEFAULTS.orientation)) return [`without limits the target could be reached, ${where}`];
   const more = impossible(core, given, unlimited);
-  if (far) return [`without limits its position could be met, ${where}`, ...more];
-  return [`${angle(orientationError - turned)} of the rotation are prevented by limits`, `without limits it could be met to within ${angle(turned)}, ${where}`, ...more];
+  if (far) return [`without limits the position could be reached, ${where}`, ...more];
+  return [`${angle(orientationError - turned)} of the rotation are prevented by limits`, `without limits ${angle(turned)} would be missing, ${where}`, ...more];
 }
 
 function impossible(core, given, theta) {
@@ -81,13 +83,10 @@ function turn(core, given, theta) {
   return 2 * Math.asin(Math.min(1, Math.hypot(...off) / 2));
 }
 
-// The two errors.
-function missed({ kind }, { positionError, orientationError }, { position, orientation }) {
-  const parts = [positionError > (position || DEFAULTS.position) ? `position ${length(positionError)} off` : "position met"];
-  if (kind === "position") return parts[0];
-  const what = kind === "approach" ? "direction" : "orientation";
-  parts.push(orientationError > (orientation || DEFAULTS.orientation) ? `${what} ${angle(orientationError)} off` : `${what} met`);
-  return parts.join(", ");
+function shortfall(reason, stop, { position }, { positionError }) {
+  const by = stop === "OUT_OF_REACH" ? " by" : ",";
+  const place = position.map((value) => value.toFixed(3)).join(", ");
+  return `${reason[0].toUpperCase()}${reason.slice(1)}${by} ${length(positionError)}${stop === "OUT_OF_REACH" ? "" : " short"}: (${place}) m`;
 }
 
 // A joint and its value, where that is beyond a limit or nearer to it than `near`; none where it turns all the way.
@@ -99,7 +98,7 @@ function within({ name, unit, limits: [lower, upper] }, value, near) {
 }
 
 function named(axis) {
-  const i = [0, 1, 2].find((each) => Math.abs(axis[each]) >= ALONG);
+  const i = [0, 1, 2].find((place) => Math.abs(axis[place]) >= ALONG);
   return i === undefined ? `(${axis.map((value) => value.toFixed(2)).join(", ")}) in its axes` : `its ${"xyz"[i]} axis`;
 }
 

@@ -2,11 +2,15 @@
 
 import { element } from "./element.js";
 
+const LONGEST = 200; // characters that are not cut
 const said = new WeakMap();
 const room = new ResizeObserver((heads) => heads.forEach(({ target }) => fit(target)));
 
-// `short` is a text or elements; the lines of `more` are in the fold. An empty text empties the place.
-export function tell(place, short, more = []) {
+// `short` is a text or elements; the lines of `more` are in the fold, and so is what follows two sentences of a long
+// text. An empty text empties the place.
+export function tell(place, text, details = []) {
+  const sentences = typeof text === "string" && text.length > LONGEST ? text.split(/(?<=[.;:]) /) : [text];
+  const [short, more] = sentences.length > 2 ? [sentences.slice(0, 2).join(" "), [sentences.slice(2).join(" "), ...details]] : [text, details];
   const head = element("span", "short");
   head.append(...[short].flat());
   const told = [head.textContent, ...more].join("\n");

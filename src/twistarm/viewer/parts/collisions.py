@@ -75,7 +75,7 @@ class Collisions(Part):
 
     def _require_ready(self) -> Scene:
         if self.scene is None or not self._ready:
-            raise InputError("switch the layer Collision on and wait until it is ready; then obstacles can be changed")
+            raise InputError("turn on the layer Collision and wait until it is ready; then obstacles can be edited")
         return self.scene
 
     def _save(self, show: Show, now: float) -> None:

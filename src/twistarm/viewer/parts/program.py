@@ -76,7 +76,7 @@ def ideal_way(arm: Arm, poses: Sequence[RecordedPose]) -> list[list[float]]:
 STALE = "The list has changed since this motion was planned: plan again."
 
 # Note on a motion that stops at each pose. "Straight" could be read as the tool's path.
-STRAIGHT = "straight in joint space between the poses: the tool's way is a curve"
+STRAIGHT = "straight in joint space between the poses; the tool moves on a curve"
 # Short words for reasons of a PathError. Other reasons are words themselves.
 WHY = {"limit": "a leap would follow", "singular": "singular configuration"}
 MOST_GHOSTS = 12  # Most poses at which the arm is drawn faintly, evenly chosen.
@@ -140,7 +140,8 @@ class Program(Part):
         said = self._motion.notes if current and self._motion else ()
         arrivals = _elsewhere(self._arm, self._motion, listed) if current and self._motion else ()
         words = [*arrivals, straight, *(_of_poses(note, listed) for note in said), self._usual]
-        note = ("; ".join(filter(None, words)) if current else STALE) if ours else ""
+        sentences = " ".join(f"{text[0].upper()}{text[1:]}." for text in words if text)
+        note = (sentences if current else STALE) if ours else ""
         told = {"type": "program", "poses": poses, "planned": current, "note": note}
         return {**told, **asked._asdict(), "kind": asked.kind or None}
 
@@ -153,7 +154,7 @@ class Program(Part):
         if asked.corner < 0.0 or asked.linear_speed < 0.0:
             raise InputError("the radius of corners and the tool's speed must be 0 or more")
         if show.scene is None and any(pose.by in FREE for pose in poses[1:]):
-            raise InputError("to go round obstacles, switch the layer Collision on first")
+            raise InputError("to go round obstacles, turn on the layer Collision first")
         scene = copy(show.scene)  # obstacles may move meanwhile
         work = partial(_planned, show.arm, poses, asked, self.limits, show.tolerances, scene)
         return Job("plan", "planning the motion", work, partial(self._finish, show, asked, self._cause(show)))
@@ -233,7 +234,7 @@ def _elsewhere(arm: Arm, motion: Trajectory, poses: Sequence[RecordedPose]) -> I
         j = int(np.abs(theta - pose.theta).argmax())
         if abs(off := float(theta[j] - pose.theta[j])) > LONGEST_JUMP:
             by = value_in_words(off, arm.units[j])
-            yield f"'{pose.name}' is met in another configuration than the recorded one: {arm.joint_names[j]} by {by}"
+            yield f"'{pose.name}' is reached in another configuration: {arm.joint_names[j]} differs by {by}"
 
 
 def _of_poses(note: str, poses: Sequence[RecordedPose]) -> str:

@@ -184,10 +184,8 @@ class Show:
     def require_free(self) -> None:
         """Raise InputError while a servo drives the arm."""
         if self.driven:
-            end = "Drive in the Jog panel is switched off" if self.drive["on"] else "it has ended"
-            raise InputError(
-                f"a servo drives {self.arm.name}: sliders, poses and trajectories are free again once {end}"
-            )
+            remedy = "turn off Drive in the Jog panel first" if self.drive["on"] else "end it first"
+            raise InputError(f"a servo drives {self.arm.name}: {remedy}")
 
 
 def _rates(at: Playback, time: float, running: bool, theta: Array) -> list[float] | None:

@@ -160,7 +160,7 @@ class Solutions(Part):
     def _step(self, show: Show, now: float, place: int, ease: bool) -> None:
         """Choose a configuration. The arm goes there if it is inside the limits; otherwise its ghost shows."""
         if self._choices is None or place >= len(self._choices.theta):
-            raise InputError("these configurations were let go, because the arm was moved: ask for all of them again")
+            raise InputError("the arm has moved since: press All configurations again")
         assert self._where is not None
         inside = place < self._choices.inside
         show.go(self._choices.theta[place] if inside else self._where, ease, now)

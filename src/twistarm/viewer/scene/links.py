@@ -60,7 +60,7 @@ def lost_meshes(description: Description) -> tuple[str, ...]:
     """The meshes that were not found, in words."""
     visuals = [(link.name, visual) for link in description.links.values() for visual in link.visuals]
     lost = [name for name, visual in visuals if visual.shape == "mesh" and visual.mesh is None]
-    return (f"drawn as simple shapes, the mesh was not found: {listed(dict.fromkeys(lost))}",) if lost else ()
+    return (f"meshes not found, drawn as simple shapes: {listed(dict.fromkeys(lost))}",) if lost else ()
 
 
 def draw_meshes(description: Description, size: float, exact: bool, read: Read) -> Iterator[Drawn]:

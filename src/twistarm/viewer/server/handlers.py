@@ -86,7 +86,7 @@ def _page(stage: Stage, drawing: Drawing) -> Callable[[], str]:
 
 def _scene(stage: Stage, drawing: Drawing) -> Callable[[], str]:
     if stage.collisions.scene is None:
-        raise InputError("there is no scene yet: switch the layer Collision on first")
+        raise InputError("there is no scene yet: turn on the layer Collision first")
     return partial(scene_text, stage.collisions.scene.content(), Path.cwd())
 
 
