@@ -185,3 +185,10 @@ def test_active_limits_name_the_joint_whose_torque_limits(rover: Arm) -> None:
     found = active_limits(rover, motion, torques=True, payload=LOAD)
     assert any(limit.rate == "torque" and limit.owner == "joint" and limit.share > 0.99 for limit in found)
     assert max(limit.share for limit in found) < 1.0 + OVERRUN
+
+
+def test_a_grid_that_may_not_become_finer_keeps_the_efforts_too(rover: Arm, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("twistarm.planning.time_optimal.ROUNDS", 1)
+    points = rover.ready + np.array([[0, 0, 0, 0, 0], [0.1, -0.4, -0.5, 0.3, 1], [0.2, 0.3, 0.2, -0.3, 0]])
+    motion = plan_joint(rover, points, kind="time_optimal", torques=True, payload=LOAD)
+    assert 0.97 < used(rover, motion, LOAD) < 1.0 + OVERRUN

@@ -26,7 +26,7 @@ GAIN = 1e-3  # The grid is fine enough when a finer one shortens the motion by l
 UNUSED_PER_GAIN = 4.0  # The grid loses one in so many parts of the time that the limits leave unused.
 # Intervals are halved if their loss exceeds this share of the motion's time, divided among all of them.
 LOSS = 3e-3
-BETWEEN = 1e-4  # Intervals are halved if a torque exceeds its room by this share in their middle.
+BETWEEN = 3e-4  # Intervals are halved if a torque exceeds its room by this share in their middle.
 ROUNDS = 10  # How often intervals are halved at most.
 MAX_INTERVALS = 5000  # A grid of more intervals is not refined: a trajectory has a piece for each.
 LEAST_DEGREE = 2  # A straight line counts as a parabola: its curvature is a polynomial too.
@@ -38,9 +38,10 @@ def time_optimal(path: JointPath, bounds: PathBounds) -> TimeLaw:
     """The shortest law from rest to rest that keeps velocity, acceleration, motors, torques and ceiling.
 
     s̈ is constant on each interval of a grid, so s is a parabola on each. No limit is exceeded between the grid's
-    points either, torques to 0.01 %. Intervals are halved until the gain is below 0.1 %, or there are 5,000. Where p'
-    = 0, curvature alone limits the acceleration. Where the path does not move, nothing does. Jerk is not limited. A
-    path that stays where it is takes no time. Raises InputError for a motion of less than 1e-9 s or more than 1e9 s.
+    points either, a torque by 0.1 % at most. Intervals are halved until the gain is below 0.1 %, or there are 5,000.
+    Where p' = 0, curvature alone limits the acceleration. Where the path does not move, nothing does. Jerk is not
+    limited. A path that stays where it is takes no time. Raises InputError for a motion of less than 1e-9 s or more
+    than 1e9 s.
     """
     if not path.moves:
         return TimeLaw.at_once()
@@ -48,22 +49,24 @@ def time_optimal(path: JointPath, bounds: PathBounds) -> TimeLaw:
         return along_line(path, bounds)
     limited, grid, shortest = LimitedPath.of(path, bounds), first_grid(path.breakpoints), np.inf
     rows = GridRows(path, bounds.torques)
-    for _ in range(ROUNDS):
+    for rounds_left in reversed(range(ROUNDS)):
         profile = path_velocity(limited, grid, rows.at(grid))
-        between = rows.between(grid, profile.x)
         durations = durations_of(grid, profile.x)
         duration = float(durations.sum())
         endless = np.isinf(durations)
         # Where both speeds are zero, or an interval is tiny, no limit has a share; an endless interval is halved.
         loss = np.where(endless, 0.0, durations) * (1.0 - np.fmax(np.fmin(profile.share, 1.0), 0.0))
-        coarse = endless | (loss > LOSS * duration / len(loss)) | (between > 1.0 + BETWEEN)
+        if bounds.torques is not None:
+            endless |= rows.between(grid, profile.x) > 1.0 + BETWEEN
         fine = loss.sum() < UNUSED_PER_GAIN * GAIN * duration or duration > shortest * (1.0 - GAIN)
-        fine = fine and not (between > 1.0 + BETWEEN).any()
-        if not endless.any() and (fine or not coarse.any() or len(coarse) > MAX_INTERVALS):
+        coarse = endless | (loss > LOSS * duration / len(loss))
+        if not rounds_left or (not endless.any() and (fine or not coarse.any() or len(coarse) > MAX_INTERVALS)):
             break
         shortest = duration
         grid = np.sort(np.concatenate([grid, (0.5 * (grid[:-1] + grid[1:]))[coarse]]))
-    return law_of(grid, profile.x / max(1.0, float(between.max())))
+    if bounds.torques is not None:
+        return law_of(grid, profile.x / max(1.0, float(rows.between(grid, profile.x).max())))
+    return law_of(grid, profile.x)
 
 
 def first_grid(breakpoints: Array) -> Array:

@@ -169,8 +169,6 @@ class GridRows:
 
     def between(self, grid: Array, x: Array) -> Array:
         """The largest a s̈ + b ṡ² (N,) in the middle of each interval, for x = ṡ² (N + 1,) on a grid (N + 1,)."""
-        if self._rows is None:
-            return np.zeros(len(x) - 1)
         a, b = self.at(0.5 * (grid[:-1] + grid[1:]))
         s_ddot, middle = 0.5 * np.diff(x) / np.diff(grid), 0.5 * (x[:-1] + x[1:])
         largest: Array = (a * s_ddot[:, None] + b * middle[:, None]).max(axis=1)

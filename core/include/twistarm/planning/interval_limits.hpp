@@ -92,11 +92,7 @@ public:
         const T cap = T(1) / (path_.ceiling[piece_] * path_.ceiling[piece_]);
         add(cap, T(0));
         add(T(0), cap);
-        for (int r = 0; r < more_.rows; ++r) {
-            const int from = i * more_.rows + r, to = from + more_.rows;
-            add(more_.b[from] - more_.a[from] * per_2h, more_.a[from] * per_2h);
-            add(-more_.a[to] * per_2h, more_.b[to] + more_.a[to] * per_2h);
-        }
+        if (more_.rows > 0) add_second_order(i, per_2h);
         return {a_, b_, count_};
     }
 
@@ -123,6 +119,13 @@ public:
     }
 
 private:
+    void add_second_order(int i, T per_2h) {
+        for (int end = 0; end < 2; ++end) {
+            const T *a = more_.a + (i + end) * more_.rows, *b = more_.b + (i + end) * more_.rows;
+            for (int r = 0; r < more_.rows; ++r) add((end ? T(0) : b[r]) - a[r] * per_2h, (end ? b[r] : T(0)) + a[r] * per_2h);
+        }
+    }
+
     void add(T a, T b) {
         a_[count_] = a;
         b_[count_++] = b;

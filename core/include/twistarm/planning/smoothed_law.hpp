@@ -110,16 +110,7 @@ public:
             for (int order = 0; order < 3; ++order)
                 worst[order] = greatest(worst[order], absolute(rates[order]) * per_limit_[order][r]);
         }
-        while (interval_ < law_.count - 1 && law_.grid[interval_ + 1] <= s[0]) ++interval_;
-        while (interval_ > 0 && law_.grid[interval_] > s[0]) --interval_;
-        const T* const here = law_.grid + interval_;
-        const T u = (s[0] - here[0]) / (here[1] - here[0]);
-        for (int r = 0; r < more_.rows; ++r) {
-            const int from = interval_ * more_.rows + r, to = from + more_.rows;
-            const T a = more_.a[from] + u * (more_.a[to] - more_.a[from]);
-            const T b = more_.b[from] + u * (more_.b[to] - more_.b[from]);
-            worst[1] = greatest(worst[1], a * s[2] + b * v * v);
-        }
+        if (more_.rows > 0) worst[1] = greatest(worst[1], most_of_rows(s));
         for (int order = 0; order < 3; ++order) {
             T& most = shares_[order * path_.pieces + piece_];
             most = greatest(most, worst[order]);
@@ -128,6 +119,22 @@ public:
     }
 
 private:
+    /// The greatest a s̈ + b ṡ² of the rows at s.
+    T most_of_rows(const T s[4]) {
+        while (interval_ < law_.count - 1 && law_.grid[interval_ + 1] <= s[0]) ++interval_;
+        while (interval_ > 0 && law_.grid[interval_] > s[0]) --interval_;
+        const T* const here = law_.grid + interval_;
+        const T u = (s[0] - here[0]) / (here[1] - here[0]);
+        T most = T(0);
+        for (int r = 0; r < more_.rows; ++r) {
+            const int from = interval_ * more_.rows + r, to = from + more_.rows;
+            const T a = more_.a[from] + u * (more_.a[to] - more_.a[from]);
+            const T b = more_.b[from] + u * (more_.b[to] - more_.b[from]);
+            most = greatest(most, a * s[2] + b * s[1] * s[1]);
+        }
+        return most;
+    }
+
     static constexpr int R = most_path_rows;
     const limited_path<T>& path_;
     const grid_law<T>& law_;
