@@ -1,4 +1,4 @@
-"""The cross-check: product of exponentials, Pinocchio, yourdfpy, MuJoCo and finite differences."""
+"""The cross-check: product of exponentials, compiled core, Pinocchio, yourdfpy and finite differences."""
 
 from __future__ import annotations
 
@@ -105,8 +105,8 @@ def crosscheck(
     Further comparisons are J^s = Ad(g) J^b, J^b against fourth-order central differences of Pinocchio's pose, and every
     link's pose by our walk against Pinocchio. Pinocchio and yourdfpy also read the unrepaired text of the file, or
     xacro's output without our changes. Both give every link's pose; Pinocchio gives the position limits too. Of an MJCF
-    they read the URDF that stands for it: MuJoCo itself has compiled the file. Masses are not compared. A quantity
-    that an engine lacks is "not compared", with the reason.
+    they read the URDF that MuJoCo's compilation gave. Masses are not compared. A quantity that an engine lacks is "not
+    compared", with the reason.
 
     Errors are absolute, in metres and radians (entries of R). The tolerance is `POSE_TOL`, times the arm's size beyond
     1 m, and larger for the unrepaired text.

@@ -28,7 +28,7 @@ CODES: dict[str, Code] = {
     "mjcf-unusable": Code("error", "an element of an MJCF, or a file that it includes, cannot be understood"),
     "mjcf-scenery-left-out": Code("info", "an MJCF has things that no URDF has; the kinematics do not need them"),
     "mjcf-part-not-read": Code("warning", "an MJCF has parts that twistarm does not read; the arm may need them"),
-    "mjcf-loop-open": Code("warning", "a constraint of an MJCF is not kept, because no mimic joint can stand for it"),
+    "mjcf-loop-open": Code("warning", "a constraint of an MJCF is not kept, because no mimic joint can express it"),
     "mjcf-gravity": Code("info", "an MJCF has another gravity than straight down, which no URDF can say"),
     # the tree
     "name-unusable": Code("error", "a name of a link or joint is missing, used twice, or too long"),
@@ -62,7 +62,7 @@ CODES: dict[str, Code] = {
     "companion-not-used": Code("info", "an SRDF or a file of limits is not used: several fit, or it gives too little"),
     # packages and xacro
     "package-not-found": Code("warning", "a package was not found, but nothing the kinematics needs uses it"),
-    "package-without-manifest": Code("info", "a folder is taken for a package by its name; it has no package.xml"),
+    "package-without-manifest": Code("info", "a folder counts as a package by its name; it has no package.xml"),
     "package-left-out": Code(
         "info", "a part of the description is left out with the package that the caller does without"
     ),
@@ -73,10 +73,10 @@ CODES: dict[str, Code] = {
     "xacro-expression-refused": Code("error", "an expression does more than compute"),
     "file-outside-packages": Code("error", "an include or a YAML load may reach outside the packages"),
     # shapes and masses
-    "collision-shapes": Code("info", "the shapes that stand for the links in collision checks"),
+    "collision-shapes": Code("info", "the shapes of the links in collision checks"),
     "links-collide": Code("warning", "links collide at the ready pose or nearly always; no SRDF exempts them"),
     "mesh-missing": Code("warning", "mesh files were not found; simple shapes are drawn instead"),
-    "mesh-unreadable": Code("warning", "a mesh file is damaged or a Git LFS pointer; other shapes stand for it"),
+    "mesh-unreadable": Code("warning", "a mesh file is damaged or a Git LFS pointer; other shapes replace it"),
     "mesh-open": Code("warning", "the triangles of a mesh are not closed; a body inside it counts as free"),
     "scene-names": Code("warning", "a planning scene has names that are not there, or entries that are not used"),
     "bad-geometry": Code("warning", "a shape has no usable size, place or colour"),
@@ -85,7 +85,7 @@ CODES: dict[str, Code] = {
     "inertia-implausible": Code("warning", "no link has such a mass, centre or inertia; its unit may be another"),
     # what the doctor sees beyond the reading
     "unit-doubtful": Code("warning", "angles look like degrees, or lengths, meshes or velocities like other units"),
-    "zero-outside-limits": Code("info", "the arm cannot stand at zero, where many programs start"),
+    "zero-outside-limits": Code("info", "zero, where many programs start, is outside the arm's limits"),
     "home-singular": Code("info", "at zero, or at home, the tool cannot move in every direction that the arm has"),
     "ready-singular": Code("warning", "at the ready pose, where searches start, the tool hardly moves some way"),
     "cannot-move": Code("info", "directions in which no joint ever moves the tool"),

@@ -104,7 +104,7 @@ Against = Annotated[str | None, option("FILE", "Report differences from a golden
 
 
 def check(source: ArmArgument, out: Json, samples: Samples = 1000, against: Against = None) -> int:
-    """Compare product of exponentials, Pinocchio, yourdfpy and MuJoCo; --against lists changes."""
+    """Compare product of exponentials, Pinocchio and yourdfpy; --against lists changes."""
     arm = source.load()
     difference = None if against is None else compare(arm, against)
     with progress_bar("cross-check") as progress:

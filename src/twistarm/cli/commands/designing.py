@@ -30,7 +30,7 @@ from ..tables import Column, Table, joint_columns, number, quantity_text, theta_
 from .arms import joints_table
 from .motion import MOTION_KINDS, MaxTime, Step, Unwrap, motion_of_file, motion_texts
 
-Motion = Annotated[Path | None, option("FILE", "Along a motion: *.csv, *.json, *.yaml or *.toml.")]
+Motion = Annotated[Path | None, option("FILE", "Along a motion: *.csv, *.json, *.yaml, *.mcap or *.toml.")]
 PanelOption = Annotated[Path | None, option("FILE", "Which share of a panel.toml each arm does.")]
 Mass = Annotated[float, quantity("kg", "Show what each joint and motor needs for this payload.", zero=True)]
 

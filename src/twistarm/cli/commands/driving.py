@@ -223,9 +223,7 @@ def _loop(arm: Arm, report: stream.StreamReport) -> dict[str, Any]:
     return {"arm": arm, **vars(report), "ok": report.ok}
 
 
-Motion = Annotated[
-    Path, argument("MOTION", "A *.csv, *.json, *.yaml or *.mcap of `twistarm plan -o`, or a motion.toml to plan.")
-]
+Motion = Annotated[Path, argument("MOTION", "A motion in *.csv, *.json, *.yaml or *.mcap, or a motion.toml to plan.")]
 Approach = Annotated[
     bool, switch("Where the arm is elsewhere, move to the start first, straight in joint space.", "--approach")
 ]
