@@ -45,7 +45,7 @@ class Bench:
         self.viewer.show(theta)
         until(self.page, "!document.getElementById('drive').checked && !document.getElementById('drive').disabled")
         self.page.get_by_role("switch", name="Drive").click()
-        until(self.page, "twistarm.jog.taken && document.getElementById('drive').checked")
+        until(self.page, "twistarm.jog.accepts && document.getElementById('drive').checked")
         self.page.get_by_role("radio", name="base").click()
         return self.page
 
@@ -175,7 +175,7 @@ def test_what_happens_where_the_arm_cannot_follow_is_chosen_there(benches: Bench
     until(page, "document.querySelector('#jog-unreachable [value=stop]').checked")
     assert bench.viewer._server.commands.on_unreachable == "stop"
     page.get_by_role("switch", name="Drive").click()
-    until(page, "!twistarm.jog.taken && !document.getElementById('drive').checked")
+    until(page, "!twistarm.jog.accepts && !document.getElementById('drive').checked")
     bench.viewer.show_servo(ServoOutput.stale(np.zeros(bench.arm.n), "by hand"))  # a servo with a will of its own
     until(page, "document.querySelector('#jog-unreachable [value=stop]').disabled")
     bench.viewer.servo_settings()

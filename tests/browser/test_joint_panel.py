@@ -227,7 +227,7 @@ def test_limits_are_told_in_words_and_by_a_colour_one_can_read(page: Any, viewer
         assert rows[name].get_attribute("title") == words
         for control in (rows[name].get_by_role("slider"), rows[name].get_by_role("spinbutton")):
             assert control.get_attribute("aria-valuetext") == words
-    assert [rows[name].locator(".standing").inner_text() for name in ("shoulder", "elbow", "slide")] == [
+    assert [rows[name].locator(".near-limit").inner_text() for name in ("shoulder", "elbow", "slide")] == [
         "▸ near upper",
         "▲ outside lower",
         "",
@@ -269,7 +269,7 @@ def test_theta_is_copied_as_a_python_list(page: Any, viewer: Viewer) -> None:
 def test_under_a_servo_the_arm_s_boxes_are_shut(page: Any, viewer: Viewer) -> None:
     type_into(page, "shoulder", "33")
     inbox = viewer.commands
-    until(page, "twistarm.jog.taken && document.querySelector('.joint .number').disabled")
+    until(page, "twistarm.jog.accepts && document.querySelector('.joint .number').disabled")
     for control in (box(page, "shoulder"), page.get_by_role("button", name="random")):
         assert control.is_disabled()
     assert box(page, "shoulder").input_value() == "11.5"

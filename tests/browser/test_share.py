@@ -186,7 +186,7 @@ def test_a_picture_has_the_size_asked_for_and_shows_what_is_seen(page: Any, tmp_
         page.get_by_label("Height of the picture").fill("9000")
         button.click()
         wrong = "the height is a whole number of pixels, 16 … 8192; got 9000"
-        until(page, f"document.querySelector('#share-said').textContent === '{wrong}'")
+        until(page, f"document.querySelector('#share-note').textContent === '{wrong}'")
         page.reload()
         until(page, "globalThis.twistarm?.state.fitted")
         assert page.get_by_label("Width of the picture").input_value() == "200", "as it was last made"
@@ -220,7 +220,7 @@ def test_a_local_notebook_frames_the_live_page_and_the_static_one(page: Any, tmp
 
 
 CANCELLED = """(() => {
-  const [film, said] = ["save-film", "share-said"].map((id) => document.getElementById(id));
+  const [film, said] = ["save-film", "share-note"].map((id) => document.getElementById(id));
   return film.textContent === "Cancel" && said.textContent.startsWith("recording: ") && (film.click(), true);
 })()"""
 """The film is cancelled at once, for it may soon be done."""
@@ -276,19 +276,19 @@ def test_the_page_films_its_motion(page: Any, other: Any, tmp_path: Path) -> Non
         page.get_by_label("Width of the picture").fill("192")
         page.get_by_label("Height of the picture").fill("108")
         camera = page.evaluate("twistarm.view.viewer.camera.zoom")
-        said = page.locator("#share-said")
+        said = page.locator("#share-note")
         film.click()
         until(page, CANCELLED)
-        until(page, "document.getElementById('share-said').textContent.startsWith('Cancelled')")
+        until(page, "document.getElementById('share-note').textContent.startsWith('Cancelled')")
         draw(page)
         assert_shows(other, saved(page, tmp_path, film.click).read_bytes(), motion, (192, 108))
-        until(page, "document.getElementById('share-said').textContent === 'Saved: rover_arm.webm'")
+        until(page, "document.getElementById('share-note').textContent === 'Saved: rover_arm.webm'")
         assert viewer.theta == pytest.approx(motion(motion.duration), abs=1e-9)
         assert page.evaluate("twistarm.view.viewer.camera.zoom") == camera
         page.evaluate("delete globalThis.VideoEncoder")
         viewer.show(arm.ready)
         until(page, f"twistarm.state.frame.theta[1] === {arm.ready[1]}")
         film.click()
-        until(page, "document.getElementById('share-said').classList.contains('wrong')")
+        until(page, "document.getElementById('share-note').classList.contains('wrong')")
         assert said.inner_text().startswith("this browser records no WebM of 192 × 108 pixels here")
         assert viewer.theta == pytest.approx(arm.ready, abs=1e-9), "it has not moved for nothing"

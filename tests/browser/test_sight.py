@@ -206,7 +206,7 @@ ASK = """([position, xyzw]) => twistarm.parts.target.solve({
 
 GHOST = """() => {
   const { ghost, target } = twistarm.parts;
-  return [target.told.ghost, ghost.arm.parts.length, ghost.frame.children.length, ghost.frame.position.toArray()];
+  return [target.reported.ghost, ghost.arm.parts.length, ghost.frame.children.length, ghost.frame.position.toArray()];
 }"""
 
 

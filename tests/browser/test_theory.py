@@ -78,7 +78,7 @@ def page(open_page: Opened, viewer: Viewer) -> Iterator[Any]:
 
 def show_theory(page: Any) -> None:
     page.get_by_role("tab", name="Theory").click()
-    until(page, "document.getElementById('theory-standing')?.textContent")
+    until(page, "document.getElementById('theory-rank')?.textContent")
 
 
 def switch(page: Any, *names: str, on: bool = True) -> None:
@@ -395,7 +395,7 @@ def test_singular_and_nearly_singular_postures(bench: tuple[Any, Show]) -> None:
 
     def words(arm: Arm, theta: Any) -> str:
         show(arm, theta)
-        return str(page.locator("#theory-standing").inner_text())
+        return str(page.locator("#theory-rank").inner_text())
 
     arm = elbow()
     lost = words(arm, [0.7, 0.0, 0.0])  # stretched along the tool's x

@@ -123,8 +123,8 @@ def _joined(objects: Sequence[bytes]) -> bytes:
     def numbered(found: re.Match[bytes]) -> bytes:
         return numbers.setdefault(found[0], b"00000000-0000-0000-0000-%012x" % len(numbers))
 
-    plain = [re.sub(RANDOM_NAME, numbered, each) for each in objects if each]
-    return b"".join(len(each).to_bytes(4, "big") + each for each in plain)
+    plain = [re.sub(RANDOM_NAME, numbered, drawn) for drawn in objects if drawn]
+    return b"".join(len(part).to_bytes(4, "big") + part for part in plain)
 
 
 def _packed(data: bytes, zipped: bool = True) -> str:

@@ -36,9 +36,9 @@ export class Beside {
 
   // `beside`: arm, kinematics, theta and others of the second, or null. After a reconnection it stays as it stood.
   hello({ arm, beside }) {
-    const told = JSON.stringify([arm, beside]);
-    if (told === this.told) return;
-    this.told = told;
+    const reported = JSON.stringify([arm, beside]);
+    if (reported === this.reported) return;
+    this.reported = reported;
     this.core = null;
     this.rows.clear();
     $("beside").hidden = beside === null;
@@ -51,7 +51,7 @@ export class Beside {
     this.values = { ...beside.others };
     this.names.forEach((name, i) => { this.values[name] = beside.theta[i]; });
     const joints = [...beside.arm.joints, ...beside.arm.others.map((joint) => ({ ...joint, beside: true }))];
-    this.shared = new Map(joints.filter(({ name, unit }) => theirs.some((each) => each.name === name && each.unit === unit)).map((joint) => [joint.name, joint]));
+    this.shared = new Map(joints.filter(({ name, unit }) => theirs.some((other) => other.name === name && other.unit === unit)).map((joint) => [joint.name, joint]));
     for (const joint of joints) {
       this.rows.set(joint.name, new JointRow(joint, {
         send: (value) => this.move(joint, value),

@@ -29,7 +29,7 @@ export class Collision {
     this.messages = {
       shapes: ({ bodies }) => this.draw("shapes", "/collision", bodies),
       obstacles: ({ obstacles }) => this.draw("obstacles", "/obstacles", obstacles),
-      collision: (message) => this.tell(message),
+      collision: (message) => this.report(message),
     };
     this.view.onDrawn.push(() => this.paint()); // what is drawn anew
     $("show-collision").addEventListener("change", ({ target }) => page.layers.show({ collision: target.checked }));
@@ -38,9 +38,9 @@ export class Collision {
   hello({ links }) {
     this.links = links;
     const bare = Object.keys(links).length === 0; // an arm without shapes
-    for (const each of [$("show-collision").parentElement, $("tab-scene")]) each.hidden = bare;
+    for (const control of [$("show-collision").parentElement, $("tab-scene")]) control.hidden = bare;
     this.view.node("/collision").add(this.nearest);
-    this.tell({ links: [], words: [], nearest: null });
+    this.report({ links: [], words: [], nearest: null });
   }
 
   layered({ collision }) {
@@ -73,7 +73,7 @@ export class Collision {
     this.view.viewer.set_dirty();
   }
 
-  tell({ links, words, nearest }) {
+  report({ links, words, nearest }) {
     const same = links.length === this.hit.size && links.every((name) => this.hit.has(name));
     this.hit = new Set(links);
     if (!same) this.paint();
@@ -141,11 +141,11 @@ export function hang(view, bodies, layer) {
 }
 
 export function stand(bodies, frame) {
-  for (const body of bodies) body.mesh.matrix.copy(standing(body, frame));
+  for (const body of bodies) body.mesh.matrix.copy(matrixOf(body, frame));
 }
 
 // The matrix of a body in the arm's base frame.
-export function standing({ node, matrix }, frame) {
+export function matrixOf({ node, matrix }, frame) {
   const carrier = frame?.transforms[node];
   const own = new THREE.Matrix4().fromArray(matrix);
   return carrier ? own.premultiply(new THREE.Matrix4().fromArray(carrier)) : own;

@@ -1,7 +1,7 @@
 // The program's own controls: sliders, buttons and lines of text, in a section that is absent without any.
 
 import { $, button, element } from "./element.js";
-import { tell } from "./words.js";
+import { report } from "./words.js";
 
 const FINE = 3; // decimals of a slider from 0 to 1
 
@@ -69,7 +69,7 @@ export class Controls {
   write() {
     this.latest.forEach(({ name, value, error }, i) => {
       if (name !== this.held) this.rows[i].show(value);
-      tell(this.rows[i].wrong, error);
+      report(this.rows[i].wrong, error);
     });
   }
 

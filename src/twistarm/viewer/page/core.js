@@ -52,8 +52,8 @@ export class Core {
     const coordinates = Array.from({ length: this.n + this.arm.others.length }, (_, i) => i);
     const row = (terms) => coordinates.map((i) => terms.find(([place]) => place === i)?.[1] ?? 0);
     const moving = joints.flatMap(({ parent, screw, terms }) => [parent ?? -1, ...screw, ...row(terms)]);
-    const standing = this.nodes.flatMap((path) => [nodes[path].joint ?? -1, ...nodes[path].rest]);
-    return [coordinates.length, base ?? -1, joints.length, this.nodes.length, ...moving, ...standing];
+    const fixed = this.nodes.flatMap((path) => [nodes[path].joint ?? -1, ...nodes[path].rest]);
+    return [coordinates.length, base ?? -1, joints.length, this.nodes.length, ...moving, ...fixed];
   }
 
   // Where each node stands, {path: sixteen numbers by columns}, and the tool. `others`: {name: value} beside the chain.

@@ -22,7 +22,7 @@ export class Drawings {
     const { viewer } = this.view;
     dispose(this.view.node(node));
     viewer.delete_path(this.view.split(node));
-    for (const each of objects) viewer.handle_command_bytearray(bytes(each));
+    for (const object of objects) viewer.handle_command_bytearray(bytes(object));
     this.texts.delete(node);
     if (text) this.texts.set(node, { layer: "drawn", node: "/drawn", at: new THREE.Vector3(...text.at), text: element("span", "", text.words) });
     this.pins.show([...this.texts.values()]);

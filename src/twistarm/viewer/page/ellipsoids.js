@@ -37,10 +37,10 @@ export class Ellipsoid {
     const [x, y, z] = along.map((axis, k) => axis.clone().multiplyScalar(long[k]));
     this.body.matrix.makeBasis(x, y, z);
     const thin = 0.0022 * this.size;
-    this.rods.forEach((each, k) => {
+    this.rods.forEach((axis, k) => {
       const scaled = [1, 2, 0].map((step) => along[(k + step) % 3].clone());
-      each.visible = semiAxes[k] * scale > FLAT * this.size;
-      each.matrix.makeBasis(scaled[0].multiplyScalar(thin), scaled[2].multiplyScalar(2 * long[k]), scaled[1].multiplyScalar(thin));
+      axis.visible = semiAxes[k] * scale > FLAT * this.size;
+      axis.matrix.makeBasis(scaled[0].multiplyScalar(thin), scaled[2].multiplyScalar(2 * long[k]), scaled[1].multiplyScalar(thin));
     });
   }
 

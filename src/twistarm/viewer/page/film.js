@@ -9,7 +9,7 @@ const WAITING = 4; // frames that may wait for the encoder
 
 // A WebM of `duration` s. `act` holds begin(), show(time), which brings a moment into view, tell(share), which hears of
 // the progress, and stopped(), which ends it without a film.
-export async function film(view, { width, height, rate, duration }, { begin, show, tell, stopped }) {
+export async function film(view, { width, height, rate, duration }, { begin, show, report, stopped }) {
   const count = Math.max(2, Math.ceil(duration * rate - 1e-9));
   const config = { codec: "vp8", width, height, framerate: count / duration, bitrate: Math.ceil(BITS * width * height * rate) };
   const able = globalThis.VideoEncoder && (await VideoEncoder.isConfigSupported(config)).supported;
@@ -34,7 +34,7 @@ export async function film(view, { width, height, rate, duration }, { begin, sho
     encoder.encode(frame, { keyFrame: time >= key });
     frame.close();
     if (time >= key) key += ALONE;
-    tell((i + 1) / count);
+    report((i + 1) / count);
     do await pause(); while (encoder.encodeQueueSize > WAITING);
   }
   if (!wrong) await encoder.flush();

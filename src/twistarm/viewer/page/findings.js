@@ -1,7 +1,7 @@
 // The doctor's findings, gravest first; the chosen one is pointed at in the view.
 
 import { $, element } from "./element.js";
-import { tell } from "./words.js";
+import { report } from "./words.js";
 
 const TAKEN = "several-tips"; // the finding that says which link was taken as the tool, where nobody said
 const SEVERITIES = { error: ["error", "errors"], warning: ["warning", "warnings"], info: ["info", "info"] }; // one, several
@@ -12,7 +12,7 @@ export class Findings {
     this.point = point;
     this.chosen = null; // a finding's key
     this.buttons = new Map();
-    $("tip-taken").addEventListener("click", () => this.explain());
+    $("tip-reason").addEventListener("click", () => this.explain());
     addEventListener("keydown", ({ key }) => {
       if (key === "Escape") this.choose(null);
     });
@@ -23,11 +23,11 @@ export class Findings {
     this.buttons.clear();
     $("findings").hidden = findings.length === 0 && note === "";
     $("findings-count").replaceChildren(...counted(counts));
-    tell($("findings-note"), note);
+    report($("findings-note"), note);
     $("findings-list").replaceChildren(...findings.map((finding) => this.item(finding)));
-    this.taken = findings.find(({ code }) => code === TAKEN);
-    $("tip-taken").hidden = !this.taken;
-    $("tip-taken").title = this.taken?.what ?? "";
+    this.tipFinding = findings.find(({ code }) => code === TAKEN);
+    $("tip-reason").hidden = !this.tipFinding;
+    $("tip-reason").title = this.tipFinding?.what ?? "";
     if (this.buttons.has(this.chosen)) this.mark();
     else this.choose(null);
   }
@@ -55,9 +55,9 @@ export class Findings {
 
   // Why this link is the tool, and which others could be meant.
   explain() {
-    const key = JSON.stringify(this.taken);
+    const key = JSON.stringify(this.tipFinding);
     $("findings").open = true;
-    this.choose(key, this.taken);
+    this.choose(key, this.tipFinding);
     this.buttons.get(key).scrollIntoView({ block: "nearest" });
   }
 

@@ -55,7 +55,7 @@ export class Floor {
     const right = new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, 0).transformDirection(scene.matrixWorld.clone().invert());
     const axis = Math.abs(right.x) > Math.abs(right.y) ? "x" : "y";
     const stretched = (length) => {
-      const start = new THREE.Vector3(...["x", "y"].map((each) => length * Math.round(found[each] / length)), group.position.z);
+      const start = new THREE.Vector3(...["x", "y"].map((side) => length * Math.round(found[side] / length)), group.position.z);
       const end = start.clone();
       end[axis] += length;
       middle.addVectors(start, end).multiplyScalar(0.5);
@@ -75,8 +75,8 @@ export class Floor {
 // The nearest of 1, 2 and 5 times a power of ten.
 function nice(length) {
   const ten = 10 ** Math.floor(Math.log10(length));
-  const off = (each) => Math.abs(Math.log((each * ten) / length));
-  return Number((ten * [1, 2, 5, 10].reduce((best, each) => (off(each) < off(best) ? each : best))).toPrecision(1));
+  const off = (step) => Math.abs(Math.log((step * ten) / length));
+  return Number((ten * [1, 2, 5, 10].reduce((best, step) => (off(step) < off(best) ? step : best))).toPrecision(1));
 }
 
 // Lines every `cell` metres that fade away towards `reach`.

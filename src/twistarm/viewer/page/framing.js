@@ -28,8 +28,8 @@ function own({ geometry, matrixWorld }) {
 export function covered(pane) {
   const { top, bottom, height } = pane.getBoundingClientRect();
   const shares = { top: 0, bottom: 0 };
-  for (const each of $$(OVER)) {
-    const over = each.getBoundingClientRect();
+  for (const cover of $$(OVER)) {
+    const over = cover.getBoundingClientRect();
     if (over.height === 0) continue;
     const [side, depth] = over.top + over.bottom < top + bottom ? ["top", over.bottom - top] : ["bottom", bottom - over.top];
     shares[side] = Math.min(MOST, Math.max(shares[side], depth / height));
@@ -40,7 +40,7 @@ export function covered(pane) {
 // The boxes of what stands over the pane besides, in its pixels: no text is put there.
 export function occupied(pane) {
   const { left, top } = pane.getBoundingClientRect();
-  const boxes = $$(BESIDE).filter((each) => each.getClientRects().length > 0).map((each) => [each.getBoundingClientRect(), each.id === "cube" ? CUBE : 0]);
+  const boxes = $$(BESIDE).filter((box) => box.getClientRects().length > 0).map((box) => [box.getBoundingClientRect(), box.id === "cube" ? CUBE : 0]);
   return boxes.map(([box, grow]) => ({
     left: box.left - left - grow, right: box.right - left + grow, top: box.top - top - grow, bottom: box.bottom - top + grow,
   }));

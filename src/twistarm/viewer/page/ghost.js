@@ -18,7 +18,7 @@ export class Ghost {
   constructor({ view, links, state }) {
     this.view = view;
     this.links = links;
-    /** @type {any} */ this.told = null;
+    /** @type {any} */ this.reported = null;
     /** @type {any} what is to be drawn with the next picture, once it is known how large */ this.next = null;
     this.frame = new THREE.Group();
     this.arm = new ArmCopy(view, "--warn", ARM);
@@ -30,18 +30,18 @@ export class Ghost {
       this.share();
     });
     view.viewer.scene.add(this.frame, this.arm.group);
-    view.onDrawn.push(() => (this.next = this.told)); // what the ghost is a copy of has changed
+    view.onDrawn.push(() => (this.next = this.reported)); // what the ghost is a copy of has changed
     this.messages = { target: (message) => this.show(message) };
   }
 
   hello() {
-    this.told = this.next = null;
+    this.reported = this.next = null;
     dispose(this.frame);
     this.arm.clear();
   }
 
   show(message) {
-    this.told = this.next = message;
+    this.reported = this.next = message;
     this.view.viewer.set_dirty();
   }
 

@@ -14,7 +14,7 @@ export class Gizmo {
     this.unit = 1;
     this.lit = null;
     this.motion = null;
-    this.standing = null;
+    this.painted = null;
     this.pose = { position: new THREE.Vector3(), quaternion: new THREE.Quaternion() };
     this.tool = this.pose;
     this.handles = makeHandles();
@@ -92,14 +92,14 @@ export class Gizmo {
     this.group.visible = on;
     if (other) this.view.reframe();
     this.tether.visible = on && met === false;
-    if (met !== this.standing) this.tell(met);
+    if (met !== this.painted) this.report(met);
     if (on) return;
     this.drop();
     this.light(null);
   }
 
-  tell(met) {
-    this.standing = met;
+  report(met) {
+    this.painted = met;
     this.tether.material.color.set(coloured("--warn"));
     this.free.paint(met === null ? null : coloured(met ? "--met" : "--warn"));
     this.lit?.light(true);

@@ -22,7 +22,7 @@ export class Jog {
     this.pushes = new Pushes();
     this.line = new JogLine(this);
     this.units = []; // of the joints
-    this.taken = false; // whether the process takes commands
+    this.accepts = false; // whether the process takes commands
     this.focused = document.hasFocus();
     this.frame = "base";
     this.step = 3; // of SHARES
@@ -51,12 +51,12 @@ export class Jog {
 
   // What the process says of its servo: whether it takes commands, status, joint, reason.
   show(servo) {
-    const begins = servo.jog && !this.taken;
-    this.taken = servo.jog;
+    const begins = servo.jog && !this.accepts;
+    this.accepts = servo.jog;
     this.line.hear(servo);
     if (!servo.jog) this.release();
     if (begins) this.poll();
-    this.tell();
+    this.report();
   }
 
   // The process is gone.
@@ -65,7 +65,7 @@ export class Jog {
   }
 
   get ready() {
-    return this.taken && this.focused && !document.hidden && !takesKeys(document.activeElement);
+    return this.accepts && this.focused && !document.hidden && !takesKeys(document.activeElement);
   }
 
   attend(focused) {
@@ -100,13 +100,13 @@ export class Jog {
   // Other axes: from here on what is held goes along these.
   take(frame) {
     this.frame = frame;
-    this.tell();
+    this.report();
   }
 
   // Faster by so many steps.
   pace(steps) {
     this.step = Math.min(Math.max(this.step + steps, 0), SHARES.length - 1);
-    this.tell();
+    this.report();
   }
 
   // A button of the page, held by a pointer or a key; see `Pushes`.
@@ -123,9 +123,9 @@ export class Jog {
 
   poll() {
     cancelAnimationFrame(this.next); // one that was left from before a reconnection
-    if (!this.taken) return;
+    if (!this.accepts) return;
     this.update();
-    this.tell();
+    this.report();
     this.next = requestAnimationFrame(() => this.poll());
   }
 
@@ -186,8 +186,8 @@ export class Jog {
     return { slowest: this.step === 0, fastest: this.step === SHARES.length - 1 };
   }
 
-  tell() {
-    this.line.tell();
+  report() {
+    this.line.report();
     this.changed();
   }
 }

@@ -12,14 +12,14 @@ export class JogLine {
   constructor(jog) {
     this.jog = jog;
     this.servo = null; // the process's last word on it
-    this.said = this.slowed = this.staled = this.partial = NaN; // ms: the last word, and since when what is amiss
+    this.spoken = this.slowed = this.staled = this.partial = NaN; // ms: the last word, and since when what is amiss
   }
 
   hear(servo) {
     this.servo = servo;
     this.judge(servo);
     $("jog").hidden = !servo.jog && this.heard() === "";
-    $("jog").classList.toggle("taken", servo.jog);
+    $("jog").classList.toggle("accepts", servo.jog);
   }
 
   judge({ status, share }) {
@@ -28,23 +28,23 @@ export class JogLine {
     if (share === null || share >= WHOLE) this.partial = NaN;
     else if (Number.isNaN(this.partial)) {
       this.partial = now;
-      setTimeout(() => this.tell(), STEADY);
+      setTimeout(() => this.report(), STEADY);
     }
   }
 
   // Whether this page itself let its last word grow old.
-  spoke(said) {
+  spoke(spoken) {
     const now = performance.now();
-    if (now - this.said > SLOW) this.slowed = now;
-    this.said = said;
+    if (now - this.spoken > SLOW) this.slowed = now;
+    this.spoken = spoken;
   }
 
-  tell() {
+  report() {
     if (!this.servo) return;
-    const { ready, taken, frame, gamepad } = this.jog;
+    const { ready, accepts, frame, gamepad } = this.jog;
     const words = [ready ? "Jog on" : "Jog off: click the view", `${frame} axes`, speedWords(this.jog.speeds()),
       gamepad.note()];
-    write($("jog-line"), taken ? words.filter(Boolean).join(" · ") : "Servo");
+    write($("jog-line"), accepts ? words.filter(Boolean).join(" · ") : "Servo");
     write($("jog-servo"), this.heard());
     $("jog-servo").dataset.status = this.servo.status ?? "";
     write($("jog-share"), this.done());

@@ -70,10 +70,10 @@ export class JogPad {
   }
 
   // Words and state: what the axes are called, what is held, whether it moves anything.
-  show({ frame, taken, pushes }) {
+  show({ frame, accepts, pushes }) {
     for (const button of [...this.tool, ...this.ofJoints]) {
-      button.disabled = !taken;
-      button.title = taken ? "" : "Turn on Drive first";
+      button.disabled = !accepts;
+      button.title = accepts ? "" : "Turn on Drive first";
       button.classList.toggle("held", pushes.has(button.push));
     }
     if (frame === this.frame) return;

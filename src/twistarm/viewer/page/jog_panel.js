@@ -3,7 +3,7 @@
 import { $, $$ } from "./element.js";
 import { speedWords } from "./jog_line.js";
 import { JogPad } from "./jog_pad.js";
-import { tell } from "./words.js";
+import { report } from "./words.js";
 
 const HINT = "Turn on Drive to move a simulated arm with buttons, keys or a gamepad.";
 const OTHERS = "A servo of your program drives the arm.";
@@ -63,7 +63,7 @@ export class JogPanel {
       radio.disabled = others && !this.free;
     }
     $("jog-limits").textContent = { slide: "slide along", stop: "stop" }[this.on_unreachable];
-    tell($("drive-note"), others ? OTHERS : this.on ? this.note : HINT);
+    report($("drive-note"), others ? OTHERS : this.on ? this.note : HINT);
   }
 
   show() {

@@ -18,7 +18,7 @@ export class JointRow {
     this.row = element("div", "joint");
     this.row.setAttribute("role", "group");
     this.row.setAttribute("aria-label", joint.name);
-    this.standing = element("span", "standing");
+    this.nearLimit = element("span", "near-limit");
     this.ends = element("span", "ends");
     this.slider = this.makeSlider();
     this.box = new NumberBox(joint, { ...act, send: (value) => this.move(value) });
@@ -31,7 +31,7 @@ export class JointRow {
     const head = element("div", "head");
     const called = element("span", "called");
     called.append(writeName(element("span", "name"), this.joint.name), element("span", "type", this.joint.type));
-    head.append(called, this.standing, this.ends);
+    head.append(called, this.nearLimit, this.ends);
     return head;
   }
 
@@ -63,14 +63,14 @@ export class JointRow {
 
   show(number) {
     const { unit } = this.joint;
-    const [state, side] = standing(this.joint, number);
+    const [state, side] = limitState(this.joint, number);
     const words = state ? `${shown(number, unit)}, ${state} its ${side} limit` : shown(number, unit);
     this.number = this.slider.value = number;
     this.slider.setAttribute("aria-valuetext", words);
     this.box.show(number, words);
     this.row.dataset.limit = state;
     this.row.title = state ? words : "";
-    this.standing.textContent = state ? `${state === "near" ? "▸" : "▲"} ${state} ${side}` : "";
+    this.nearLimit.textContent = state ? `${state === "near" ? "▸" : "▲"} ${state} ${side}` : "";
   }
 
   disable(disabled) {
@@ -80,7 +80,7 @@ export class JointRow {
 }
 
 // "near", "outside" or "", and of which limit. A joint beside the arm stands at its end as a rule: a closed gripper.
-function standing({ limits, unit, beside }, number) {
+function limitState({ limits, unit, beside }, number) {
   const [lower, upper] = [limits[0] ?? -Infinity, limits[1] ?? Infinity];
   const [left, side] = number - lower < upper - number ? [number - lower, "lower"] : [upper - number, "upper"];
   const range = upper - lower;

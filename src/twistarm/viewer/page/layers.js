@@ -14,9 +14,9 @@ export class Layers {
     this.looked = false; // at collisions, beside what the layers need
     this.needed = "";
     this.on = FIRST;
-    this.told = {}; // by the program: [on, how often it has switched it]
+    this.reported = {}; // by the program: [on, how often it has switched it]
     Object.assign(this, JSON.parse(kept(KEPT, { session: true }) ?? "{}"));
-    this.messages = { visible: ({ type, ...told }) => this.take(told) };
+    this.messages = { visible: ({ type, ...reported }) => this.take(reported) };
   }
 
   hello() {
@@ -25,15 +25,15 @@ export class Layers {
   }
 
   // What the program says anew.
-  take(told) {
-    const anew = Object.entries(told).filter(([layer, each]) => String(each) !== String(this.told[layer]));
-    this.told = told;
+  take(reported) {
+    const anew = Object.entries(reported).filter(([layer, visible]) => String(visible) !== String(this.reported[layer]));
+    this.reported = reported;
     this.show(Object.fromEntries(anew.map(([layer, [on]]) => [layer, on])));
   }
 
   show(changed) {
     this.on = { ...this.on, ...changed };
-    keep(KEPT, JSON.stringify({ on: this.on, told: this.told }), { session: true });
+    keep(KEPT, JSON.stringify({ on: this.on, reported: this.reported }), { session: true });
     for (const layer of DRAWN) this.view.setVisible(layer, Boolean(this.on[layer]));
     this.act.shown(this.on);
     this.ask();

@@ -78,7 +78,7 @@ export class Link {
 
   // At once, ahead of whatever waits and without waiting for what is under way; what it calls off is not sent any more.
   interrupt(request, ...calledOff) {
-    for (const each of calledOff) this.pending.delete(key(each));
+    for (const old of calledOff) this.pending.delete(key(old));
     if (this.socket.readyState === WebSocket.OPEN) this.transmit(request);
   }
 

@@ -94,7 +94,7 @@ export class LinkTree {
     const { viewer } = this.view;
     const { hidden, faint, shapes } = this.marks;
     $("opacity").value = this.opacity;
-    for (const each of this.buttons) each.setAttribute("aria-pressed", each.marked());
+    for (const press of this.buttons) press.setAttribute("aria-pressed", press.marked());
     for (const [name, path] of Object.entries(this.nodes)) {
       viewer.set_property(this.view.split(path), "visible", !hidden.has(name));
       this.view.node(path).traverse(({ material }) => material && soften(material, this.opacity * (faint.has(name) ? FAINT : 1)));

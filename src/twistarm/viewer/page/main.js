@@ -59,7 +59,7 @@ const view = new View($("pane"));
 easeSoftware(view);
 /** @type {{hello: any, frame: any, fitted: boolean}} */
 const state = { hello: null, frame: null, fitted: false };
-const said = {}; // the last message of each type
+const latest = {}; // the last message of each type
 let silence = SILENCE; // why nothing can be asked
 let refusal = ""; // of a motion, while the mark stands where it stops
 /** @type {any} */
@@ -181,8 +181,8 @@ function seek(time) {
 // Show at once what was asked for: theta or others, and the target that the arm is moved to.
 function move(to, target) {
   ahead = { ...ahead, ...to, ...(to.theta && { running: false, rates: null }) };
-  if (target) tell({ type: "target", ...target });
-  tell({ ...state.frame, ...ahead });
+  if (target) report({ type: "target", ...target });
+  report({ ...state.frame, ...ahead });
 }
 
 // A value beyond a limit is left to the process, which refuses it with the reason.
@@ -200,7 +200,7 @@ function moveJoint(name, value) {
 function takeBack() {
   show({ type: "error", message: silence });
   putBack();
-  for (const type of ["player", "program"]) if (said[type]) show(said[type]);
+  for (const type of ["player", "program"]) if (latest[type]) show(latest[type]);
 }
 
 // What was refused goes back to where it stands.
@@ -210,7 +210,7 @@ function putBack() {
   if (!state.frame) return;
   if (ahead) {
     ahead = null;
-    for (const type of ["target", "frame"]) tell(said[type]);
+    for (const type of ["target", "frame"]) report(latest[type]);
   }
   parts.scene.release();
   panel.show(state.frame);
@@ -243,7 +243,7 @@ const receive = {
   path({ points, ideal, stopped }) {
     panel.showPath(points.length + ideal.length > 0);
     if (stopped === null && $("error").textContent === refusal) panel.showError(""); // its cause is gone
-    refusal = stopped === null ? "" : said.error?.message ?? "";
+    refusal = stopped === null ? "" : latest.error?.message ?? "";
   },
   servo(message) {
     jog.show(message);
@@ -257,12 +257,12 @@ const receive = {
 function show(message) {
   const wrong = violation(schema.messages, message);
   if (wrong) return panel.showError(`This page and twistarm differ in version: ${wrong}. Reload the page.`);
-  said[message.type] = message;
-  if (message.type === "frame") tell({ ...message, ...ahead });
-  else if (message.type !== "target" || !ahead?.theta) tell(message);
+  latest[message.type] = message;
+  if (message.type === "frame") report({ ...message, ...ahead });
+  else if (message.type !== "target" || !ahead?.theta) report(message);
 }
 
-function tell(message) {
+function report(message) {
   receive[message.type]?.(message);
   for (const part of allParts()) part.messages?.[message.type]?.(message);
 }
@@ -276,7 +276,7 @@ const on = {
   status(status) {
     const gone = status === "offline";
     panel.showStatus(status);
-    for (const each of $$("#panel > :not(header, #told), #verdict")) each.inert = gone;
+    for (const area of $$("#panel > :not(header, #reports), #verdict")) area.inert = gone;
     if (!gone) silence = SILENCE;
     panel.showError(gone ? silence : "");
     if (!gone) return;

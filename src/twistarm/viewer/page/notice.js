@@ -1,7 +1,7 @@
 // What the process has to say of the arm on show as a whole, until it has something else to say.
 
 import { $ } from "./element.js";
-import { tell } from "./words.js";
+import { report } from "./words.js";
 
 export class Notice {
   constructor() {
@@ -9,7 +9,7 @@ export class Notice {
   }
 
   show({ words, wrong }) {
-    tell($("notice"), words);
+    report($("notice"), words);
     $("notice").hidden = words === "";
     $("notice").classList.toggle("wrong", wrong);
   }

@@ -19,8 +19,8 @@ export class Numbers {
   build(axes, names, arm) {
     const moving = axes.joints.map(({ name }) => name);
     this.names = names;
-    this.standing = element("p", "standing");
-    this.standing.id = "theory-standing";
+    this.rankText = element("p", "rank");
+    this.rankText.id = "theory-rank";
     const columns = heads(names);
     const titles = names.map((name, i) => `${name} [${arm.joints[i].unit}]`);
     this.tables = [
@@ -34,13 +34,13 @@ export class Numbers {
       new Values("instantaneous screw", "Instantaneous screw", "Joint or motion", (all, i) => instant(this.names, all, i),
         (all, i) => one(this.names, all, i)),
     ];
-    this.root.replaceChildren(this.standing, ...this.tables.map((table) => table.section));
+    this.root.replaceChildren(this.rankText, ...this.tables.map((table) => table.section));
   }
 
   // `chosen`: the coordinate whose screw is shown; null: the whole motion.
   show(all, chosen) {
-    set(this.standing, all.standing);
-    this.standing.dataset.weak = all.smallest < all.below;
+    set(this.rankText, all.rank_words);
+    this.rankText.dataset.weak = all.smallest < all.below;
     for (const table of this.tables) table.show(all, chosen);
   }
 }

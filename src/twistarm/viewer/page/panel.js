@@ -5,7 +5,7 @@ import { JointRow } from "./joint_row.js";
 import { cut, writeName } from "./names.js";
 import { ToolNumbers } from "./tool_numbers.js";
 import { inRadians, setRadians } from "./units.js";
-import { tell } from "./words.js";
+import { report } from "./words.js";
 
 const LONGEST = 28; // letters of a frame's name
 
@@ -44,7 +44,7 @@ export class Panel {
     rows.push(...arm.others.map((joint) => this.row({ ...joint, beside: true })));
     $("joints").replaceChildren(...rows);
     this.names = arm.joints.map((joint) => joint.name);
-    tell($("notes"), notes[0] ?? "", notes.slice(1));
+    report($("notes"), notes[0] ?? "", notes.slice(1));
     for (const item of $("legend").children) item.hidden = !arm.screws.includes(item.className);
   }
 
@@ -103,7 +103,7 @@ export class Panel {
 
   // The row of a joint stands out; null: none.
   mark(name) {
-    for (const [each, { row }] of this.rows) row.setAttribute("aria-current", String(each === name));
+    for (const [joint, { row }] of this.rows) row.setAttribute("aria-current", String(joint === name));
     this.rows.get(name)?.row.scrollIntoView({ block: "nearest" });
   }
 
@@ -148,7 +148,7 @@ export class Panel {
   showError(message) {
     const { wrong } = this;
     this.wrong = null;
-    tell($("error"), message);
+    report($("error"), message);
     $("error").hidden = message === "";
     wrong?.forgive();
   }

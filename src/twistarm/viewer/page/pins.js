@@ -44,7 +44,7 @@ export class Pins {
     const { offsetWidth: width, offsetHeight: height } = this.layer;
     const { offsetWidth: wide, offsetHeight: high, offsetLeft, offsetTop } = text;
     const { free } = this.view;
-    const taken = (this.view.taken ??= [...occupied(this.layer), ...this.view.gizmos.flatMap((each) => each.square())]);
+    const obstructed = (this.view.obstructed ??= [...occupied(this.layer), ...this.view.gizmos.flatMap((gizmo) => gizmo.square())]);
     const within = (place, size, from, to) => Math.max(from + EDGE, Math.min(place, to - EDGE - size));
     const [right, down] = [0.5 * (x + 1) * width, 0.5 * (1 - y) * height + offsetTop];
     const spots = PLACES.flatMap((place) => [right + offsetLeft, right - offsetLeft - wide].map((left) => ({
@@ -52,9 +52,9 @@ export class Pins {
       top: within(down + place * (high + APART), high, free.top * height, (1 - free.bottom) * height),
     })));
     const clear = ({ left, top }) =>
-      !taken.some((each) => left < each.right && left + wide > each.left && top < each.bottom && top + high > each.top);
+      !obstructed.some((box) => left < box.right && left + wide > box.left && top < box.bottom && top + high > box.top);
     const { left, top } = spots.find(clear) ?? spots[0];
-    taken.push({ left, top, right: left + wide + APART, bottom: top + high + APART });
+    obstructed.push({ left, top, right: left + wide + APART, bottom: top + high + APART });
     text.style.transform = `translate(${(left - offsetLeft).toFixed(2)}px, ${(top - offsetTop).toFixed(2)}px)`;
   }
 }

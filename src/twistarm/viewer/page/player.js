@@ -49,7 +49,7 @@ export class Player {
     this.duration = duration ?? 0;
     $("loop").checked = loop;
     this.showSpeed(speed);
-    this.tell();
+    this.report();
   }
 
   // Python may play at any.
@@ -68,10 +68,10 @@ export class Player {
     $("play").disabled = this.driven && !running;
     $("play").textContent = running ? "❚❚" : "▶";
     $("play").setAttribute("aria-label", running ? "Pause" : "Play");
-    this.tell();
+    this.report();
   }
 
-  tell() {
+  report() {
     this.follow();
     const text = `${this.time.toFixed(2)} / ${this.duration.toFixed(2)} s`;
     $("time").textContent = text;

@@ -77,11 +77,11 @@ function alone(plots, rate, chosen) {
   const digits = decimals(high - low);
   const exact = limitDigits(joint.unit, digits);
   for (const mark of marks) mark.label = signed(mark.at, mark.limit ? exact : digits);
-  return { title: `${TITLES[rate]}, ${unitShown(joint.unit)}${PER[rate]}${told(joint, rate, limits, exact)}`, low, high, marks, lines };
+  return { title: `${TITLES[rate]}, ${unitShown(joint.unit)}${PER[rate]}${limitsInWords(joint, rate, limits, exact)}`, low, high, marks, lines };
 }
 
 // What is behind the title: the limits in numbers.
-function told(joint, rate, [low, high], digits) {
+function limitsInWords(joint, rate, [low, high], digits) {
   const usual = joint.usual.includes(rate) ? "usual limit" : "limit";
   if (rate !== "position") return high === null ? " · no limit" : ` · ${usual} ±${signed(high, digits)}`;
   const words = [low, high].map((limit) => (limit === null ? "none" : signed(limit, digits)));

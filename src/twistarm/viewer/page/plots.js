@@ -114,17 +114,17 @@ export class Plots {
 
   // Say what the joints do at the moment under the pointer.
   point(plot, event, time) {
-    for (const each of this.plots) each.aim(time);
+    for (const other of this.plots) other.aim(time);
     this.tip.hidden = time === null;
     if (time === null) return;
-    this.tip.replaceChildren(element("strong", "", `${time.toFixed(2)} s`), ...this.told(plot.rate, time));
+    this.tip.replaceChildren(element("strong", "", `${time.toFixed(2)} s`), ...this.rowsAt(plot.rate, time));
     const box = $("plots-figures").getBoundingClientRect();
     const left = event.clientX - box.left;
     const beside = left + this.tip.offsetWidth + 24 < box.width ? left + 12 : left - this.tip.offsetWidth - 12;
     this.tip.style.left = `${Math.max(0, beside)}px`;
   }
 
-  told(rate, time) {
+  rowsAt(rate, time) {
     if (rate !== TOOL) return reading(this.drawn().map((i) => this.row(i, rate, time)));
     return [element("strong", "", this.speeds((values) => interpolated(this.data.times, values, time)))];
   }

@@ -26,12 +26,12 @@ export class Process {
 
   // `saved`: hello, the messages of the stage, the motion and the note about limits; `on` as for a Link.
   constructor(saved, core, on) {
-    const said = Object.fromEntries(saved.messages.map((message) => [message.type, message]));
+    const byType = Object.fromEntries(saved.messages.map((message) => [message.type, message]));
     const { hello, motion, messages } = saved;
     this.name = `twistarm process ${saved.digest}`;
     /** @type {any} */
     const before = JSON.parse(kept(this.name, { session: true }) ?? "{}"); // this page, until it was loaded again
-    const { theta, others, time, running } = before.frame ? { ...before.frame, running: false } : said.frame;
+    const { theta, others, time, running } = before.frame ? { ...before.frame, running: false } : byType.frame;
     this.saved = saved;
     this.on = on;
     this.arm = hello.arm;
@@ -39,21 +39,21 @@ export class Process {
     this.theta = theta;
     this.others = others;
     this.core = core;
-    this.poses = Object.assign(new Poses(hello.arm.joints, said.program), before.poses);
+    this.poses = Object.assign(new Poses(hello.arm.joints, byType.program), before.poses);
     this.motion = motion && new Motion(motion);
-    this.playback = motion && new Playback(this.motion.duration, { ...said.player, ...before.player, time, running });
+    this.playback = motion && new Playback(this.motion.duration, { ...byType.player, ...before.player, time, running });
     this.again = before.frame !== undefined;
     this.onMotion = motion && near(this.motion.at(time).theta, theta, ON_MOTION) ? theta : null;
-    this.tolerances = before.tolerances ?? said.tolerances;
-    this.target = before.target ?? said.target;
+    this.tolerances = before.tolerances ?? byType.tolerances;
+    this.target = before.target ?? byType.target;
     this.answer = this.target.given && theta; // where the arm stands for it
     /** @type {any} */
     this.choices = null; // {inside, message}
     /** @type {any} */
     this.at = this.stands = this.where = null;
     this.glide = new Glide((now) => this.stand(now));
-    this.drive = new Drive({ core: this.core, length: said.axes.length, note: saved.note }, (now) => this.stand(now));
-    this.told = new Map(); // texts by type
+    this.drive = new Drive({ core: this.core, length: byType.axes.length, note: saved.note }, (now) => this.stand(now));
+    this.reported = new Map(); // texts by type
     this.next = 0; // picture of a motion
     addEventListener("pagehide", () => this.remember());
     this.routes = this.routed();
@@ -68,7 +68,7 @@ export class Process {
     for (const object of parts(await unzipped(objects ?? globalThis.twistarmObjects))) this.on.object(object);
     const own = this.messages().map(({ type }) => type);
     for (const message of messages) if (!own.includes(message.type)) this.on.message(message);
-    this.told.clear(); // the answers to requests of the page so far are told again, after the messages they rest on
+    this.reported.clear(); // the answers to requests of the page so far are told again, after the messages they rest on
     this.publish();
     if (this.playback?.running) this.tick();
   }
@@ -136,8 +136,8 @@ export class Process {
   publish() {
     for (const message of this.messages()) {
       const text = JSON.stringify(message);
-      if (this.told.get(message.type) === text) continue;
-      this.told.set(message.type, text);
+      if (this.reported.get(message.type) === text) continue;
+      this.reported.set(message.type, text);
       this.on.message(message);
     }
   }
@@ -276,7 +276,7 @@ export class Process {
     if (found === null) throw new Error(`This arm has no closed form for that target. ${PYTHON}`);
     const theta = found.theta.slice(0, MOST_SHOWN);
     const inside = Math.min(found.inside, MOST_SHOWN);
-    const places = theta.map((each, i) => ({ free: i < inside ? found.free[i] : [], beyond: i < inside ? [] : this.beyond(each) }));
+    const places = theta.map((row, i) => ({ free: i < inside ? found.free[i] : [], beyond: i < inside ? [] : this.beyond(row) }));
     const count = `${inside === 0 ? "no" : inside} configuration${inside === 1 ? "" : "s"} inside the limits`;
     const words = ["", `${count}${theta.length > inside ? `, ${theta.length - inside} outside` : ""}: ${this.completeness(target, found)}`].join("\n");
     this.choices = { inside, message: { type: "solutions", asked: true, places, words, theta } };
@@ -318,18 +318,18 @@ export class Process {
   // What was done here outlasts a reload, as a live view outlasts its pages.
   remember() {
     const { poses, made, steps } = this.poses;
-    const said = Object.fromEntries(this.messages().map((message) => [message.type, message]));
-    keep(this.name, JSON.stringify({ ...said, poses: { poses, made, steps } }), { session: true });
+    const byType = Object.fromEntries(this.messages().map((message) => [message.type, message]));
+    keep(this.name, JSON.stringify({ ...byType, poses: { poses, made, steps } }), { session: true });
   }
 }
 
 // Disable what only Python can do, and say so in words too: a phone shows no titles. Later writes to these properties
 // are ignored, as every part enables its own controls. `said`: types of the saved messages, such as a map of the reach.
-function withhold(said) {
+function withhold(byType) {
   const fixed = (value) => ({ get: () => value, set() {} });
   const properties = { title: fixed(PYTHON), disabled: fixed(true), href: fixed("") };
   for (const area of $$("[data-python]")) {
-    if (said.includes(area.dataset.python)) continue;
+    if (byType.includes(area.dataset.python)) continue;
     const reason = element(area.matches("fieldset") ? "p" : "small", "reason", area.matches("fieldset") ? `${PYTHON}.` : " (needs Python)");
     if (!area.matches("button")) area[area.matches("fieldset") ? "prepend" : "append"](reason);
     for (const control of [area, ...area.querySelectorAll("button, input, select, a")]) {

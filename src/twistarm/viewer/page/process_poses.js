@@ -31,7 +31,7 @@ export class Poses {
     const { program, poses, steps } = this;
     const planned = this.through === listed(poses);
     const note = planned ? program.note : program.kind === null ? "" : STALE;
-    const [undo, redo] = [steps.undo, steps.redo].map((each) => each.at(-1)?.words ?? null);
+    const [undo, redo] = [steps.undo, steps.redo].map((changes) => changes.at(-1)?.words ?? null);
     return [{ ...program, poses, planned, note }, { type: "history", undo, redo }];
   }
 
@@ -40,7 +40,7 @@ export class Poses {
   }
 
   rename(id, name) {
-    this.change("rename a pose", id, (pose) => [{ ...pose, name: free(name, this.poses.filter((each) => each !== pose)) }]);
+    this.change("rename a pose", id, (pose) => [{ ...pose, name: free(name, this.poses.filter((other) => other !== pose)) }]);
   }
 
   moveBy(id, by) {
@@ -53,7 +53,7 @@ export class Poses {
 
   reorder(id, place) {
     const pose = this.find(id);
-    const others = this.poses.filter((each) => each !== pose);
+    const others = this.poses.filter((other) => other !== pose);
     const poses = [...others.slice(0, place), pose, ...others.slice(place)];
     for (const later of poses.slice(1)) this.require(later);
     this.keep("reorder the poses", poses);
@@ -65,12 +65,12 @@ export class Poses {
     if (order.includes(-1) || joints.length !== order.length) {
       throw new Error(`the list moves ${joints.join(", ")}; this arm has ${this.joints.map(({ name }) => name).join(", ")}`);
     }
-    const taken = [];
+    const accepted = [];
     for (const { name, theta, by } of poses) {
       if (theta.length !== order.length) throw new Error(`the pose '${name}' has ${theta.length} values, and the list moves ${order.length} joints`);
-      taken.push(this.pose(name, order.map((place) => theta[place]), taken, by));
+      accepted.push(this.pose(name, order.map((place) => theta[place]), accepted, by));
     }
-    this.keep("load a list", taken);
+    this.keep("load a list", accepted);
   }
 
   // By "undo" or "redo".
@@ -82,7 +82,7 @@ export class Poses {
   }
 
   find(id) {
-    const pose = this.poses.find((each) => each.id === id);
+    const pose = this.poses.find((other) => other.id === id);
     if (!pose) throw new Error(`no pose number ${id} in the list: it was deleted, or another list was loaded`);
     return pose;
   }
@@ -105,7 +105,7 @@ export class Poses {
 
   change(words, id, made) {
     const pose = this.find(id);
-    this.keep(words, this.poses.flatMap((each) => (each === pose ? made(pose) : [each])));
+    this.keep(words, this.poses.flatMap((other) => (other === pose ? made(pose) : [other])));
   }
 
   keep(words, poses) {
@@ -123,10 +123,10 @@ function listed(poses) {
 // The name, made up if empty, with a number if another pose has it.
 function free(name, others) {
   const bare = name.trim().replace(/\s+/g, " ");
-  const taken = others.map((each) => each.name);
+  const accepted = others.map((other) => other.name);
   if (bare.length > LONGEST_NAME) throw new Error(`a pose's name has at most ${LONGEST_NAME} characters; got ${bare.length}`);
-  if (bare && !taken.includes(bare)) return bare;
+  if (bare && !accepted.includes(bare)) return bare;
   let number = bare ? 2 : others.length + 1;
-  while (taken.includes(`${bare || "pose"} ${number}`)) number += 1;
+  while (accepted.includes(`${bare || "pose"} ${number}`)) number += 1;
   return `${bare || "pose"} ${number}`;
 }

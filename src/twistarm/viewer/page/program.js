@@ -6,7 +6,7 @@ import { PoseList } from "./pose_list.js";
 import { read, written } from "./pose_file.js";
 import { fileName, save } from "./saving.js";
 import { typed } from "./units.js";
-import { tell } from "./words.js";
+import { report } from "./words.js";
 
 const OUTDATED = "The motion was planned with other settings: plan again.";
 const SETTINGS = ["plan-kind", "plan-corner", "plan-linear-speed", "plan-torques", "plan-payload"];
@@ -43,7 +43,7 @@ export class Program {
     $("record").addEventListener("click", () => this.record());
     $("pose-name").addEventListener("keydown", ({ key }) => key === "Enter" && this.record());
     $("plan").addEventListener("click", () => this.plan());
-    for (const id of SETTINGS) $(id).addEventListener("change", () => this.tell());
+    for (const id of SETTINGS) $(id).addEventListener("change", () => this.report());
     $("save-poses").addEventListener("click", () => this.save());
     $("load-poses").addEventListener("click", () => $("poses-file").click());
     $("poses-file").addEventListener("change", () => this.open());
@@ -63,7 +63,7 @@ export class Program {
     $("pose-name").placeholder = `pose ${poses.length + 1}`;
     $("pose-hint").hidden = poses.length > 0;
     $("save-poses").disabled = poses.length === 0;
-    this.tell();
+    this.report();
   }
 
   // The boxes say what was planned, by whichever page.
@@ -74,7 +74,7 @@ export class Program {
     $("plan-linear-speed").value = linear_speed || "";
     $("plan-torques").checked = torques;
     $("plan-payload").value = payload || "";
-    this.tell();
+    this.report();
   }
 
   // What the boxes ask for.
@@ -97,28 +97,28 @@ export class Program {
       if (duration === null) link.removeAttribute("href");
       else link.href = link.dataset.file;
     }
-    this.tell();
+    this.report();
   }
 
   disable(driven) {
     this.driven = driven;
     this.list.disable(driven);
-    this.tell();
+    this.report();
   }
 
   // What stays loaded is not what was asked for.
   fail() {
     this.failed = this.failed || this.trying;
     this.trying = false;
-    this.tell();
+    this.report();
   }
 
-  tell() {
+  report() {
     const word = this.failed ? "Planning failed; still loaded" : "Planned";
     const done = this.planned && this.duration !== null ? `${word}: ${this.duration.toFixed(2)} s` : "";
     const outdated = this.planned && !same(this.asked, this.settings);
-    if (outdated) tell($("program-note"), OUTDATED);
-    else tell($("program-note"), [done && `${done}.`, this.note].filter(Boolean).join(" "));
+    if (outdated) report($("program-note"), OUTDATED);
+    else report($("program-note"), [done && `${done}.`, this.note].filter(Boolean).join(" "));
     $("program-note").classList.toggle("stale", outdated || !this.planned);
     $("plan-payload").disabled = !$("plan-torques").checked;
     const few = this.poses.length < 2;

@@ -1,10 +1,10 @@
 // How much of the scene is here: a number and a bar in the header, until everything is drawn.
 
 import { $ } from "./element.js";
-import { tell } from "./words.js";
+import { report } from "./words.js";
 
 export class Progress {
-  /** @type {{objects: number, left: number, notes: string[]} | null} */ told;
+  /** @type {{objects: number, left: number, notes: string[]} | null} */ reported;
   drawn = 0;
   bytes = 0;
   complete = false;
@@ -19,15 +19,15 @@ export class Progress {
   }
 
   hello() {
-    this.told = null;
+    this.reported = null;
     this.drawn = 0;
     this.bytes = 0;
     this.complete = false;
   }
 
   learn(message) {
-    this.told = message;
-    tell($("notes"), message.notes[0] ?? "", message.notes.slice(1));
+    this.reported = message;
+    report($("notes"), message.notes[0] ?? "", message.notes.slice(1));
     this.show();
   }
 
@@ -40,9 +40,9 @@ export class Progress {
 
   // A mesh that is still to be read counts as one object; it may come to several, one for each material.
   show() {
-    if (!this.told || this.complete) return;
-    const total = Math.max(this.told.objects + this.told.left, this.drawn);
-    this.complete = this.told.left === 0 && this.drawn >= this.told.objects;
+    if (!this.reported || this.complete) return;
+    const total = Math.max(this.reported.objects + this.reported.left, this.drawn);
+    this.complete = this.reported.left === 0 && this.drawn >= this.reported.objects;
     this.bar.hidden = this.complete;
     this.bar.setAttribute("aria-valuenow", this.drawn);
     this.bar.setAttribute("aria-valuemax", total);

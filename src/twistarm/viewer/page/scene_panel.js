@@ -1,12 +1,12 @@
 // The panel of the scene: what collides, and the obstacles to add, drag, size, remove and save.
 
-import { standing } from "./collision.js";
+import { matrixOf } from "./collision.js";
 import { $, button, element } from "./element.js";
 import { Gizmo } from "./gizmo.js";
 import { NumberBox } from "./number_box.js";
 import { numbersOf, poseOf, turned } from "./target_pose.js";
 import { THREE } from "./view.js";
-import { tell } from "./words.js";
+import { report } from "./words.js";
 
 const ADDED = { box: [1, 1, 1], sphere: [0.5], cylinder: [0.5, 1] }; // sizes beside LARGE
 const LARGE = 0.25; // of the arm's radius
@@ -33,7 +33,7 @@ export class ScenePanel {
     });
     this.messages = {
       obstacles: (message) => this.show(message),
-      collision: (message) => this.tell(message),
+      collision: (message) => this.report(message),
     };
     for (const kind of Object.keys(ADDED)) $(`add-${kind}`).addEventListener("click", () => this.add(kind));
     $("download-scene").href = "scene.toml";
@@ -67,15 +67,15 @@ export class ScenePanel {
     this.place();
   }
 
-  tell({ ready, words, nearest }) {
+  report({ ready, words, nearest }) {
     this.ready = ready;
     $("scene-hint").hidden = ready;
     for (const kind of Object.keys(ADDED)) $(`add-${kind}`).disabled = !ready;
     $("download-scene").hidden = !ready;
     const calm = nearest === null ? "" : ` Nearest: ${nearest.words}.`;
     const others = words.length > 1 ? `, and ${words.length - 1} more` : "";
-    if (words.length > 0) tell($("scene-words"), words[0] + others, words.slice(1));
-    else tell($("scene-words"), ready ? `Nothing collides.${calm}` : "");
+    if (words.length > 0) report($("scene-words"), words[0] + others, words.slice(1));
+    else report($("scene-words"), ready ? `Nothing collides.${calm}` : "");
     $("scene-words").classList.toggle("collides", words.length > 0);
     this.mark();
   }
@@ -135,7 +135,7 @@ export class ScenePanel {
 
   // In the arm's base frame.
   pose() {
-    return poseOf(standing(this.find(), this.page.state.frame).toArray());
+    return poseOf(matrixOf(this.find(), this.page.state.frame).toArray());
   }
 
   numbers() {
@@ -183,7 +183,7 @@ export class ScenePanel {
   beside(tool, away) {
     const { view } = this.page;
     const spots = SIDES.map((side) => new THREE.Vector3(...side).multiplyScalar(away).add(tool));
-    const spot = view.turned ? (spots.find((each) => view.sees(each)) ?? view.middle()) : spots[0];
+    const spot = view.turned ? (spots.find((place) => view.sees(place)) ?? view.middle()) : spots[0];
     return spot.fromArray(spot.toArray().map((value) => STEP * Math.round(value / STEP)));
   }
 

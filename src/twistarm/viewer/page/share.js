@@ -112,12 +112,12 @@ export class Share {
   }
 
   // The motion from its start to its end, at its own speed.
-  async record(width, height, rate, tell) {
+  async record(width, height, rate, report) {
     const { duration } = this;
     const made = await film(this.view, { width, height, rate, duration }, {
       begin: () => this.look(),
       show: (time) => this.reach(time),
-      tell,
+      report,
       stopped: () => this.stopped || this.duration !== duration,
     });
     if (made) return made;
@@ -159,8 +159,8 @@ export class Share {
   }
 
   say(text, wrong = false) {
-    $("share-said").textContent = text;
-    $("share-said").classList.toggle("wrong", wrong);
+    $("share-note").textContent = text;
+    $("share-note").classList.toggle("wrong", wrong);
   }
 }
 

@@ -47,7 +47,7 @@ function decomposed(J) {
         turned = true;
         const slope = (b - a) / (2 * c);
         const tangent = (slope < 0 ? -1 : 1) / (Math.abs(slope) + Math.hypot(1, slope));
-        for (const each of [rows, axes]) rotate(each[i], each[j], tangent);
+        for (const matrix of [rows, axes]) rotate(matrix[i], matrix[j], tangent);
       }
     }
   }

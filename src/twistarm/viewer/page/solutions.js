@@ -4,7 +4,7 @@ import { ArmCopy } from "./arm_copy.js";
 import { $ } from "./element.js";
 import { eases } from "./glide.js";
 import { bare } from "./keys.js";
-import { tell } from "./words.js";
+import { report } from "./words.js";
 
 const KEYS = { KeyN: 1, KeyP: -1 }; // next and previous
 const INSIDE = { colour: "--accent", opacity: 0.16 };
@@ -69,7 +69,7 @@ export class Solutions {
     this.differ = new Set(places.map(({ free, beyond }) => (beyond.length > 0 ? places[0].free : free).join())).size > 1; // else the words say it
     $("solutions").hidden = !asked;
     const [, ...lines] = words.split("\n"); // the first says what is asked
-    tell($("solutions-words"), lines[0]?.replace(STATISTICS, "") ?? "", lines.slice(STATISTICS.test(lines[0]) ? 0 : 1));
+    report($("solutions-words"), lines[0]?.replace(STATISTICS, "") ?? "", lines.slice(STATISTICS.test(lines[0]) ? 0 : 1));
     this.choose(this.at, this.stands);
     if (asked && this.page.view.radius !== undefined) this.page.view.reframe();
   }
@@ -82,7 +82,7 @@ export class Solutions {
     $("solution-place").textContent = length === 0 ? "none" : `${at === null ? "–" : at + 1} of ${length}`;
     for (const id of ["solution-next", "solution-previous"]) $(id).disabled = length === 0 || (length === 1 && at === 0);
     $("solutions").dataset.beyond = beyond.length > 0;
-    tell($("solution-words"), beyond.length > 0 ? `outside the limits: ${beyond.join(", ")}; the arm stays`
+    report($("solution-words"), beyond.length > 0 ? `outside the limits: ${beyond.join(", ")}; the arm stays`
       : this.hit.includes(at) ? "in collision"
       : free.length > 0 && this.differ ? `one of a family: ${free.join(", ")} can move while the tool stays` : "");
     this.draw();

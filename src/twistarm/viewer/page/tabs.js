@@ -29,7 +29,7 @@ export class Tabs {
   }
 
   recall(id) {
-    this.choose(this.tabs.find((each) => each.id === id));
+    this.choose(this.tabs.find((tab) => tab.id === id));
   }
 
   press(event) {

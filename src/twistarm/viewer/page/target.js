@@ -5,12 +5,12 @@ import { $ } from "./element.js";
 import { Gizmo } from "./gizmo.js";
 import { bare } from "./keys.js";
 import { PoseBoxes } from "./pose_boxes.js";
-import { poseOf, standing } from "./target_pose.js";
+import { poseOf, startPose } from "./target_pose.js";
 import { keep, kept } from "./storage.js";
 import { Tolerances } from "./tolerances.js";
 import { Verdict, inWords } from "./verdict.js";
 import { THREE } from "./view.js";
-import { tell } from "./words.js";
+import { report } from "./words.js";
 
 const KINDS = [[6, "pose"], [5, "approach"], [0, "position"]]; // what an arm of at least so many joints begins with
 const HINTS = {
@@ -29,7 +29,7 @@ export class Target {
   // `page` holds view, panel, state, core, ask(request) and move(to, target).
   constructor(page) {
     this.page = page;
-    this.told = NONE; // of the target, by whichever page
+    this.reported = NONE; // of the target, by whichever page
     this.given = null;
     this.tool = null;
     /** @type {any} the pose that a hand has dragged the tool to */
@@ -110,7 +110,7 @@ export class Target {
 
   // The target of whichever page, whether it is met, and why not.
   show(message) {
-    this.told = message;
+    this.reported = message;
     this.given = message.given && { ...message.given, met: message.met };
     this.verdict.show(message);
     this.arrange();
@@ -119,7 +119,7 @@ export class Target {
   // by hand ------------------------------------------------------------------------------------------
 
   begin() {
-    this.start = { theta: this.page.state.frame.theta, told: this.told };
+    this.start = { theta: this.page.state.frame.theta, reported: this.reported };
     this.verdict.busy(true);
     keep(DRAGGED, "true");
   }
@@ -145,9 +145,9 @@ export class Target {
   // Back to where it was.
   cancel() {
     const moved = this.held !== null;
-    const { theta, told } = this.start;
+    const { theta, reported } = this.start;
     this.settle();
-    if (moved && told.given) this.send(theta, told);
+    if (moved && reported.given) this.send(theta, reported);
     else if (moved && this.page.ask({ type: "theta", theta })) this.page.move({ theta }, NONE);
   }
 
@@ -164,7 +164,7 @@ export class Target {
 
   // The target that is given, asked for once more.
   again() {
-    if (this.given && !this.shut) this.solve(standing(this.given, this.tool));
+    if (this.given && !this.shut) this.solve(startPose(this.given, this.tool));
   }
 
   // `searches`: at most so many; usually as many as solve_ik takes.
@@ -197,14 +197,14 @@ export class Target {
     $("target-release").hidden = !this.given || shut;
     const hints = [kept(DRAGGED) ? "" : FIRST, this.kind === this.begun ? HINTS[this.kind] : ""].filter(Boolean);
     const shown = this.page.core?.solves === false ? [MANY] : $("drag-tool").checked && !shut ? hints : [];
-    tell($("target-hint"), shown[0] ?? "", shown.slice(1));
+    report($("target-hint"), shown[0] ?? "", shown.slice(1));
     this.tolerances.disable(this.driven);
     this.boxes.disable(shut, this.kind === "position");
     if (this.tool !== null) this.put();
   }
 
   put() {
-    const pose = standing(this.given, this.tool);
+    const pose = startPose(this.given, this.tool);
     this.boxes.show(pose);
     const { view } = this.page;
     const before = view.wanted;

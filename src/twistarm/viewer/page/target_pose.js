@@ -11,7 +11,7 @@ export function poseOf(matrix) {
 }
 
 // What the next target departs from: the given one, where it is not met; else the tool, in all that the target leaves free.
-export function standing(given, tool) {
+export function startPose(given, tool) {
   if (!given) return tool;
   const fixed = given.kind === "pose" || (given.kind === "approach" && !given.met);
   return {

@@ -50,7 +50,7 @@ export function numbers({ arm, kinematics }, { joints, length, below }, { transf
     columns: spatial.map(toScrew), axes: moving.map((joint) => toScrew(joint.twist)),
     singular_values: values, rank, condition: rank === values.length ? values[0] / values.at(-1) : null,
     yoshikawa: values.reduce((product, value) => product * value, 1), smallest: values.at(-1), below,
-    standing: inWords(found, below), linear, angular,
+    rank_words: inWords(found, below), linear, angular,
     motion: twist && { twist, screw: toScrew(twist), velocity: combined(rates, hybrid).slice(0, 3) },
   };
 }

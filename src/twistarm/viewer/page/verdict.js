@@ -3,7 +3,7 @@
 import { DEFAULTS } from "./core.js";
 import { $, element } from "./element.js";
 import { shown } from "./units.js";
-import { tell } from "./words.js";
+import { report } from "./words.js";
 
 const DEGREES = 180 / Math.PI;
 const AT_BOUND = 1e-6; // rad, m: how near to its bound a joint stands at it
@@ -26,7 +26,7 @@ export class Verdict {
     const [short, ...why] = message.words.split("\n");
     this.place.dataset.met = message.met ?? "";
     const mark = message.met ? "✓" : "✕";
-    tell(this.place, message.given ? [element("span", "met", mark), ` ${short}`] : "", message.given ? why : []);
+    report(this.place, message.given ? [element("span", "met", mark), ` ${short}`] : "", message.given ? why : []);
     this.missed.textContent = message.met === false ? `✕ ${short}` : "";
   }
 }

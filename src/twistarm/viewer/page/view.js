@@ -49,11 +49,11 @@ export class View {
     if (window.parent !== window) pane.addEventListener("wheel", leaveToThePage, { capture: true });
     this.dark = matchMedia("(prefers-color-scheme: dark)");
     this.dark.addEventListener("change", () => this.furnish());
-    this.taken = null; // of the picture, by what stands over it and by handles, then by text
+    this.obstructed = null; // of the picture, by what stands over it and by handles, then by text
     this.gizmos = []; // each with square(), what its handles take of the picture
     this.held = false; // by a film, for which the camera stays
     this.widened = false; // the picture shows a target away from the arm
-    this.afterRender(() => (this.taken = null));
+    this.afterRender(() => (this.obstructed = null));
     this.floor = new Floor(this);
     beforeRender(this, (renderer, scene, camera) => {
       if (this.radius === undefined) return;
@@ -61,7 +61,7 @@ export class View {
       this.floor.measure(scene, camera);
     });
     const room = new ResizeObserver(() => this.reframe());
-    for (const each of [pane, ...$$(OVER)]) room.observe(each);
+    for (const box of [pane, ...$$(OVER)]) room.observe(box);
   }
 
   light() {
@@ -115,12 +115,12 @@ export class View {
     this.resting = setTimeout(() => {
       if (this.radius === undefined || this.turned || this.held || !this.viewer.controls.enabled) return;
       const left = this.widened && this.wanted === null;
-      if (left || !this.standing().every((point) => this.within(point, 1))) this.reframe();
+      if (left || !this.solidCorners().every((point) => this.within(point, 1))) this.reframe();
     }, REST);
   }
 
   // The corners (world) of what stands on the floor.
-  standing() {
+  solidCorners() {
     return ["/arm", "/obstacles"].flatMap((path) => corners(this.node(path), true));
   }
 

@@ -3,21 +3,21 @@
 import { element } from "./element.js";
 
 const LONGEST = 200; // characters that are not cut
-const said = new WeakMap();
+const written = new WeakMap();
 const room = new ResizeObserver((heads) => heads.forEach(({ target }) => fit(target)));
 
 // `short` is a text or elements; the lines of `more` are in the fold, and so is what follows two sentences of a long
 // text. An empty text empties the place.
-export function tell(place, text, details = []) {
+export function report(place, text, details = []) {
   const sentences = typeof text === "string" && text.length > LONGEST ? text.split(/(?<=[.;:]) /) : [text];
   const [short, more] = sentences.length > 2 ? [sentences.slice(0, 2).join(" "), [sentences.slice(2).join(" "), ...details]] : [text, details];
   const head = element("span", "short");
   head.append(...[short].flat());
-  const told = [head.textContent, ...more].join("\n");
-  if (said.get(place) === told) return;
-  said.set(place, told);
+  const reported = [head.textContent, ...more].join("\n");
+  if (written.get(place) === reported) return;
+  written.set(place, reported);
   const open = place.querySelector("details")?.open ?? false;
-  if (!told) return place.replaceChildren();
+  if (!reported) return place.replaceChildren();
   const fold = element("details", more.length > 0 ? "words more" : "words");
   const summary = element("summary");
   summary.append(head);

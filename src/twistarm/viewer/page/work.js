@@ -10,8 +10,8 @@ export class Work {
   }
 
   show({ jobs }) {
-    const told = jobs.filter(({ key }) => key !== "scene"); // which has its bar in the header
-    $("work").replaceChildren(...told.flatMap(({ key, share }) => {
+    const reported = jobs.filter(({ key }) => key !== "scene"); // which has its bar in the header
+    $("work").replaceChildren(...reported.flatMap(({ key, share }) => {
       const bar = element("progress");
       Object.assign(bar, { max: 1, value: share });
       bar.setAttribute("aria-label", WORDS[key] ?? key);

@@ -98,7 +98,7 @@ class Draw:
 
     def _draw(self, name: str, draw: Callable[[str], list[bytes]], text: Message | None = None) -> None:
         node = drawn_path(as_name(name, "name"))
-        objects = [base64.b64encode(each).decode("ascii") for each in draw(node)]
+        objects = [base64.b64encode(drawn).decode("ascii") for drawn in draw(node)]
         self._put({"type": "drawn", "node": node, "objects": objects, "text": text})
 
 
@@ -182,7 +182,7 @@ class Control(Generic[V]):
             self.error = ""
         except (Exception, SystemExit) as error:
             at = "".join(
-                f" ({Path(each.filename).name}, line {each.lineno})" for each in extract_tb(error.__traceback__)[1:2]
+                f" ({Path(frame.filename).name}, line {frame.lineno})" for frame in extract_tb(error.__traceback__)[1:2]
             )
             self.error = one_line(f"{type(error).__name__}: {error}{at}")
             LOG.error("%s", one_line(f"{self.name}: {self.error}"))

@@ -114,7 +114,7 @@ def _times(trajectory: Trajectory) -> Array:
 
 def _joints(arm: Arm, limits: JointLimits, peaks: list[Array]) -> list[dict[str, Any]]:
     """Name and unit. `range`: the range of positions; `usual`: assumed limits; `peak`: largest values."""
-    rates = ((rate, [getattr(each, rate) for each in (arm.limits, limits, with_defaults(arm))]) for rate in RATES[1:])
+    rates = ((rate, [getattr(of, rate) for of in (arm.limits, limits, with_defaults(arm))]) for rate in RATES[1:])
     usual = {rate: np.isinf(own) & (ours == assumed) for rate, (own, ours, assumed) in rates}
     lower, upper = usual_range(limits.lower, limits.upper, arm.usual_half)
     return [

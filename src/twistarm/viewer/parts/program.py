@@ -68,7 +68,7 @@ def ideal_way(arm: Arm, poses: Sequence[RecordedPose]) -> list[list[float]]:
         if isinstance(move, JointMove):
             ways.append(arm.fk(at + s[:, None] * (end - at))[:, :3, 3])
         else:
-            ways += [each.curve(s)[:, :3, 3] for each in goals.moving(move, at, "the way")[:1]]
+            ways += [way.curve(s)[:, :3, 3] for way in goals.moving(move, at, "the way")[:1]]
         at = end
     return drawn(arm, np.concatenate(ways)) if ways else []
 

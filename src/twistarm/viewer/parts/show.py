@@ -178,7 +178,7 @@ class Show:
     @property
     def path(self) -> Message:
         """The path that was drawn last, of those that still hold."""
-        self._paths = [each for each in self._paths if each[1]()]
+        self._paths = [path for path in self._paths if path[1]()]
         return self._paths[-1][0]
 
     def require_free(self) -> None:

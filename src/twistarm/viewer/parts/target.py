@@ -193,7 +193,7 @@ def choices_of(solutions: AllSolutions, more: Sequence[str] = ()) -> Choices:
     message = {
         "type": "solutions",
         "asked": True,
-        "places": [_place(solutions, each, i) for i, each in enumerate(theta)],
+        "places": [_place(solutions, row, i) for i, row in enumerate(theta)],
         "words": "\n".join([*solutions.explain().splitlines(), *more]),
         "theta": theta.tolist(),
     }

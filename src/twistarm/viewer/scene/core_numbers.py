@@ -67,4 +67,4 @@ def _forms(arm: Arm) -> Iterator[tuple[str, str]]:
 
 
 def _packed(*values: Any) -> str:
-    return packed(np.concatenate([np.ravel(each) for each in values]), "<f8")
+    return packed(np.concatenate([np.ravel(value) for value in values]), "<f8")

@@ -146,7 +146,7 @@ def tube(path: str, line: Array, radius: float, colour: Colour) -> bytes:
     x /= np.linalg.norm(x, axis=1, keepdims=True)
     turn = np.pi / 3.0 * np.arange(6)[:, None, None]
     around = (np.cos(turn) * x + np.sin(turn) * np.cross(z, x)).reshape(-1, 3)
-    start, end = (np.tile(each, (6, 1)) + radius * around for each in (line[:-1], line[1:]))
+    start, end = (np.tile(points, (6, 1)) + radius * around for points in (line[:-1], line[1:]))
     first = np.arange(len(around))
     second, far = np.roll(first, -len(way)), len(around)
     faces = np.vstack([np.stack([first, second, second + far], 1), np.stack([first, second + far, first + far], 1)])

@@ -330,5 +330,5 @@ class SocketHandler(Guarded, tornado.websocket.WebSocketHandler):
         texts, self._outbox = self._outbox, {}
         for text in texts.values():
             written = self.write_message(text)
-            written.add_done_callback(lambda each: each.cancelled() or each.exception())  # the last one's is raised
+            written.add_done_callback(lambda done: done.cancelled() or done.exception())  # the last one's is raised
         await written
