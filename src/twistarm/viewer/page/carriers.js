@@ -22,7 +22,7 @@ export class Carriers {
     const { screw, terms } = this.joints[joint];
     const [place, ratio] = terms.reduce((most, term) => (Math.abs(term[1]) > Math.abs(most[1]) ? term : most));
     const turn = Math.hypot(...screw.slice(3));
-    const node = Object.keys(this.nodes).find((screw) => screw.startsWith("/screws/") && this.nodes[screw].joint === joint) ?? path;
+    const node = Object.keys(this.nodes).find((name) => name.startsWith("/screws/") && this.nodes[name].joint === joint) ?? path;
     return { joint: this.coordinates[place], place, factor: 1 / (ratio * (turn || Math.hypot(...screw))), turns: turn > 0, node };
   }
 
