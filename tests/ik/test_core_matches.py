@@ -16,7 +16,7 @@ from twistarm import Approach, Arm, Pose, Position
 from twistarm.ik import AllSolutions, AnyTarget, gathering, solve_ik_all, solve_ik_all_batch
 from twistarm.ik.answer import Configurations
 from twistarm.ik.closed_form import methods
-from twistarm.ik.closed_form.roots import apart
+from twistarm.ik.closed_form.roots import joint_difference
 from twistarm.ik.targets import target_for
 
 
@@ -85,7 +85,7 @@ def assert_same(arm: Arm, core: AllSolutions, other: AllSolutions) -> None:
         return
     for one, like in ((core.theta, other.theta), (core.outside, other.outside)):
         assert len(one) == len(like)
-        distance = np.abs(apart(arm, one[:, None], like[None])).max(axis=2, initial=0.0)
+        distance = np.abs(joint_difference(arm, one[:, None], like[None])).max(axis=2, initial=0.0)
         assert len(one) == 0 or (distance.min(axis=0) < SAME).all()
         assert len(one) == 0 or (distance.min(axis=1) < SAME).all()
 

@@ -59,13 +59,13 @@ def test_the_verdicts_are_those_of_patient_searches(arm):
     mixed = [target_from(KINDS[i % 4], pose, rng) for i, pose in enumerate(g)]
     down = [Approach(each, DOWN).of(arm) for each in p]
     for asked, found in ((down, reachable(arm, p, direction=DOWN)), (mixed, reachable(arm, mixed))):
-        assert (found.met == solve_ik_batch(arm, asked).converged).all()
-        assert np.isnan(found.theta[~found.met]).all()
-        theta = found.theta[found.met]
+        assert (found.converged == solve_ik_batch(arm, asked).converged).all()
+        assert np.isnan(found.theta[~found.converged]).all()
+        theta = found.theta[found.converged]
         assert arm.limits.contains(theta).all()
         assert len(theta) or asked is down
         reached = arm.fk(theta) if arm.n != len(arm.coupling.A) else pinocchio_poses(arm, theta)
-        missed = [errors(asked[i], pose) for i, pose in zip(np.flatnonzero(found.met), reached, strict=True)]
+        missed = [errors(asked[i], pose) for i, pose in zip(np.flatnonzero(found.converged), reached, strict=True)]
         assert is_met(*np.reshape(missed, (-1, 2)).T).all()
 
 
@@ -77,8 +77,8 @@ def test_two_links_reach_a_ring():
     radius = np.linalg.norm(p, axis=1)
     clear = np.minimum(np.abs(radius - sum(LENGTHS)), np.abs(radius - 0.1)) > 1e-5
     ring = (radius > LENGTHS[0] - LENGTHS[1]) & (radius < sum(LENGTHS))
-    assert (reachable(arm, p).met == ring)[clear].all()
-    assert not reachable(arm, p + [0.0, 0.0, 1e-3]).met.any(), "its plane is z = 0"
+    assert (reachable(arm, p).converged == ring)[clear].all()
+    assert not reachable(arm, p + [0.0, 0.0, 1e-3]).converged.any(), "its plane is z = 0"
 
 
 def test_the_same_bits_however_a_call_is_divided():
@@ -89,7 +89,7 @@ def test_the_same_bits_however_a_call_is_divided():
     parts = [slice(0, CHUNK), slice(CHUNK, None)]
     for threads in (1, 2):
         each = [reachable(arm, p[part], direction=DOWN, threads=threads) for part in parts]
-        np.testing.assert_array_equal(np.concatenate([part.met for part in each]), met)
+        np.testing.assert_array_equal(np.concatenate([part.converged for part in each]), met)
         np.testing.assert_array_equal(np.concatenate([part.theta for part in each]), theta)
     poses = arm.fk(theta[met])
     np.testing.assert_array_equal(reachable(arm, poses).theta, reachable(arm, [*map(Pose, poses)]).theta)
@@ -120,5 +120,5 @@ def test_misuse_is_refused(targets, how, text):
 def test_no_targets_have_no_verdicts():
     for nothing in ([], np.zeros((0, 3)), np.zeros((0, 4, 4))):
         found = reachable(load("panda"), nothing)
-        assert found.met.shape == (0,)
+        assert found.converged.shape == (0,)
         assert found.theta.shape == (0, 7)

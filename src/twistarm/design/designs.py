@@ -137,4 +137,4 @@ def _volume(arm: Arm) -> float:
     grid = Grid.about(centre, radius, 2.0 * radius / CUBES)
     p = grid.centres(np.arange(grid.count))
     p += grid.voxel * np.random.default_rng(0).uniform(-0.5, 0.5, p.shape)
-    return float(grid.voxel**3 * reachable(arm, p, position_tol=1e-9).met.sum())
+    return float(grid.voxel**3 * reachable(arm, p, position_tol=1e-9).converged.sum())

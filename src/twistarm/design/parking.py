@@ -283,7 +283,7 @@ def _estimated(arm: Arm, panel: Panel, places: Array) -> tuple[NDArray[np.bool_]
     p, d = (np.concatenate(of_tasks)[:, None] for of_tasks in zip(*points, strict=True))
     at, towards = (g[:, :3, :3] @ p[..., None])[..., 0] + g[:, :3, 3], (g[:, :3, :3] @ d[..., None])[..., 0]
     found = reachable(arm, at.reshape(-1, 3), direction=towards.reshape(-1, 3), **dict[str, Any](panel.tolerances))
-    done: NDArray[np.bool_] = np.all(found.met.reshape(len(panel.tasks), -1, len(places)), axis=1)
+    done: NDArray[np.bool_] = np.all(found.converged.reshape(len(panel.tasks), -1, len(places)), axis=1)
     room = np.minimum(found.theta - arm.limits.lower, arm.limits.upper - found.theta).min(axis=-1)
     least = room.reshape(len(panel.tasks), -1, len(places)).min(axis=1)
     return done, np.where(done, least, np.inf).min(axis=0)

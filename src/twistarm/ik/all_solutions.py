@@ -83,7 +83,7 @@ class AllSolutions:
         """For each of theta, the joints that can go on moving with the target met."""
         names = self._arm.joint_names
         moving = self._rows[: self._inside, 1]
-        return tuple(tuple(names[i] for i in np.flatnonzero(each)) for each in moving)
+        return tuple(tuple(names[i] for i in np.flatnonzero(row)) for row in moving)
 
     @property
     def colliding(self) -> NDArray[np.bool_]:
@@ -151,8 +151,8 @@ class AllSolutions:
         count, beyond = len(self), len(self.outside)
         all_ = "all there are" if self.complete else "there may be more"
         outside = f", {beyond}{' more' * (count > 0)} outside" if beyond else ""
-        met = f"{self.hits} of {self.starts}" if self.hits else f"none of {self.starts}"
-        sampled = f", {met} searches met the target" if self.starts else ""
+        share = f"{self.hits} of {self.starts}" if self.hits else f"none of {self.starts}"
+        sampled = f", {share} searches met the target" if self.starts else ""
         if not count and self.complete:
             return f"no configuration inside the limits{outside}: that is certain"
         late = "; the time was up before everything had been tried" * self.timed_out

@@ -47,7 +47,7 @@ class AllSolutionsBatch:
     """How, and whether these are all there are: of all targets, or for each."""
     tolerances: Tolerances
     """What was to count as met."""
-    each: tuple[AllSolutions, ...] = field(default=(), repr=False)
+    answers: tuple[AllSolutions, ...] = field(default=(), repr=False)
     """The answers where they were found one by one."""
 
     def __post_init__(self) -> None:
@@ -58,8 +58,7 @@ class AllSolutionsBatch:
     @property
     def complete(self) -> NDArray[np.bool_]:
         """(N,): whether each target's configurations are all there are."""
-        each = np.array([complete for _, complete in self.known])
-        return np.resize(each, len(self))
+        return np.resize([complete for _, complete in self.known], len(self))
 
     @cached_property
     def theta(self) -> Array:
@@ -97,8 +96,8 @@ class AllSolutionsBatch:
 
     def __getitem__(self, index: int) -> AllSolutions:
         i = range(len(self))[operator.index(index)]
-        if self.each:
-            return self.each[i]
+        if self.answers:
+            return self.answers[i]
         first, count = self._first[i], int(self.count[i])
         own = slice(first, first + count + self.outside_count[i])
         start = self.theta0 if self.theta0.ndim == 1 else self.theta0[i]
@@ -147,36 +146,36 @@ def solve_ik_all_batch(
     require_arm(arm).require_core("solve_ik_all_batch")
     as_flag(include_turns, "include_turns")
     count = as_whole(redundancy_samples, "redundancy_samples", 1, 1000)
-    met = position_tol, orientation_tol
 
     def one(target: TargetLike, start: ArrayLike) -> AllSolutions:
         return solve_ik_all(
             arm, target, start, fixed_joints=fixed_joints, redundancy_samples=count, include_turns=include_turns,
-            position_tol=met[0], orientation_tol=met[1],
+            position_tol=position_tol, orientation_tol=orientation_tol,
         )  # fmt: skip
 
     if isinstance(targets, np.ndarray) and fixed_joints is None and not include_turns:
         # Poses that are plainly right go straight to the core, which looks at each of them much faster.
         method = method_for(arm, Pose(np.eye(4)))
-        plain = method.core is not None and not method.swept and all(type(each) is float for each in met)
+        plain = method.core is not None and not method.swept and type(position_tol) is type(orientation_tol) is float
         start = arm.ready if theta0 is None else theta0
-        found = _by_core(arm, method, targets, start, Tolerances(*met), threads, one) if plain else None
+        tolerances = Tolerances(position_tol, orientation_tol)
+        found = _by_core(arm, method, targets, start, tolerances, threads, one) if plain else None
         if found is not None:
             return found
     asked = targets_for(arm, targets)
-    request = checked(arm, theta0, None, *met, 1, 0, None, count=len(asked))
+    request = checked(arm, theta0, None, position_tol, orientation_tol, 1, 0, None, count=len(asked))
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
-    stands = checked_fixed_joints(arm, fixed_joints)
+    fixed = checked_fixed_joints(arm, fixed_joints)
     near = np.array(request.theta0)
-    near[..., list(stands)] = list(stands.values())
+    near[..., list(fixed)] = list(fixed.values())
     kinds = {(type(target), target.axis.tobytes() if isinstance(target, Approach) else b"") for target in asked}
-    method = method_for(arm, asked[0] if asked else Pose(np.eye(4)), tuple(stands))
+    method = method_for(arm, asked[0] if asked else Pose(np.eye(4)), tuple(fixed))
     if len(kinds) <= 1 and not include_turns and method.core is not None and not method.swept:
         found = _by_core(arm, method, asked, near, request.tolerances, workers, one)
         assert found is not None, "what was checked is plain"
         return found
     starts = np.broadcast_to(near, (len(asked), arm.n))
-    return _gathered(arm, asked, near, request.tolerances, [one(*each) for each in zip(asked, starts, strict=True)])
+    return _gathered(arm, asked, near, request.tolerances, list(map(one, asked, starts)))
 
 
 def _by_core(
@@ -190,7 +189,7 @@ def _by_core(
 ) -> AllSolutionsBatch | None:
     """The core's answer. None where an argument is not plainly right.
 
-    `one` solves a target if the core cannot tell families apart, or if it is met within the tolerances alone.
+    `one` solves a target if the core cannot separate families, or if it is met within the tolerances alone.
     """
     assert method.core is not None
     numbers = targets
@@ -209,21 +208,21 @@ def _by_core(
     missed = np.flatnonzero((found.inside == 0) & ~left)
     if len(missed) and exact != tolerances:
         asked = kept[missed] if isinstance(kept, np.ndarray) else [kept[i] for i in missed]
-        left[missed] = reachable(arm, asked, **tolerances.keywords, threads=threads).met
+        left[missed] = reachable(arm, asked, **tolerances.keywords, threads=threads).converged
     beyond = found.counts - found.inside
     batch = AllSolutionsBatch(arm, found.inside, beyond, kept, start, found.rows, known, tolerances)
     if not left.any():
         return batch
-    each = [one(answer.target, answer.theta0) if more else answer for answer, more in zip(batch, left, strict=True)]
-    return _gathered(arm, kept, start, tolerances, each)
+    answers = [one(answer.target, answer.theta0) if more else answer for answer, more in zip(batch, left, strict=True)]
+    return _gathered(arm, kept, start, tolerances, answers)
 
 
 def _gathered(
-    arm: Arm, targets: Array | tuple[AnyTarget, ...], theta0: Array, tolerances: Tolerances, each: list[AllSolutions]
+    arm: Arm, targets: Array | tuple[AnyTarget, ...], theta0: Array, tolerances: Tolerances, answers: list[AllSolutions]
 ) -> AllSolutionsBatch:
     """A batch of answers that were found one by one."""
-    count = np.array([len(found) for found in each], dtype=np.int64)
-    beyond = np.array([len(found.outside) for found in each], dtype=np.int64)
-    rows = np.concatenate([np.zeros((0, 2, arm.n)), *(found._rows for found in each)])
-    known = tuple((found._method, found.complete) for found in each)
-    return AllSolutionsBatch(arm, count, beyond, targets, theta0, rows, known, tolerances, tuple(each))
+    count = np.array([len(found) for found in answers], dtype=np.int64)
+    beyond = np.array([len(found.outside) for found in answers], dtype=np.int64)
+    rows = np.concatenate([np.zeros((0, 2, arm.n)), *(found._rows for found in answers)])
+    known = tuple((found._method, found.complete) for found in answers)
+    return AllSolutionsBatch(arm, count, beyond, targets, theta0, rows, known, tolerances, tuple(answers))

@@ -38,6 +38,7 @@ class StopReason(Enum):
 
 
 STOPS = tuple(StopReason)  # The reasons by their numbers in an answer.
+CONVERGED = 0  # The number of StopReason.CONVERGED.
 NOT_FINISHED = -1  # In place of a reason: the time was up before the target was finished.
 Record = NDArray[np.void]  # An answer (), or the answers (N,) of a batch, with the fields of `record_type`.
 

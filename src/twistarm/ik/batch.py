@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, RealArray, as_given, as_positive, as_whole, frozen, require_callback
 from ..support.errors import InputError, quote
-from .answer import NOT_FINISHED, STOPS, Record, StopReason, record_type
+from .answer import CONVERGED, NOT_FINISHED, STOPS, Record, StopReason, record_type
 from .certainty import decide
 from .ranges import joint_ranges
 from .request import Deadline, Request, checked, named
@@ -95,9 +95,9 @@ class IKBatch:
     @property
     def converged(self) -> NDArray[np.bool_]:
         """(N,): which targets are met to the tolerances, and free of collisions with the scene."""
-        met: NDArray[np.bool_] = self.records["stop"] == STOPS.index(StopReason.CONVERGED)
-        met[list(self.contacts)] = False
-        return met
+        converged: NDArray[np.bool_] = self.records["stop"] == CONVERGED
+        converged[list(self.contacts)] = False
+        return converged
 
     def __repr__(self) -> str:
         return f"IKBatch({self.arm.name}, {len(self)} targets, {int(self.converged.sum())} met)"
@@ -172,9 +172,9 @@ def solve_ik_batch(
         start = arm.ready if theta0 is None else named(arm, theta0)
         preferred = None if posture is None else named(arm, posture, start)
         how = as_given(start), position_tol, orientation_tol, restarts, rng, max_time, as_given(preferred), threads
-        told = partial(_tell, progress, 0, None) if callable(progress) else progress
+        report = partial(_report, progress, 0, None) if callable(progress) else progress
         found = np.zeros(targets.shape[:1], record_type(arm.n))
-        if chain.solve_batch(Pose.kind, as_given(targets), *how, told, found):
+        if chain.solve_batch(Pose.kind, as_given(targets), *how, report, found):
             return IKBatch(arm, _finished(arm, found, None, max_time is None))
     asked = targets_for(arm, targets)
     request = checked(arm, theta0, posture, position_tol, orientation_tol, restarts, rng, max_time, count=len(asked))
@@ -185,8 +185,8 @@ def solve_ik_batch(
     for kind in np.unique(kinds).tolist():
         places = np.flatnonzero(kinds == kind)
         numbers, part = np.array([asked[i].numbers for i in places]), records[places]
-        tell = None if progress is None else partial(_tell, progress, done, len(asked))
-        if not chain.solve_batch(kind, numbers, *_part(request, places).for_core, workers, tell, part):
+        report = None if progress is None else partial(_report, progress, done, len(asked))
+        if not chain.solve_batch(kind, numbers, *_part_of(request, places).for_core, workers, report, part):
             # Somebody has written into the arrays of a target.
             again = targets_for(arm, asked, checked_target)
             return solve_ik_batch(arm, again, **request.keywords, threads=workers, progress=progress)
@@ -198,9 +198,9 @@ def solve_ik_batch(
 def _free(batch: IKBatch, scene: Scene, deadline: Deadline, threads: int) -> IKBatch:
     """The batch with free answers in place of those that collide, and the contacts where none was found."""
     records = batch.records.copy()
-    met = np.flatnonzero(batch.converged)
+    converged = np.flatnonzero(batch.converged)
     contacts: dict[int, tuple[Contact, ...]] = {}
-    for i in met[scene.collides(batch.theta[met], threads=threads)].tolist():
+    for i in converged[scene.collides(batch.theta[converged], threads=threads)].tolist():
         found = collision_free(scene, batch[i], deadline)
         if found.contacts:
             contacts[i] = found.contacts
@@ -216,14 +216,14 @@ def _finished(arm: Arm, records: Record, targets: tuple[AnyTarget, ...] | None, 
         records["theta"][late] = joint_ranges(arm).inside(records["theta0"][late])
         records["position_error"][late] = records["orientation_error"][late] = np.inf
         records["stop"][late] = STOPS.index(StopReason.TIMED_OUT)
-    for i in np.flatnonzero((records["stop"] != 0) & (records["restarts"] > 1)).tolist():
+    for i in np.flatnonzero((records["stop"] != CONVERGED) & (records["restarts"] > 1)).tolist():
         target = target_of(Pose.kind, records[i]["numbers"]) if targets is None else targets[i]
         decide(arm, target, records[i, ...], patient)
     return records
 
 
-def targets_for(arm: Arm, targets: Any, taken: Callable[[Arm, Any], AnyTarget] = target_for) -> tuple[AnyTarget, ...]:
-    """The targets of a batch, of any kinds, each as `taken` makes it. InputError names the place of a wrong one."""
+def targets_for(arm: Arm, targets: Any, convert: Callable[[Arm, Any], AnyTarget] = target_for) -> tuple[AnyTarget, ...]:
+    """The targets of a batch, of any kinds, each as `convert` makes it. InputError names the place of a wrong one."""
     if isinstance(targets, np.ndarray) and (targets.ndim != 3 or targets.shape[1:] != (4, 4)):
         raise InputError(f"targets must be poses of shape (N, 4, 4); got {targets.shape}{shape_hint(targets)}")
     if isinstance(targets, str) or not isinstance(targets, (np.ndarray, Sequence)):
@@ -231,18 +231,18 @@ def targets_for(arm: Arm, targets: Any, taken: Callable[[Arm, Any], AnyTarget] =
     found: list[AnyTarget] = []
     try:
         for target in targets:
-            found.append(taken(arm, target))  # noqa: PERF401
+            found.append(convert(arm, target))  # noqa: PERF401
     except InputError as error:
         raise InputError(f"targets[{len(found)}]: {error}") from error
     return tuple(found)
 
 
-def _tell(progress: Progress, before: int, count: int | None, done: int, of: int) -> None:
+def _report(progress: Progress, before: int, count: int | None, done: int, of: int) -> None:
     """Report a part of a batch of `count` targets, after `before` of them. None if it is the only part."""
     progress((before + done) / (of if count is None else count))
 
 
-def _part(request: Request, indices: NDArray[np.int64]) -> Request:
+def _part_of(request: Request, indices: NDArray[np.int64]) -> Request:
     """The request for some targets of the batch."""
 
     def part(values: Array) -> Array:

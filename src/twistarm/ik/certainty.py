@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arm.arm import Arm
 from ..support.checks import Array
-from .answer import NOT_FINISHED, STOPS, Configurations, Record, StopReason, fill, record_type
+from .answer import CONVERGED, NOT_FINISHED, STOPS, Configurations, Record, StopReason, fill, record_type
 from .closed_form.methods import Method, family_for
 from .ranges import joint_ranges
 from .targets import AnyTarget
@@ -35,7 +35,7 @@ def decide(arm: Arm, target: AnyTarget, answer: Record, patient: bool) -> None:
     or was not finished in time, stays as it is. So does that of one search: its caller wants its result. Without a
     closed form, limits are the reason only if other searches find nothing either; `patient`: there is time for them.
     """
-    if answer["stop"] in (0, TIMED_OUT, NOT_FINISHED) or answer["restarts"] <= 1:
+    if answer["stop"] in (CONVERGED, TIMED_OUT, NOT_FINISHED) or answer["restarts"] <= 1:
         return
     method, start = family_for(arm, target), np.array(answer["theta0"])
     exact = Tolerances(float(answer["position_tol"]), float(answer["orientation_tol"])).at_most(EXACT)
@@ -98,6 +98,6 @@ def _blame_limits(arm: Arm, target: AnyTarget, answer: Record, theta: Array) -> 
     """Name the limits with a configuration outside them, unless the answer has one that meets the whole target."""
     tolerances = Tolerances(float(answer["position_tol"]), float(answer["orientation_tol"]))
     known = arm.fk(answer["unlimited"])
-    if answer["has_unlimited"] and tolerances.met(target.position_error(known), target.orientation_error(known)):
+    if answer["has_unlimited"] and tolerances.converged(target.position_error(known), target.orientation_error(known)):
         return
     fill(answer, unlimited=theta, stop=BLOCKED, has_unlimited=True)

@@ -17,7 +17,7 @@ from .answer import Configurations
 from .batch import Progress
 from .certainty import EXACT
 from .closed_form.methods import Method
-from .closed_form.roots import ROUNDED_LIMIT, Asked, Root, apart, copies_inside
+from .closed_form.roots import ROUNDED_LIMIT, Asked, Root, copies_inside, joint_difference
 from .ranges import holding, joint_ranges
 from .request import Deadline
 from .searches import searched
@@ -50,9 +50,9 @@ class Gathering(Asked):
     def compiled(self, values: Array) -> Configurations:
         """What the core finds with the held joints at each of the values (k, h)."""
         assert self.method.core is not None
-        held, met = values if len(values) > 1 else None, self.tolerances
-        found = self.method.core.solve(self.target.numbers, self.near, held, met.position, met.orientation)
-        assert found is not None, "what was checked is plain"
+        held, exact = values if len(values) > 1 else None, self.tolerances
+        found = self.method.core.solve(self.target.numbers, self.near, held, exact.position, exact.orientation)
+        assert found is not None, "checked input needs no conversion"
         return Configurations(*found)
 
     def eliminated(self, values: Array) -> Configurations | None:
@@ -66,9 +66,9 @@ class Gathering(Asked):
     def _judged(self, candidates: Array) -> Configurations:
         """The different answers among the candidates (k, n), verified by the core."""
         assert self.method.judge is not None
-        met = self.tolerances
-        found = self.method.judge.verify(self.target.numbers, self.near, candidates, met.position, met.orientation)
-        assert found is not None, "what was checked is plain"
+        exact = self.tolerances
+        found = self.method.judge.verify(self.target.numbers, self.near, candidates, exact.position, exact.orientation)
+        assert found is not None, "checked input needs no conversion"
         return Configurations(*found)
 
     @property
@@ -96,8 +96,8 @@ class Gathering(Asked):
         """Roots with the held joints at each of the values (k, h), and how many values have any."""
         method, found = self.method, list[Root]()
         tries = hits = 0
-        for each in self.deadline.until(values if method.there else ()):
-            new = self._roots_with(each)
+        for row in self.deadline.until(values if method.there else ()):
+            new = self._roots_with(row)
             held = {*method.idle, *method.swept}
             found += [replace(root, free=tuple(sorted({*root.free, *held}))) for root in new]
             hits += bool(new)
@@ -114,7 +114,7 @@ class Gathering(Asked):
         candidates = method.candidates(self.arm, self.target, self.near, values, method.exact)
         return self.new_roots(candidates, method.held, [])
 
-    def values_met(self) -> Array:
+    def values_found(self) -> Array:
         """Values (k, h), k ≤ 1, of the held joints in a configuration found by a search. Samples may miss all."""
         found = self.one_search()
         return found.theta[None, list(self.method.held)][: int(found.converged)]
@@ -122,8 +122,8 @@ class Gathering(Asked):
     def within(self, tolerances: Tolerances) -> tuple[list[Root], int, int]:
         """One configuration of each branch that meets the target within these, where none does exactly.
 
-        Also the number of searches and how many met the target. Branches are apart if the target is not met all along
-        the straight way between them.
+        Also the number of searches and how many met the target. Two branches are separate if the straight line
+        between them leaves the target.
         """
         task = replace(self, tolerances=tolerances, progress=None)
         first = task.one_search()
@@ -132,9 +132,9 @@ class Gathering(Asked):
         arm, starts = holding(self.arm, self.method.given, self.near), self.arm.random_theta(0, EXTRA_SEARCHES)
         done = searched(arm, [self.target] * len(starts), starts, tolerances, max_time=self.deadline.left)
         kept: list[Array] = []
-        for theta in sorted([first.theta, *done.met], key=self.distance):
-            left = [apart(self.arm, other, theta) for other in kept]
-            if not any(all(task.met(theta + share * way) for share in BETWEEN) for way in left):
+        for theta in sorted([first.theta, *done.solutions], key=self.distance):
+            left = [joint_difference(self.arm, other, theta) for other in kept]
+            if not any(all(task.converged(theta + share * way) for share in BETWEEN) for way in left):
                 kept.append(theta)
         return [Root(theta, self.method.idle) for theta in kept], done.run, int(done.converged.sum())
 
@@ -153,7 +153,7 @@ class Gathering(Asked):
         while count ** len(self.method.swept) > MOST_COMBINATIONS:
             count -= 1
         grid = {i: self._theta0_first(i, self._spread(i, count)) for i in self.method.swept}
-        choices = [grid.get(i, np.array([self.stand[i]])) for i in self.method.held]
+        choices = [grid.get(i, np.array([self.theta0_inside[i]])) for i in self.method.held]
         combinations = list(itertools.product(*choices))
         return np.array(combinations).reshape(len(combinations), len(self.method.held))
 
@@ -169,10 +169,10 @@ class Gathering(Asked):
 
     def _theta0_first(self, joint: int, values: Array) -> Array:
         """Theta0's value of a joint, followed by the values that are another angle."""
-        apart = values - self.near[joint]
+        offset = values - self.near[joint]
         if joint_ranges(self.arm).periodic[joint]:
-            apart = (apart + np.pi) % (2.0 * np.pi) - np.pi
-        return np.append(self.near[joint], values[np.abs(apart) > ROUNDED_LIMIT])
+            offset = (offset + np.pi) % (2.0 * np.pi) - np.pi
+        return np.append(self.near[joint], values[np.abs(offset) > ROUNDED_LIMIT])
 
     def searched(self, count: int, known: list[Root], before: int) -> tuple[list[Root], int, int]:
         """New roots from `count` starts, the number of searches, and how many met the target.
@@ -191,19 +191,19 @@ class Gathering(Asked):
         targets = [self.target] * len(starts)
         arm = holding(self.arm, self.method.given, self.near)
         done = searched(arm, targets, starts, Tolerances(EXACT, EXACT), max_time=self.deadline.left, progress=progress)
-        idle = [i in self.method.idle for i in range(self.arm.n)]  # their values do not tell answers apart
-        met = np.where(idle, self.stand, done.met)
+        idle = [i in self.method.idle for i in range(self.arm.n)]  # their values distinguish no answers
+        candidates = np.where(idle, self.theta0_inside, done.solutions)
         held = (*self.method.given, *self.method.idle)
-        return self.new_roots(met, held, known), done.run, int(done.converged.sum())
+        return self.new_roots(candidates, held, known), done.run, int(done.converged.sum())
 
     @cached_property
-    def stand(self) -> Array:
+    def theta0_inside(self) -> Array:
         """theta0's values (n,), clipped to the limits."""
         return np.clip(self.near, self.arm.limits.lower, self.arm.limits.upper)
 
     @cached_property
     def motions(self) -> SelfMotions:
-        """The self-motions of the answers. Idle joints do not tell answers apart."""
+        """The self-motions of the answers. Idle joints distinguish no answers."""
         still = (*self.method.given, *self.method.idle)
         return SelfMotions(self.arm, self.target, self.tolerances, still, self.deadline)
 
@@ -220,7 +220,7 @@ class Gathering(Asked):
 
     def at_start(self, theta: Array, joints: Sequence[int]) -> int:
         """How many of the joints are at theta0's value."""
-        return int((np.abs(theta - self.stand)[list(joints)] <= SAME_VALUE).sum())
+        return int((np.abs(theta - self.theta0_inside)[list(joints)] <= SAME_VALUE).sum())
 
     def distance(self, theta: Array) -> float:
         """The largest joint difference from theta0, in shares of the joint's range (else 2π or 1 m)."""
@@ -235,11 +235,11 @@ class Gathering(Asked):
         own = sorted(free - {*self.motions.still})
         inside = self.inside([root.theta for root in family.roots])
         if not any(self.at_start(theta, own) for theta in inside):
-            inside += self._first_inside(family.curve, [(i, self.stand[i]) for i in own])
+            inside += self._first_inside(family.curve, [(i, self.theta0_inside[i]) for i in own])
         if own and not inside:  # a part of a curve inside the limits begins at one of them
             limits = [(i, bound[i]) for i in own for bound in (self.arm.limits.lower, self.arm.limits.upper)]
             inside = self._first_inside(family.curve, [(i, value) for i, value in limits if np.isfinite(value)])
-            inside = inside or self.inside(self.motions.toward(family.roots[0].theta, self.stand))
+            inside = inside or self.inside(self.motions.toward(family.roots[0].theta, self.theta0_inside))
         inside.sort(key=lambda theta: (-self.at_start(theta, own), self.distance(theta)))
         theta = inside[0] if inside else family.roots[0].theta
         if self.method.swept and not self.deadline.passed:
@@ -249,27 +249,27 @@ class Gathering(Asked):
 
     def _first_inside(self, curve: Array, values: Iterable[tuple[int, float]]) -> list[Array]:
         """Members inside the limits for the first joint and value that have any."""
-        found = (self.inside(self.motions.passing(curve, *each)) for each in self.deadline.until(values))
+        found = (self.inside(self.motions.passing(curve, joint, value)) for joint, value in self.deadline.until(values))
         return next(filter(None, found), [])
 
     def inside(self, thetas: Iterable[Array]) -> list[Array]:
-        """Those of the configurations that lie inside the limits, turned near to theta0."""
+        """Those of the configurations that lie inside the limits, by whole turns near to theta0."""
         brought = (self.inside_limits(theta, self.near) for theta in thetas)
         return [theta for theta in brought if theta is not None]
 
-    def told(self, families: list[Members], copies: bool, tries: tuple[int, int], all_seen: bool) -> AllSolutions:
-        """The answers inside the limits, nearest first, then those outside. Twins are one answer."""
-        arm, kept, placed = self.arm, list[Entry](), np.empty((len(families), self.arm.n))
+    def assembled(self, families: list[Members], copies: bool, tries: tuple[int, int], all_seen: bool) -> AllSolutions:
+        """The answers inside the limits, nearest first, then those outside. Twins become one answer."""
+        arm, kept, thetas = self.arm, list[Entry](), np.empty((len(families), self.arm.n))
         entries = [self.entry(family) for family in families]
         pairs = zip(entries, families, strict=True)
         all_seen = all_seen and all(entry.inside or self.alone(family.roots[0]) for entry, family in pairs)
-        for each in sorted(entries, key=lambda entry: (not entry.inside, entry.distance)):
-            i = self.twin(each.theta, placed[: len(kept)])
+        for entry in sorted(entries, key=lambda entry: (not entry.inside, entry.distance)):
+            i = self.twin(entry.theta, thetas[: len(kept)])
             if i is None:
-                placed[len(kept)] = each.theta
-                kept.append(each)
+                thetas[len(kept)] = entry.theta
+                kept.append(entry)
             else:
-                np.logical_or(kept[i].moving, each.moving, out=kept[i].moving)
+                np.logical_or(kept[i].moving, entry.moving, out=kept[i].moving)
         within = [entry for entry in kept if entry.inside]
         if copies:
             more = [(theta, entry) for entry in within for theta in copies_inside(arm, entry.theta)]

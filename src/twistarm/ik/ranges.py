@@ -40,13 +40,13 @@ class JointRanges:
     def wrapped(self, theta: Array, near: Array) -> Array:
         """theta with every freely turning joint at its representative inside the limits nearest to `near`."""
         nearest = theta + TURN * np.round((near - theta) / TURN)
-        return np.where(self.turns, np.clip(self._turned_back(nearest), self.lower, self.upper), theta)
+        return np.where(self.turns, np.clip(self._without_turns(nearest), self.lower, self.upper), theta)
 
     def inside(self, theta: Array) -> Array:
         """theta brought into the limits by whole turns, else to the bound."""
-        turned = self._turned_back(theta)
-        kept = self.periodic & (turned >= self.lower) & (turned <= self.upper)
-        return np.clip(np.where(kept, turned, theta), self.lower, self.upper)
+        inside = self._without_turns(theta)
+        kept = self.periodic & (inside >= self.lower) & (inside <= self.upper)
+        return np.clip(np.where(kept, inside, theta), self.lower, self.upper)
 
     def toward_middle(self, theta: Array) -> Array:
         """theta (..., n) by whole turns as near to the middle of the limits as possible."""
@@ -54,7 +54,7 @@ class JointRanges:
         middle = 0.5 * (np.where(bounded, self.lower, 0.0) + np.where(bounded, self.upper, 0.0))
         return np.where(self.periodic, theta + TURN * np.round((middle - theta) / TURN), theta)
 
-    def _turned_back(self, theta: Array) -> Array:
+    def _without_turns(self, theta: Array) -> Array:
         """theta without the whole turns by which it lies outside. A hair outside, by rounding, stays."""
         below = np.ceil(np.maximum(self.lower - theta, 0.0) / TURN - WHOLE_TURN_TOL)
         above = np.ceil(np.maximum(theta - self.upper, 0.0) / TURN - WHOLE_TURN_TOL)
@@ -71,7 +71,7 @@ def joint_ranges(arm: Arm) -> JointRanges:
     return _KEPT[arm]
 
 
-def standing(arm: Arm) -> tuple[int, ...]:
+def locked_joints(arm: Arm) -> tuple[int, ...]:
     """The joints with limits of one value."""
     return tuple(np.flatnonzero(arm.limits.lower == arm.limits.upper).tolist())
 

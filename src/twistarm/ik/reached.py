@@ -36,9 +36,9 @@ AT_ONCE = 16 * CHUNK  # Targets whose closed forms are in memory at once: six co
 
 
 class Reached(NamedTuple):
-    """The verdicts of `reachable`: `met` (N,), and theta (N, n) [rad, m], NaN where a target is not met."""
+    """The verdicts of `reachable`: `converged` (N,), and theta (N, n) [rad, m], NaN where a target is not reached."""
 
-    met: NDArray[np.bool_]
+    converged: NDArray[np.bool_]
     theta: Array
 
 
@@ -86,7 +86,7 @@ def reachable(
         progress: Called now and then with the fraction done, or None.
 
     Returns:
-        The `Reached`: met (N,) and theta (N, n).
+        The `Reached`: converged (N,) and theta (N, n).
 
     Raises:
         InputError: A target (the message says which), the start or a number is unusable.
@@ -100,21 +100,21 @@ def reachable(
     count = sum(len(group.places) for group in groups)
     found, decided = Reached(np.zeros(count, dtype=np.bool_), np.full((count, arm.n), np.nan)), 0
 
-    def tell(searched: int, _: int = 0) -> None:
+    def report(searched: int, _: int = 0) -> None:
         if progress is not None:
             progress((decided + searched) / count)
 
     for group in groups:
         rest = _left_by_closed_form(arm, group, _in_ball(arm, group, request), request, workers, found)
         decided += len(group.places) - sum(len(left) for left, _ in rest)
-        tell(0)
+        report(0)
         for left, searches in rest:
             at = group.places[left]
             chunks = np.searchsorted(at, np.arange(0, count + CHUNK, CHUNK)).astype(np.float64)
-            how = *replace(request, restarts=searches).for_core[:5], chunks, workers, progress and tell
+            how = *replace(request, restarts=searches).for_core[:5], chunks, workers, progress and report
             answers = chain.reachable(group.like.kind, group.numbers[left], *how)
             assert answers is not None, "what was checked is plain"
-            found.met[at], found.theta[at] = answers
+            found.converged[at], found.theta[at] = answers
             decided += len(left)
     return found
 
@@ -152,7 +152,7 @@ def _axes(like: AnyTarget, shape: tuple[int, ...], direction: ArrayLike | None) 
     along = as_direction(direction, "direction")
     if along.shape not in {(3,), shape}:
         raise InputError(f"direction must have shape (3,) or {shape}; got {along.shape}")
-    return [np.broadcast_to(each, shape) for each in (along, like.axis)]
+    return [np.broadcast_to(axis, shape) for axis in (along, like.axis)]
 
 
 def _in_ball(arm: Arm, group: _Group, request: Request) -> NDArray[np.int64]:
@@ -164,8 +164,8 @@ def _in_ball(arm: Arm, group: _Group, request: Request) -> NDArray[np.int64]:
         x = numbers[:, :3, :3] @ ball.x + numbers[:, :3, 3]
     else:
         x = numbers[:, :3] + (ball.x @ group.like.axis * numbers[:, 3:6] if isinstance(group.like, Approach) else 0.0)
-    met = request.tolerances
-    slack = met.position + met.orientation * float(np.linalg.norm(ball.x))
+    tolerances = request.tolerances
+    slack = tolerances.position + tolerances.orientation * float(np.linalg.norm(ball.x))
     return np.flatnonzero(np.linalg.norm(x - ball.centre, axis=1) <= ball.radius + slack)
 
 
@@ -176,10 +176,10 @@ def _left_by_closed_form(
 
     A target that no configuration meets exactly may still be met within tolerances that are not tight.
     """
-    method, met = family_for(arm, group.like) if group.own else None, request.tolerances
+    method, tolerances = family_for(arm, group.like) if group.own else None, request.tolerances
     if method is None or method.core is None or method.swept or not method.exact:
         return [(some, request.restarts)]
-    open_, excluded, exact = [some[:0]], [some[:0]], met.at_most(EXACT)
+    open_, excluded, exact = [some[:0]], [some[:0]], tolerances.at_most(EXACT)
     for begin in range(0, len(some), AT_ONCE):
         part = some[begin : begin + AT_ONCE]
         how = request.theta0, exact.position, exact.orientation, threads
@@ -188,12 +188,12 @@ def _left_by_closed_form(
         every = ConfigurationsBatch(*answer)
         inside = every.inside > 0
         at = group.places[part[inside]]
-        found.met[at] = True
+        found.converged[at] = True
         found.theta[at] = every.rows[every.first[inside], 0]
         open_.append(part[~inside & (every.families > 0)])
         excluded.append(part[~inside & (every.families == 0)])
     left = [(np.concatenate(open_), request.restarts)]
-    return left if exact == met else [*left, (np.concatenate(excluded), min(request.restarts, NEARLY))]
+    return left if exact == tolerances else [*left, (np.concatenate(excluded), min(request.restarts, NEARLY))]
 
 
 class ReachBall(NamedTuple):
@@ -208,10 +208,10 @@ def reach_ball(arm: Arm, like: Position | Approach | Pose, bounds: tuple[Array, 
     """A small ball for targets like this one, where theta is inside `bounds` or the limits.
 
     A turn about its axis keeps the distance of a point q_i on it to the next one, q_{i+1}. So the tool's point x stays
-    within Σ ‖q_{i+1} − q_i‖ of q_1. A slide or thread adds half of its range. That holds for any q_i on the axes and
-    any x that the target fixes: the origin of a `Position`, the tool axis of an `Approach`, any point of a `Pose`. The
-    q_i and x are those of the least sum, by iteratively reweighted least squares (E. Weiszfeld, Tôhoku Math. J. 43,
-    1937). Coupled joints count as if they moved alone. A slide or thread without limits makes the radius inf.
+    within Σ ‖q_{i+1} − q_i‖ of q_1. A slide or helical joint adds half of its range. That holds for any q_i on the axes
+    and any x that the target fixes: the origin of a `Position`, the tool axis of an `Approach`, any point of a `Pose`.
+    The q_i and x are those of the least sum, by iteratively reweighted least squares (E. Weiszfeld, Tôhoku Math. J.
+    43, 1937). Coupled joints count as if they moved alone. If one that slides has no limits, the radius is inf.
     """
     kept = {Position: np.zeros((3, 0)), Approach: getattr(like, "axis", np.zeros(3))[:, None], Pose: np.eye(3)}
     lower, upper = bounds or (arm.limits.lower, arm.limits.upper)

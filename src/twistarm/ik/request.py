@@ -43,8 +43,8 @@ class Request:
     def for_core(self) -> tuple[Array, float, float, int, int, float | None, Array | None]:
         """The request as the compiled core's arguments, after the target's kind and numbers."""
         seconds = None if math.isinf(self.max_time) else self.max_time
-        met = self.tolerances
-        return self.theta0, met.position, met.orientation, self.restarts, self.seed, seconds, self.posture
+        tolerances = self.tolerances
+        return self.theta0, tolerances.position, tolerances.orientation, self.restarts, self.seed, seconds, self.posture
 
     @property
     def keywords(self) -> dict[str, Any]:

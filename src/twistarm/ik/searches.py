@@ -25,7 +25,7 @@ class Searched(NamedTuple):
     run: int
 
     @property
-    def met(self) -> Array:
+    def solutions(self) -> Array:
         """The configurations that meet their targets, (m, n)."""
         return self.theta[self.converged]
 
@@ -34,7 +34,7 @@ def searched(
     arm: Arm,
     targets: Array | Sequence[AnyTarget],
     starts: Array,
-    met: Tolerances = USUAL,
+    tolerances: Tolerances = USUAL,
     *,
     restarts: int = 1,
     posture: str | None = None,
@@ -44,14 +44,16 @@ def searched(
     """The answers of `solve_ik` to each target (poses (k, 4, 4), or a sequence) from its start (k, n)."""
     if arm.compiled is not None:
         batch = solve_ik_batch(
-            arm, targets, starts, **met.keywords, restarts=restarts, posture=posture, max_time=max_time,
+            arm, targets, starts, **tolerances.keywords, restarts=restarts, posture=posture, max_time=max_time,
             progress=progress,
         )  # fmt: skip
         return Searched(batch.theta, batch.converged, int((batch.restarts > 0).sum()))
     deadline = Deadline.after(max_time)
     theta, converged, run = np.array(starts), np.zeros(len(starts), dtype=np.bool_), 0
     for target, start in deadline.until(zip(targets, starts, strict=True)):
-        found = solve_ik(arm, target, start, **met.keywords, restarts=restarts, posture=posture, max_time=deadline.left)
+        found = solve_ik(
+            arm, target, start, **tolerances.keywords, restarts=restarts, posture=posture, max_time=deadline.left
+        )
         theta[run], converged[run] = found.theta, found.converged
         run += 1
         if progress is not None:

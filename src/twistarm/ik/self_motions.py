@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ..support.checks import Array
-from .closed_form.roots import DEPENDENT, Asked, apart
+from .closed_form.roots import DEPENDENT, Asked, joint_difference
 from .ranges import TURN, joint_ranges
 from .request import Deadline
 
@@ -36,7 +36,7 @@ class SelfMotions(Asked):
     def families(self, thetas: Sequence[Array]) -> Iterator[tuple[list[int], Array]]:
         """The places of the answers of one family, and the curve (k, n) that was walked to find them.
 
-        Two families without a way between them stay apart; so do answers after the deadline.
+        Two families without a way between them stay separate; so do answers after the deadline.
         """
         every = np.array(thetas).reshape(-1, self.arm.n)
         left = np.arange(len(every))
@@ -66,7 +66,7 @@ class SelfMotions(Asked):
                     break
                 along = on - way[-1]
                 way.append(np.where(joint_ranges(self.arm).periodic, on % TURN, on))
-                left = apart(self.arm, start, on)
+                left = joint_difference(self.arm, start, on)
                 closes = left @ along > 0.0 and (sense * tangents[0]) @ along > 0.0  # from behind, and not in a bend
                 if closes and np.linalg.norm(left) < STEP:
                     return np.array([*way, start])
@@ -77,7 +77,7 @@ class SelfMotions(Asked):
         """The places of the answers (m, n) that lie on the curve."""
         found = set()
         for i, theta in self.deadline.until(enumerate(thetas)):
-            away = np.linalg.norm(apart(self.arm, curve, theta), axis=1)
+            away = np.linalg.norm(joint_difference(self.arm, curve, theta), axis=1)
             nearest = int(np.argmin(away))
             if away[nearest] < STEP and self._connected(theta, curve[nearest]):
                 found.add(i)
@@ -85,11 +85,11 @@ class SelfMotions(Asked):
 
     def _beside(self, first: Array, thetas: Array) -> set[int]:
         """The places of the answers (m, n) that straight walks connect with the first, the nearest first."""
-        order = np.argsort(np.linalg.norm(apart(self.arm, thetas, first), axis=1))
+        order = np.argsort(np.linalg.norm(joint_difference(self.arm, thetas, first), axis=1))
         family, found = [first], set[int]()
         for i in self.deadline.until(order.tolist()):
             known = np.array(family[:: 1 + len(family) // MOST_COMPARED])
-            nearest = known[int(np.argmin(np.linalg.norm(apart(self.arm, known, thetas[i]), axis=1)))]
+            nearest = known[int(np.argmin(np.linalg.norm(joint_difference(self.arm, known, thetas[i]), axis=1)))]
             if self._connected(thetas[i], nearest):
                 family.append(thetas[i])
                 found.add(i)
@@ -99,25 +99,25 @@ class SelfMotions(Asked):
         """The members (n,) where the curve (k, n) passes a value of a joint."""
         goal = np.array(curve[0])
         goal[joint] = value
-        away = apart(self.arm, curve, goal)[:, joint]
+        away = joint_difference(self.arm, curve, goal)[:, joint]
         for k in np.flatnonzero((away[:-1] * away[1:] <= 0.0) & (np.abs(np.diff(away)) < 2.0 * STEP)):
             share = away[k] / ((away[k] - away[k + 1]) or 1.0)
-            theta = curve[k] + share * apart(self.arm, curve[k + 1], curve[k])
+            theta = curve[k] + share * joint_difference(self.arm, curve[k + 1], curve[k])
             theta[joint] = curve[k, joint] - away[k]
             theta = self._corrected(theta, joint)
-            if self.met(theta):
+            if self.converged(theta):
                 yield theta
 
     def toward(self, start: Array, goal: Array) -> Iterator[Array]:
         """Members (n,) from the start on, each nearer to the goal, until none is."""
-        x, left = start, apart(self.arm, goal, start)
+        x, left = start, joint_difference(self.arm, goal, start)
         for _ in range(STRAIGHT_STEPS):
             T = self._tangents(x)
             along = T.T @ (T @ left)
             on = self._step(x, along, min(STEP, float(np.linalg.norm(along))))
-            if on is None or np.linalg.norm(apart(self.arm, goal, on)) >= np.linalg.norm(left):
+            if on is None or np.linalg.norm(joint_difference(self.arm, goal, on)) >= np.linalg.norm(left):
                 return
-            x, left = on, apart(self.arm, goal, on)
+            x, left = on, joint_difference(self.arm, goal, on)
             yield x
 
     def _connected(self, a: Array, b: Array) -> bool:
@@ -126,19 +126,19 @@ class SelfMotions(Asked):
 
     def _together(self, a: Array, b: Array) -> bool:
         """Whether two answers (n,) are near, and halfway between them is one too."""
-        left = apart(self.arm, b, a)
+        left = joint_difference(self.arm, b, a)
         if np.abs(left).max(initial=0.0) >= NEIGHBOUR:
             return False
         halfway = a + 0.5 * left
         between = self._corrected(halfway)
-        return bool(np.linalg.norm(between - halfway) <= BENT * np.linalg.norm(left)) and self.met(between)
+        return bool(np.linalg.norm(between - halfway) <= BENT * np.linalg.norm(left)) and self.converged(between)
 
     def _step(self, x: Array, along: Array, length: float) -> Array | None:
         """The member (n,) one step on in the direction `along` (n,). None where the motion ends."""
         size = float(np.linalg.norm(along))
         for step in (length, 0.25 * length) if size > 1e-9 else ():
             on = self._corrected(x + step / size * along)
-            if 0.5 * step <= np.linalg.norm(on - x) <= 1.5 * step and self.met(on):
+            if 0.5 * step <= np.linalg.norm(on - x) <= 1.5 * step and self.converged(on):
                 return on
         return None
 

@@ -16,7 +16,7 @@ from ..support.display import short_repr
 from ..support.errors import NotConvergedError, printable
 from ..support.messages import Argument, Quantity, Text, joined
 from ..support.units import length_hint, theta_hint
-from .answer import CLOSED_FORM, DAMPED, NEAREST, STOPS, Record, StopReason, record_type
+from .answer import CLOSED_FORM, CONVERGED, DAMPED, NEAREST, STOPS, Record, StopReason, record_type
 from .ranges import joint_ranges
 from .targets import AnyTarget, Approach, Pose, TolerancedPose, target_of
 from .task_space import Tolerances
@@ -245,18 +245,18 @@ def reached(solution: IKResult) -> str:
     if math.isinf(solution.position_error):
         return "nothing yet"
     parts: list[str] = []
-    met = solution.tolerances
+    tolerances = solution.tolerances
     if len(solution.target._position_tolerance):
-        wider = _wider(solution.position_error, met.position, "position_tol", "m")
+        wider = _wider(solution.position_error, tolerances.position, "position_tol", "m")
         hint = length_hint(solution.target.position_error(np.eye(4)), solution.arm.reach)
         hint = f" ({hint}: lengths are in metres)" if hint else ""
         off = Text("position {off} off{wider}{hint}", off=_length(solution.position_error), wider=wider, hint=hint)
-        parts.append(off if solution.position_error > met.position else "position met")
+        parts.append(off if solution.position_error > tolerances.position else "position met")
     if len(solution.target._rotation_tolerance):
-        wider = _wider(solution.orientation_error, met.orientation, "orientation_tol", "rad") or _eased(solution)
+        wider = _wider(solution.orientation_error, tolerances.orientation, "orientation_tol", "rad") or _eased(solution)
         angle, which = _degrees(solution.orientation_error), OFF_BY[type(solution.target)]
         off = Text("orientation {angle} off, {which}{wider}", angle=angle, which=which, wider=wider)
-        parts.append(off if solution.orientation_error > met.orientation else "orientation met")
+        parts.append(off if solution.orientation_error > tolerances.orientation else "orientation met")
     return joined(", ", parts)
 
 
@@ -270,13 +270,14 @@ def _wider(error: float, tolerance: float, argument: str, unit: str) -> str:
 
 def _eased(solution: IKResult) -> str:
     """The wider position tolerance with which the arm meets the rotation."""
-    chain, target, met = solution.arm.compiled, solution.target, solution.tolerances
-    if chain is None or solution.position_error > met.position or not len(target._position_tolerance):
+    chain, target, tolerances = solution.arm.compiled, solution.target, solution.tolerances
+    if chain is None or solution.position_error > tolerances.position or not len(target._position_tolerance):
         return ""
     for times in WIDER:
-        wide = times * met.position
-        found = chain.solve(target.kind, target.numbers, solution.theta, wide, met.orientation, SEARCHES, 0, None, None)
-        if found is not None and found[0] == 0:
+        wide = times * tolerances.position
+        how = wide, tolerances.orientation, SEARCHES, 0, None, None
+        found = chain.solve(target.kind, target.numbers, solution.theta, *how)
+        if found is not None and found[0] == CONVERGED:
             return Text(" (met with {wide})", wide=Argument("position_tol", Quantity(wide, "m", 3)))
     return ""
 
@@ -290,7 +291,8 @@ def _why(solution: IKResult) -> list[str]:
         help_ = "move the obstacle, ask for another direction, or give a smaller margin"
         return [*map(str, solution.contacts[:3]), help_]
     if solution.stop is StopReason.EXHAUSTED:
-        what = "the search for the nearest did not settle" if solution.method == NEAREST else "no search met the target"
+        nearest = solution.method == NEAREST
+        what = "the search for the nearest did not converge" if nearest else "no search met the target"
         return [f"{what}; try more restarts, another rng or another theta0"]
     lines = _blocked(solution) if solution.stop is StopReason.BLOCKED_BY_LIMITS else _missing(solution)
     bounds = at_bounds(solution)
@@ -325,14 +327,14 @@ def _blocked(solution: IKResult) -> list[str]:
             value, bound = (value_in_words(x, arm.units[i]) for x in (theta[i], inside))
             needs.append(f"{name} {value} ({side} bound {bound})")
     where = f"for one with {', '.join(needs)}" if needs else "a hair beyond them"
-    turned = solution.target.orientation_error(arm.fk(theta))
-    if turned <= solution.tolerances.orientation:
+    rotation = solution.target.orientation_error(arm.fk(theta))
+    if rotation <= solution.tolerances.orientation:
         return [f"without limits it could be met, {where}"]
     if solution.position_error > solution.tolerances.position:
         return [f"without limits its position could be met, {where}", *_impossible(solution, theta)]
     return [
-        f"{_degrees(solution.orientation_error - turned)} of the rotation are prevented by limits",
-        f"without limits it could be met to within {_degrees(turned)}, {where}",
+        f"{_degrees(solution.orientation_error - rotation)} of the rotation are prevented by limits",
+        f"without limits it could be met to within {_degrees(rotation)}, {where}",
         *_impossible(solution, theta),
     ]
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array
 from . import textbook
-from .answer import record_type
+from .answer import CONVERGED, record_type
 from .certainty import decide
 from .ranges import joint_ranges
 from .request import Deadline, checked, named
@@ -106,7 +106,7 @@ def solve_ik(
         return solve_ik(arm, checked_target(arm, target), **request.keywords)
     stop, record = answer
     found = IKResult(arm, record, given)
-    if stop != 0:
+    if stop != CONVERGED:
         decide(arm, found.target, np.ndarray((), record_type(arm.n), record), max_time is None)
     return found
 
@@ -116,11 +116,11 @@ def collision_free(scene: Scene, first: IKResult, deadline: Deadline) -> IKResul
 
     `first` meets the target and collides. Searches start near theta0, then at random configurations.
     """
-    arm, start, met = first.arm, first.record["theta0"], first.tolerances.keywords
+    arm, start = first.arm, first.record["theta0"]
     for candidates in _rounds(arm, first, start):
         near = candidates[np.argsort(np.linalg.norm(candidates - start, axis=1), kind="stable")]
         for theta in near[~scene.collides(near)] if len(near) else ():
-            found = solve_ik(arm, first.target, theta, **met, max_time=deadline.left)
+            found = solve_ik(arm, first.target, theta, **first.tolerances.keywords, max_time=deadline.left)
             if found.converged and not scene.collides(found.theta):
                 found._avoided = f"the configuration nearest to theta0 collides: {scene.contacts(first.theta)[0]}"
                 return found
@@ -132,7 +132,7 @@ def collision_free(scene: Scene, first: IKResult, deadline: Deadline) -> IKResul
 
 def _rounds(arm: Arm, first: IKResult, start: Array) -> Iterator[Array]:
     """Configurations (k, n) that meet the target, several at a time."""
-    met, chain, target = first.tolerances, arm.require_core("solve_ik with a scene"), first.target
+    tolerances, chain, target = first.tolerances, arm.require_core("solve_ik with a scene"), first.target
     numbers = np.repeat(target.numbers[None], SEARCHES, axis=0)
     rng, ranges = np.random.default_rng(0), joint_ranges(arm)
     for spread in SPREADS:
@@ -140,7 +140,7 @@ def _rounds(arm: Arm, first: IKResult, start: Array) -> Iterator[Array]:
         if np.isfinite(spread):
             starts = np.array([ranges.inside(start + rng.normal(0.0, spread, arm.n)) for _ in range(SEARCHES)])
         found = np.empty(SEARCHES, record_type(arm.n))
-        how = met.position, met.orientation, 1, 0, None, None, 1, None
+        how = tolerances.position, tolerances.orientation, 1, 0, None, None, 1, None
         assert chain.solve_batch(target.kind, numbers, starts, *how, found), "the target and the starts are plain"
-        theta = found["theta"][found["stop"] == 0]
-        yield np.array([ranges.wrapped(each, start) for each in theta]).reshape(-1, arm.n)
+        theta = found["theta"][found["stop"] == CONVERGED]
+        yield np.array([ranges.wrapped(row, start) for row in theta]).reshape(-1, arm.n)

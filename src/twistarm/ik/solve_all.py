@@ -19,7 +19,7 @@ from .batch import Progress
 from .closed_form.methods import closest_miss_of, known_method, method_for
 from .closed_form.roots import Root
 from .gathering import Gathering, Members
-from .ranges import standing
+from .ranges import locked_joints
 from .request import Deadline, checked
 from .targets import Approach, Pose, TargetLike, checked_target, target_for
 from .task_space import ORIENTATION_TOL, POSITION_TOL, Tolerances
@@ -102,14 +102,9 @@ def solve_ik_all(
         )  # fmt: skip
         return replace(found, _colliding=scene.collides(found.theta))
     # What is plainly right goes straight to the core; checking it here would cost more than solving it.
-    usual = (
-        fixed_joints is None
-        and redundancy_samples is DEFAULT_SAMPLES
-        and include_turns is False
-        and max_time is None
-        and progress is None
-    )
-    if usual and type(closed_form) is bool:
+    # Types and values both: 32.0 or an array meets the checks below.
+    plain = type(redundancy_samples) is int and redundancy_samples == DEFAULT_SAMPLES and type(closed_form) is bool
+    if plain and include_turns is False and fixed_joints is None and max_time is None and progress is None:
         answer = _at_once(require_arm(arm), target, theta0, position_tol, orientation_tol)
         if answer is not None and len(answer):
             return answer
@@ -120,24 +115,23 @@ def solve_ik_all(
     as_flag(include_turns, "include_turns")
     as_flag(closed_form, "closed_form")
     count = as_whole(redundancy_samples, "redundancy_samples", 1, 1000)
-    stands = checked_fixed_joints(arm, fixed_joints)
-    method = method_for(arm, asked, tuple(stands))
+    fixed = checked_fixed_joints(arm, fixed_joints)
+    method = method_for(arm, asked, tuple(fixed))
     if closed_form and method.family is None:
         miss = f"{closest_miss_of(arm, method)[1]}; elimination solves it numerically, without closed_form=True"
         raise NoClosedFormError(f"{arm.name} has no closed form for a {type(asked).__name__}: {method.reason or miss}")
     near = np.array(request.theta0)
-    near[list(stands)] = list(stands.values())
+    near[list(fixed)] = list(fixed.values())
     deadline = Deadline.after(request.max_time)
-    met = request.tolerances
-    task = Gathering(arm, asked, met.at_most(ROUNDING), near, method, deadline, progress)
+    task = Gathering(arm, asked, request.tolerances.at_most(ROUNDING), near, method, deadline, progress)
     answer = _answered(task, count, include_turns)
-    if not (len(answer) or answer.timed_out or met == task.tolerances):
-        roots, *tries = task.within(met)
+    if not (len(answer) or answer.timed_out or request.tolerances == task.tolerances):
+        roots, *tries = task.within(request.tolerances)
         if roots:
-            answer = task.told(
+            answer = task.assembled(
                 [Members([root], root.theta[None]) for root in roots], include_turns, (tries[0], tries[1]), False
             )
-    return replace(answer, _tolerances=met)
+    return replace(answer, _tolerances=request.tolerances)
 
 
 def _answered(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
@@ -161,17 +155,17 @@ def _answered(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
         found = [Root(theta, tuple(np.flatnonzero(moves).tolist())) for theta, moves in pairs]
         starts, hits = (len(values), known.hits) if len(values) > 1 else (0, 0)
     if method.there and method.swept and not task.inside([root.theta for root in found]) and not task.deadline.passed:
-        members, tried, met = replace(task, progress=None).solved(task.values_met())
-        found, starts, hits = found + members, starts + tried, hits + met
+        members, tried, converged = replace(task, progress=None).solved(task.values_found())
+        found, starts, hits = found + members, starts + tried, hits + converged
     families = task.families(found)
     missed = False
     if more:
-        beside, run, met = task.searched(more, found, int(method.there))
+        beside, run, converged = task.searched(more, found, int(method.there))
         before, families = len(families), task.families(found + beside) if beside else families
         missed = len(families) > before
         if missed or not method.exact:
-            starts, hits = starts + run, hits + met
-    return task.told(families, include_turns, (starts, hits), not missed)
+            starts, hits = starts + run, hits + converged
+    return task.assembled(families, include_turns, (starts, hits), not missed)
 
 
 def _at_once(
@@ -197,9 +191,9 @@ def _at_once(
 
 def checked_fixed_joints(arm: Arm, fixed_joints: Mapping[str, float] | None) -> dict[int, float]:
     """{joint's index: value}, base to tip, with the joints that have limits of one value."""
-    stands = {i: float(arm.limits.lower[i]) for i in standing(arm)}
+    fixed = {i: float(arm.limits.lower[i]) for i in locked_joints(arm)}
     if fixed_joints is None:
-        return stands
+        return fixed
     if not isinstance(fixed_joints, Mapping):
         raise InputError(f"fixed_joints must be a mapping such as {{'elbow': 0.3}}; got {quote(fixed_joints)}")
     for name, value in fixed_joints.items():
@@ -217,5 +211,5 @@ def checked_fixed_joints(arm: Arm, fixed_joints: Mapping[str, float] | None) -> 
                     upper=Quantity(arm.limits.upper[i], arm.units[i]),
                 )
             )
-        stands[i] = number
-    return dict(sorted(stands.items()))
+        fixed[i] = number
+    return dict(sorted(fixed.items()))

@@ -228,8 +228,8 @@ def _quadratic(f: float, b: float, c: float) -> list[float]:
 
 def _level(axis: JointAxis, coefficients: tuple[Array, Array, Array], off: Callable[[float], float]) -> Roots:
     """Where k₀ + k₁ u + k₂ v is zero, or nearest to it."""
-    k = [float(each) for each in coefficients]
-    scale = max(abs(each) for each in k) or 1.0
+    k = [float(value) for value in coefficients]
+    scale = max(map(abs, k)) or 1.0
     found: list[float] | None
     if not axis.slides:
         found = _harmonic(k[1], k[2], -k[0], scale)
@@ -252,15 +252,15 @@ def _roots(
     best = min(misses)
     kept: list[Array] = []
     for value, miss in zip(values, misses, strict=True):
-        each = _wrapped(np.asarray(value, dtype=np.float64), turns)
-        if miss <= best + BEST and not any(_same(each, other, turns, off, best) for other in kept):
-            kept.append(each)
+        root = _wrapped(np.asarray(value, dtype=np.float64), turns)
+        if miss <= best + BEST and not any(_same(root, other, turns, off, best) for other in kept):
+            kept.append(root)
     return Roots(np.array(kept), best, free)
 
 
 def _same(a: Array, b: Array, turns: Mask, off: Callable[..., float], best: float) -> bool:
-    apart = _wrapped(a - b, turns)
-    return bool(np.abs(apart).max() < SAME) and off(b + 0.5 * apart) <= best + ROUNDING
+    difference = _wrapped(a - b, turns)
+    return bool(np.abs(difference).max() < SAME) and off(b + 0.5 * difference) <= best + ROUNDING
 
 
 def _wrapped(x: Array, turns: Mask) -> Array:

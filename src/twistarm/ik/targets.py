@@ -121,8 +121,8 @@ class Pose(Brief):
 
     def describe(self) -> str:
         """The target in words."""
-        turned = math.degrees(rotation_errors.angle(self.g[:3, :3]))
-        return f"the pose at {metres(self.g[:3, 3])}, turned {turned:.1f}° from the base's axes"
+        angle = math.degrees(rotation_errors.angle(self.g[:3, :3]))
+        return f"the pose at {metres(self.g[:3, 3])}, turned {angle:.1f}° from the base's axes"
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)

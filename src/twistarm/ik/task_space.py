@@ -26,7 +26,7 @@ class Tolerances:
         """The tolerances as keyword arguments of `solve_ik` and its like."""
         return {"position_tol": self.position, "orientation_tol": self.orientation}
 
-    def met(self, position_error: float, orientation_error: float) -> bool:
+    def converged(self, position_error: float, orientation_error: float) -> bool:
         """Whether both errors are within the tolerances."""
         return position_error <= self.position and orientation_error <= self.orientation
 

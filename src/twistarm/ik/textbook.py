@@ -64,13 +64,13 @@ def solve(arm: Arm, target: AnyTarget, request: Request) -> Record:
     found = best = search(problem, start, start)
     searches, steps = 1, found.iterations
     exact = problem.tolerances.at_most(EXACT)
-    while not exact.met(*found.errors) and searches < request.restarts and not deadline.passed:
+    while not exact.converged(*found.errors) and searches < request.restarts and not deadline.passed:
         found = search(problem, arm.random_theta(rng), start)
         best = min(best, found, key=lambda end: _rank(problem, end))
         searches, steps = searches + 1, steps + found.iterations
     timed_out = deadline.passed and searches < request.restarts
     stop = StopReason.CONVERGED if best.converged else StopReason.TIMED_OUT if timed_out else StopReason.EXHAUSTED
-    met = request.tolerances
+    accepted = request.tolerances
     answer = np.zeros((), record_type(arm.n))
     answer["numbers"][: target.numbers.size] = target.numbers.ravel()
     fill(
@@ -78,7 +78,7 @@ def solve(arm: Arm, target: AnyTarget, request: Request) -> Record:
         stop=STOPS.index(stop), iterations=best.iterations if best.converged else steps, restarts=searches,
         other_branch=best.converged and _leaves_branch(problem, start, best.theta),
         start_moved=bool((request.theta0 != start).any()),
-        theta0=request.theta0, kind=target.kind, position_tol=met.position, orientation_tol=met.orientation,
+        theta0=request.theta0, kind=target.kind, position_tol=accepted.position, orientation_tol=accepted.orientation,
     )  # fmt: skip
     return answer
 
@@ -104,7 +104,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
         E = float(error @ error)
         stalls += PROGRESS * best < E
         best = min(best, E)
-        if polished.met(*errors) or stalls == STALLS or iterations == ITERATIONS:
+        if polished.converged(*errors) or stalls == STALLS or iterations == ITERATIONS:
             break
         slope = J.T @ error
         free = ~((theta <= lower) & (slope > 0) | (theta >= upper) & (slope < 0))
@@ -116,19 +116,19 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
     theta = ranges.wrapped(theta, near)
     g = problem.arm.fk(theta)
     errors = target.position_error(g), target.orientation_error(g)
-    return Search(theta, errors, iterations, problem.tolerances.met(*errors))
+    return Search(theta, errors, iterations, problem.tolerances.converged(*errors))
 
 
 def _rank(problem: Problem, end: Search) -> tuple[bool, bool, float, float]:
     """A key that sorts ends: met exactly, met within the tolerances, the position missed, the rotation."""
     position, orientation = end.errors
     missed = 0.0 if position <= problem.tolerances.position else position
-    return not problem.tolerances.at_most(EXACT).met(*end.errors), not end.converged, missed, orientation
+    return not problem.tolerances.at_most(EXACT).converged(*end.errors), not end.converged, missed, orientation
 
 
 def _leaves_branch(problem: Problem, start: Array, theta: Array) -> bool:
     """Whether the target is near the pose of `start` (n,), but theta is not near `start`."""
     g = problem.arm.fk(start)
     near = Tolerances(NEAR_POSITION * problem.arm.reach, NEAR_ORIENTATION)
-    met = near.met(problem.target.position_error(g), problem.target.orientation_error(g))
-    return met and bool(np.abs(theta - start).max() > OTHER_BRANCH)
+    converged = near.converged(problem.target.position_error(g), problem.target.orientation_error(g))
+    return converged and bool(np.abs(theta - start).max() > OTHER_BRANCH)

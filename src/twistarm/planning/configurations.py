@@ -198,12 +198,12 @@ def _by_closed_form(arm: Arm, target: AnyTarget, starts: Array) -> tuple[Array, 
 
 def _by_searches(arm: Arm, target: AnyTarget, starts: Array, met: Tolerances) -> Array:
     """Return what searches from each of the starts find, (k, n)."""
-    return searched(arm, [target] * len(starts), starts, met).met
+    return searched(arm, [target] * len(starts), starts, met).solutions
 
 
 def _nearest(arm: Arm, target: AnyTarget, near: Array) -> Array:
     """Return the configuration nearest to `near` that meets the target, (1, n), or none."""
-    return searched(arm, [target], near[None], ALL_BUT_EXACT, restarts=100, posture="theta0").met
+    return searched(arm, [target], near[None], ALL_BUT_EXACT, restarts=100, posture="theta0").solutions
 
 
 def _in_order(thetas: Array, near: Array) -> Array:

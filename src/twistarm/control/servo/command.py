@@ -150,8 +150,8 @@ def held_components(hold: Any) -> tuple[bool, ...]:
         return HELD[hold]
     row = hold.ndim == 1 if isinstance(hold, np.ndarray) else isinstance(hold, Sequence) and not isinstance(hold, str)
     several = tuple(hold) if row else ()
-    if len(several) == 6 and all(isinstance(each, (bool, np.bool_)) for each in several):
-        return tuple(bool(each) for each in several)
+    if len(several) == 6 and all(isinstance(component, (bool, np.bool_)) for component in several):
+        return tuple(bool(component) for component in several)
     raise InputError(f"hold must be {listed(HELD)} or six booleans (vx, vy, vz, wx, wy, wz); got {quote(hold)}")
 
 

@@ -215,22 +215,22 @@ def output_of(step: CoreStep, bounds: ServoBounds, asked: StepRequest, contact: 
 
 def _missing(asked: StepRequest, lost: Array, joint: str | None, share: float) -> tuple[bool, str]:
     """The graver half of the lost twist (6,): whether the arm has it nowhere, and words."""
-    turned = np.linalg.norm(lost[3:]) * asked.arm.reach >= np.linalg.norm(lost[:3])
-    half, way = (ANGULAR, "turn") if turned else (LINEAR, "move")
+    angular = np.linalg.norm(lost[3:]) * asked.arm.reach >= np.linalg.norm(lost[:3])
+    half, way = (ANGULAR, "turn") if angular else (LINEAR, "move")
     part = lost[list(half)]
     unit = part / max(float(np.linalg.norm(part)), np.finfo(float).tiny)
     twist = asked.command if isinstance(asked.command, TwistCommand) else None
     frame = BASE if twist is None else twist.frame
     before, held = _prior_components(twist, half)
     nowhere = lacks(asked.arm, asked.theta, half, unit, frame, before)
-    on_the_way = turned and twist is not None and not twist.twist[3:].any()
+    on_the_way = angular and twist is not None and not twist.twist[3:].any()
     if not nowhere:
         # An axis that the lost direction has for good: numbers would change from step to step.
         axis = direction_in_words(np.abs(unit), frame) if np.abs(unit).max() >= ALONG_AXIS and not on_the_way else ""
         return False, singular("move" if on_the_way else way, share, joint, axis)
     if on_the_way:
         return True, must_turn(unit, frame)
-    return True, (cannot_turn if turned else cannot_move)(unit, frame, held)
+    return True, (cannot_turn if angular else cannot_move)(unit, frame, held)
 
 
 def _prior_components(twist: TwistCommand | None, half: tuple[int, ...]) -> tuple[tuple[int, ...], str]:

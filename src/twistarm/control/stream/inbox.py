@@ -270,11 +270,11 @@ class StateInbox(Arrivals):
 class MessageInput(ABC):
     """Texts that arrive on a line, read once a cycle into `inbox`, malformed ones included.
 
-    Texts that waited for longer than a timeout are dropped, because their age is unknown. The last `each` texts of at
+    Texts that waited for longer than a timeout are dropped, because their age is unknown. The last `most_texts` of at
     most `senders` senders count. Together they are no longer than one message. The rest of a flood is not read.
     """
 
-    senders, each = 3, 1
+    senders, most_texts = 3, 1
     """Two senders of commands are one too many already."""
 
     def __init__(self, inbox: Inbox | StateInbox, parse: Callable[[bytes], tuple[Any, int | None]]) -> None:
@@ -293,7 +293,8 @@ class MessageInput(ABC):
         for sender, text in self.arrivals():
             if self._obey(text, not missed) or (sender not in last and len(last) >= self.senders):
                 continue
-            texts = last[sender] = last.pop(sender, deque(maxlen=self.each))  # the last sender is the last in the dict
+            # The last sender is the last in the dict.
+            texts = last[sender] = last.pop(sender, deque(maxlen=self.most_texts))
             texts.append(text)
             while len(texts) > 1 and sum(map(len, texts)) > LARGEST_MESSAGE:
                 texts.popleft()
@@ -338,7 +339,7 @@ class CommandInput(MessageInput):
 class StateInput(MessageInput):
     """A feedback of joint states. If the robot may not move, neither may the stream."""
 
-    senders, each = 16, 32
+    senders, most_texts = 16, 32
     """A robot may have a sender for each bus, and a message for each joint."""
 
     _state_of: Callable[[Arm, bytes, MotorSide | None], StateMessage]

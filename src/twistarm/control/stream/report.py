@@ -209,7 +209,7 @@ class FeedbackWatch:
         self._before = self._now = None
 
     def rest(self, distance: Array | None, now: float) -> bool:
-        """Note the distance (n,) of the resting arm from its setpoint; None: it moves. Whether it has settled.
+        """Note the distance (n,) of the resting arm from its setpoint; None: it moves. Whether it is at rest.
 
         Under a load an arm rests off its setpoint: the distance after a timeout at rest is the usual one.
         """
@@ -217,10 +217,10 @@ class FeedbackWatch:
             self._rest_began, self._rest_distance = inf, None
             return False
         self._rest_began = min(self._rest_began, now)
-        settled = now - self._rest_began >= self._timeout
-        if settled and self._rest_distance is None:
+        at_rest = now - self._rest_began >= self._timeout
+        if at_rest and self._rest_distance is None:
             self._rest_distance = distance
-        return settled
+        return at_rest
 
     def moved_by_others(self, distance: Array) -> bool:
         """Whether others have moved the resting arm, which is now so far (n,) from its setpoint."""

@@ -187,7 +187,7 @@ def _resolved(host: str, port: int, smallest: int) -> tuple[socket.AddressFamily
 def _addresses(hosts: Collection[str]) -> set[str]:
     """Every address of these hosts, the zone left out."""
     try:
-        found = [each for host in hosts for each in socket.getaddrinfo(host, None)]
+        found = [address for host in hosts for address in socket.getaddrinfo(host, None)]
     except (OSError, UnicodeError) as error:
         raise InputError(f"no such host among those that may send, {listed(hosts)}: {error}") from error
     return {str(address[0]).partition("%")[0] for *_, address in found}
@@ -254,6 +254,6 @@ class Verifier:
         if counter <= max(self._floor, self._counters.get(session, 0)):
             raise InputError("it was here before, came after a later one, or is older than this program")
         self._counters[session] = counter
-        for silent in [each for each, last in self._counters.items() if now - last > WINDOW]:
+        for silent in [session for session, last in self._counters.items() if now - last > WINDOW]:
             self._floor = max(self._floor, self._counters.pop(silent))  # still too old if this clock goes back
         return text

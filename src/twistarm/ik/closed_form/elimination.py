@@ -157,8 +157,8 @@ def _missed(axes: tuple[JointAxis, ...], by: Rooted, x: Array, reach: float) -> 
     errors = [np.inf]
     for found in by.candidates(by.lines(axes), by.ways[0], G).x:
         off = np.abs(product(axes, found) - G)
-        apart = float(np.abs((found - x + np.pi) % (2.0 * np.pi) - np.pi).max())
-        if apart < 1e-2:
+        distance = float(np.abs((found - x + np.pi) % (2.0 * np.pi) - np.pi).max())
+        if distance < 1e-2:
             errors.append(max(float(off[:3, :3].max()), float(off[:3, 3].max()) / reach))
     return min(errors)
 
@@ -202,8 +202,8 @@ def _fourteen(tip: Array, points: Array, turns: Array, order: tuple[int, ...]) -
     (3 ⋯ 3, 14), of the last axis first. points (6, 3, 2): of the axes, and 0. p is seen from the second.
     """
     for k in order:
-        each = turns[k].reshape(3, *(1,) * (tip.ndim - 2), 3, 3)
-        tip = each @ (tip - points[k]) + points[k]
+        rotation = turns[k].reshape(3, *(1,) * (tip.ndim - 2), 3, 3)
+        tip = rotation @ (tip - points[k]) + points[k]
     p, d = np.moveaxis((tip - points[1]).reshape(-1, 3, 2), -1, 0)
     pp, pd = (p * p).sum(axis=1, keepdims=True), (p * d).sum(axis=1, keepdims=True)
     return np.concatenate([p, d, pp, pd, cross(p, d), pp * d - 2.0 * pd * p], axis=1)

@@ -59,13 +59,13 @@ class Family:
 
     def fitted(self, axes: tuple[JointAxis, ...]) -> FittedFamily:
         """The family for these axes (k,), the group's made exact."""
-        taken = [axes[i] for i in self.order]
-        group = taken[self.first : self.last]
+        ordered = [axes[i] for i in self.order]
+        group = ordered[self.first : self.last]
         if self.kind == DECOUPLED:
-            return FittedFamily(self, tuple(taken), None, 0.0)
+            return FittedFamily(self, tuple(ordered), None, 0.0)
         kept, exact, off = _meeting(group) if self.kind == SPHERICAL else _parallel(group)
-        taken[self.first : self.last] = exact
-        return FittedFamily(self, tuple(taken), kept, off)
+        ordered[self.first : self.last] = exact
+        return FittedFamily(self, tuple(ordered), kept, off)
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,8 +194,8 @@ def _determined(fitted: FittedFamily) -> bool:
         x = rng.uniform(-2.0, 2.0, len(fitted.axes))
         J = _columns(fitted.axes, x)
         assert fitted.kept is not None
-        placed = fitted.kept.moved(product(fitted.axes[:first], x[:first]))
-        beside = [_velocity(placed, xi) for xi in (*J[:first], *J[last:])]
+        moved = fitted.kept.moved(product(fitted.axes[:first], x[:first]))
+        beside = [_velocity(moved, xi) for xi in (*J[:first], *J[last:])]
         if _rank_of(beside) == len(beside) and _rank_of(J[first:last]) == last - first:
             return True
     return False
@@ -250,9 +250,9 @@ def missed_in_words(arm: Arm, fitted: FittedFamily, axes: Sequence[JointAxis], j
 
 
 def _distance(a: JointAxis, b: JointAxis) -> float:
-    normal, apart = np.cross(a.w, b.w), b.o - a.o
+    normal, offset = np.cross(a.w, b.w), b.o - a.o
     sine = float(np.linalg.norm(normal))
-    return abs(float(normal @ apart)) / sine if sine > PARALLEL else float(np.linalg.norm(np.cross(a.w, apart)))
+    return abs(float(normal @ offset)) / sine if sine > PARALLEL else float(np.linalg.norm(np.cross(a.w, offset)))
 
 
 def _from_parallel(a: JointAxis, b: JointAxis) -> float:

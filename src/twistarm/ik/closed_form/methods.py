@@ -20,7 +20,7 @@ from ...arm.arm import Arm
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...theory.screws import inverse
-from ..ranges import standing
+from ..ranges import locked_joints
 from ..targets import AnyTarget, Approach, Pose, Position, TargetLike, checked_target
 from . import elimination
 from .chain import MOST_JOINTS, Chain, JointAxis, Plane, Point, chain_for, goal
@@ -227,13 +227,13 @@ def method_for(arm: Arm, target: AnyTarget, given: tuple[int, ...] = ()) -> Meth
 
     A joint with limits of one value is given.
     """
-    given = tuple(sorted({*given, *standing(arm)}))
+    given = tuple(sorted({*given, *locked_joints(arm)}))
     return _cached_method(arm, target, given, lambda: _in_core(arm, target, _find_method(arm, target, given)))
 
 
 def family_method(arm: Arm, target: AnyTarget) -> Method:
     """The method by families alone, without elimination, which takes long to set up."""
-    given = standing(arm)
+    given = locked_joints(arm)
     return _cached_method(
         arm, target, "family", lambda: _in_core(arm, target, _find_method(arm, target, given, families_alone=True))
     )
@@ -245,7 +245,7 @@ def family_for(arm: Arm, target: AnyTarget) -> Method | None:
     If the axes nearly fit a family, it is that of the nearest exact arm (`Method.exact`).
     """
     free = {Pose: 0, Approach: 1, Position: 3}.get(type(target), MOST_JOINTS)
-    if arm.n - len(standing(arm)) + free > MOST_JOINTS + 1:
+    if arm.n - len(locked_joints(arm)) + free > MOST_JOINTS + 1:
         return None
     method = family_method(arm, target)
     return method if method.core is not None and len(method.swept) <= 1 else None
@@ -287,7 +287,7 @@ def _find_method(arm: Arm, target: AnyTarget, given: tuple[int, ...], *, familie
     if math.comb(len(rest), more) > MOST_WAYS:
         reason = f"{more} of its {len(rest)} joints would have to be held, in too many ways to try"
         return Method(chain, given, given, idle, reason=reason)
-    ways = [tuple(sorted((*first, *each))) for each in itertools.combinations(rest[::-1], more)]
+    ways = [tuple(sorted((*first, *held))) for held in itertools.combinations(rest[::-1], more)]
     found = _by_family(arm, chain, ways, given, idle)
     if families_alone or (found is not None and found.exact):
         return found or Method(chain, given, given, idle)

@@ -1,4 +1,4 @@
-"""Candidates made into answers: corrected by forward kinematics, verified, brought inside the limits, told apart."""
+"""Candidates made into answers: corrected by forward kinematics, verified, brought inside the limits, compared."""
 
 from __future__ import annotations
 
@@ -55,9 +55,9 @@ class Asked:
         g = self.arm.fk(theta)
         return self.target.position_error(g), self.target.orientation_error(g)
 
-    def met(self, theta: Array) -> bool:
+    def converged(self, theta: Array) -> bool:
         """Whether forward kinematics meets the target to the tolerances."""
-        return self.tolerances.met(*self.errors(theta))
+        return self.tolerances.converged(*self.errors(theta))
 
     def rows(self, theta: Array) -> tuple[Array, Array]:
         """The error of theta (n,) from the target [m, rad] (k,), and its derivative (k, n)."""
@@ -70,7 +70,7 @@ class Asked:
     ) -> Array:
         """theta (n,) after some of Newton's steps of least length, −J⁺ e, toward the target. `held` joints stay.
 
-        No step is long in any of the directions that J tells apart. Near a straight wrist one direction hardly moves
+        No step is long in any of the directions that J distinguishes. Near a straight wrist one direction hardly moves
         the tool. The others still go all their way.
         """
         for _ in range(STEPS):
@@ -88,7 +88,7 @@ class Asked:
         found: list[Root] = []
         for candidate in candidates:
             theta = self.corrected(np.array(candidate), held)
-            if not self.met(theta):
+            if not self.converged(theta):
                 continue
             if not self.known(theta, [*known, *found]):
                 found.append(Root(theta, self.self_motion(theta, held)))
@@ -110,13 +110,13 @@ class Asked:
         moving: set[int] = set()
         alike = max(MEMBER_MISS, min(2.0 * max(self.errors(theta)), MAX_MEMBER_MISS))
         share = 0.5 * SIDESTEP
-        turned = Tolerances(share * self.tolerances.position, share * self.tolerances.orientation)
+        loose = Tolerances(share * self.tolerances.position, share * self.tolerances.orientation)
         for direction in Vt[rank:]:
             step = np.zeros(self.arm.n)
             step[solved] = SIDESTEP * direction
             beside = self.corrected(theta + step, held, DEPENDENT)
             errors, moved = self.errors(beside), np.abs(beside - theta)
-            if (max(errors) <= alike or turned.met(*errors)) and np.linalg.norm(moved) > 0.5 * SIDESTEP:
+            if (max(errors) <= alike or loose.converged(*errors)) and np.linalg.norm(moved) > 0.5 * SIDESTEP:
                 moving |= set(np.flatnonzero(moved > 1e-6).tolist())
         return tuple(sorted(moving))
 
@@ -133,11 +133,11 @@ class Asked:
             if np.abs(clipped - moved).max(initial=0.0) > slack:
                 return None
             still, before = clipped != moved, np.zeros(self.arm.n, dtype=np.bool_)
-            while still.any() and not self.met(clipped) and not np.array_equal(still, before):
+            while still.any() and not self.converged(clipped) and not np.array_equal(still, before):
                 before, moved = still, self.corrected(clipped, tuple(np.flatnonzero(still).tolist()))
                 clipped = np.clip(moved, lower, upper)
                 still = still | (clipped != moved)
-            if not still.any() or self.met(clipped):
+            if not still.any() or self.converged(clipped):
                 return clipped
         return None
 
@@ -145,18 +145,18 @@ class Asked:
         """The place of another answer (n,) that is one with theta (n,), or None."""
         if not len(others):
             return None
-        left = apart(self.arm, others, theta)
+        left = joint_difference(self.arm, others, theta)
         near = np.flatnonzero(np.abs(left).max(axis=1, initial=0.0) <= TWINS)
-        return next((int(i) for i in near if self.met(theta + 0.5 * left[i])), None)
+        return next((int(i) for i in near if self.converged(theta + 0.5 * left[i])), None)
 
     def known(self, theta: Array, others: Sequence[Root]) -> bool:
         """Whether theta (n,) is one of the others."""
         if not others:
             return False
-        left = apart(self.arm, theta, np.array([other.theta for other in others]))
+        left = joint_difference(self.arm, theta, np.array([other.theta for other in others]))
         for i in np.flatnonzero(np.abs(left).max(axis=1, initial=0.0) <= SAME):
             b = others[int(i)].theta
-            here, halfway, there = (max(self.errors(each)) for each in (theta, b + 0.5 * left[i], b))
+            here, halfway, there = (max(self.errors(x)) for x in (theta, b + 0.5 * left[i], b))
             if halfway <= max(HALFWAY, 2.0 * here, 2.0 * there):
                 return True
         return False
@@ -181,6 +181,6 @@ def copies_inside(arm: Arm, theta: Array) -> Array:
     return np.array(list(itertools.islice(itertools.product(*choices), MOST_COPIES)))
 
 
-def apart(arm: Arm, a: Array, b: Array) -> Array:
+def joint_difference(arm: Arm, a: Array, b: Array) -> Array:
     """a − b (…, n), without whole turns."""
     return np.where(joint_ranges(arm).periodic, (a - b + np.pi) % TURN - np.pi, a - b)
