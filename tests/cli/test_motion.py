@@ -55,6 +55,21 @@ def test_avoid_goes_round_the_obstacles_of_a_scene(capsys: Capture, tmp_path: Pa
     assert "segment 1" in error_of(capsys, "plan", "rover_arm", str(motion), code=1)
 
 
+def test_keep_keeps_the_tool_level(capsys: Capture, tmp_path: Path) -> None:
+    typed = ["rover_arm_6dof", "--avoid", "self", "--to", "shoulder_yaw=40", "--to", "ready"]
+    file = tmp_path / "level.csv"
+    answer(capsys, "plan", *typed, "--keep", "level", "--keep-tol", "1", "-o", str(file))
+    arm = load_arm("rover_arm_6dof")
+    motion = load_trajectory(arm, file)
+    R = arm.fk(motion(np.linspace(0.0, motion.duration, 500)))[:, :3, :3]
+    assert (R[:, 2] @ R[0, 2]).min() >= np.cos(np.radians(1.0)) - 1e-9  # what was upright at the start
+    for wrong, words in ((["--keep-tol", "1"], "goes with --keep"), (["--keep", "level", "--line"], "without --line")):
+        assert words in error_of(capsys, "plan", *typed, *wrong)
+    tipped = [*typed[:-2], "--to", "wrist_pitch=10", "--keep", "level"]
+    assert run(["plan", *tipped]) == 1
+    assert "at its goal the tool axis is 50.1° off" in capsys.readouterr().err
+
+
 def test_a_line_is_planned_to_a_typed_position(capsys: Capture) -> None:
     arm = load_arm("rover_arm")
     p = arm.fk(arm.ready)[:3, 3] + [0.05, 0.05, 0.0]

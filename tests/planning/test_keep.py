@@ -84,9 +84,9 @@ def test_several_parts_are_kept_at_once() -> None:
 def test_a_rounded_corner_after_it_keeps_too() -> None:
     """The move after it tips the tool at once: the corner is rounded only if that keeps."""
     keep, tip = Keep.level(TOL), JointMove({"wrist_1_joint": 1.0, "shoulder_lift_joint": -1.2})
-    moves = [FreeMove(GOAL, keep=keep, blend=0.1), tip]
+    moves = [FreeMove(START, keep=keep), FreeMove(GOAL, keep=keep, blend=0.1), tip]  # the first stays
     motion = plan(ARM, moves, start=START, scene=beside_a_post())
-    g = ARM.by_pinocchio(motion(np.linspace(0.0, motion.times[1], 5001)))[0]
+    g = ARM.by_pinocchio(motion(np.linspace(0.0, motion.times[2], 5001)))[0]
     up = ARM.fk(START)[:3, :3].T @ [0.0, 0.0, 1.0]
     assert angles(g, up, np.array([0.0, 0.0, 1.0])).max() <= TOL + 1e-8
 

@@ -29,6 +29,7 @@ OPTIONS = {
     "scene": ("--avoid", "SCENE"),
     "max_time": ("--max-time", "S"),
     "clearance": ("--clearance", "M"),
+    "tol": ("--keep-tol", "ANGLE"),
     "position_tol": ("--position-tol", "M"),
     "orientation_tol": ("--orientation-tol", "ANGLE"),
 }

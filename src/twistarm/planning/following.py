@@ -177,7 +177,7 @@ def follow(arm: Arm, samples: Sequence[Node]) -> JointPath | Blocked:
     s, theta = np.array([node.s for node in samples]), np.array([node.theta for node in samples])
     for _ in range(ROUNDS):
         path = JointPath(*interpolating(theta, s, s[2:-2], ())).cut_at(s)  # without a knot next to either end
-        outside = _outside(arm, path)
+        outside = outside_limits(arm, path)
         off = _too_far(arm, moving, path) | outside
         if not off.any():
             return path
@@ -216,7 +216,7 @@ def _too_far(arm: Arm, moving: MovingTarget, path: JointPath) -> Flags:
     return far_in
 
 
-def _outside(arm: Arm, path: JointPath) -> Flags:
+def outside_limits(arm: Arm, path: JointPath) -> Flags:
     """Tell in which pieces (m,) a joint passes its limit by more than rounding."""
     h = np.diff(path.breakpoints)
     outside: Flags = _beyond(arm, bernstein(path.coefficients, h)) > ROUNDING

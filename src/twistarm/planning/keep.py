@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import inf
@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from ..arm.arm import Arm
 from ..ik.targets import AnyTarget, Approach, Pose, Position, one_direction, one_vector
-from ..support.checks import Array, Matrix, Row, as_positive, as_rotation, frozen
+from ..support.checks import Array, Matrix, Row, as_positive, as_reals, as_rotation, frozen
 from ..support.directions import numbers
 from ..support.display import Brief
 from ..support.errors import InputError, quote
 from ..support.messages import Quantity, Text, joined
 from ..theory.rotations import skew
-from .piecewise import shifted
+from .piecewise import bernstein, shifted
 
 Flags = NDArray[np.bool_]
 
@@ -80,7 +80,7 @@ class Keep(Brief):
             checked[name] = value if value is None or value is True else frozen(check(value, name))
         checked["box"] = None if self.box is None else _box(self.box)
         if self.plane is not None:
-            point, normal = _pair(self.plane, "plane", "a point and the normal")
+            point, normal = _rows(self.plane, "plane", "a point [m] and the normal")
             checked["plane"] = frozen([one_vector(point, "the plane's point"), one_direction(normal, "its normal")])
         for name, value in checked.items():
             object.__setattr__(self, name, value)
@@ -117,16 +117,11 @@ class Keep(Brief):
         if self.orientation is not None:
             given["orientation"] = R if self.orientation is True else self.orientation
         if len(given) == 3:
-            angle = _between(given["orientation"] @ given["tool_axis"], given["direction"])
+            axis = given["orientation"] @ given["tool_axis"]
+            angle = 2.0 * np.arcsin(min(0.5 * float(np.linalg.norm(axis - given["direction"])), 1.0))
             if angle >= self.tol:
-                raise InputError(
-                    Text(
-                        "orientation and direction contradict each other: the tool axis of the orientation is {angle} "
-                        "off the direction, and at most {tol} is kept",
-                        angle=Quantity(angle, "rad", 3),
-                        tol=Quantity(self.tol, "rad", 3),
-                    )
-                )
+                what = "orientation and direction contradict each other: the angle between them is {angle}, tol {tol}"
+                raise InputError(Text(what, angle=Quantity(angle, "rad", 3), tol=Quantity(self.tol, "rad", 3)))
         return replace(self, **given)
 
     def weaker(self, arm: Arm) -> Iterator[Keep]:
@@ -156,21 +151,17 @@ class Keep(Brief):
         return Approach(target.p, np.asarray(self.direction), np.asarray(self.tool_axis))
 
     def describe(self) -> str:
-        """What is kept in words."""
-        said: list[str] = []
+        """What is kept in words, with numbers for all parts, as of `at`."""
+        kept: list[str] = []
         tol, off = Quantity(self.tol, "rad", 3), Quantity(self.position_tol, "m", 3)
         if self.orientation is not None:
-            said.append(Text("the orientation within {tol}", tol=tol))
-        if self.direction is True:
-            said.append(Text("the direction of the tool axis within {tol}", tol=tol))
-        elif self.direction is not None:
-            own = self.tool_axis is None or self.tool_axis is True
-            axis = "the tool axis" if own else f"the tool axis {numbers(np.asarray(self.tool_axis))}"
-            along = numbers(np.asarray(self.direction))
-            said.append(Text("{axis} within {tol} of {along}", axis=axis, tol=tol, along=along))
-        said += ["the tool's origin in a box"] if self.box is not None else []
-        said += [Text("the tool's origin within {off} of a plane", off=off)] if self.plane is not None else []
-        return joined(", ", said)
+            kept.append(Text("the orientation within {tol}", tol=tol))
+        if self.direction is not None:
+            axis, along = (numbers(np.asarray(part)) for part in (self.tool_axis, self.direction))
+            kept.append(Text("the tool axis {axis} within {tol} of {along}", axis=axis, tol=tol, along=along))
+        kept += ["the tool's origin in a box"] if self.box is not None else []
+        kept += [Text("the tool's origin within {off} of a plane", off=off)] if self.plane is not None else []
+        return joined(", ", kept)
 
 
 AS_AT_START: Mapping[str, Callable[..., Keep]] = {
@@ -181,38 +172,24 @@ AS_AT_START: Mapping[str, Callable[..., Keep]] = {
 """What may be kept as it is at the start, by name: makers that take `tol`."""
 
 
-def _pair(value: Any, name: str, what: str) -> tuple[Any, Any]:
-    if not isinstance(value, Sequence | np.ndarray) or len(value) != 2:
-        raise InputError(f"{name} must be {what}, (2, 3); got {quote(value)}")
-    return value[0], value[1]
+def _rows(value: Any, name: str, what: str) -> Array:
+    """Check two rows (2, 3) without NaN."""
+    rows = as_reals(value, name, what)
+    if rows.shape != (2, 3) or np.isnan(rows).any():
+        raise InputError(f"{name} must be {what}, each of three numbers; got {quote(value)}")
+    return rows
 
 
 def _box(value: Any) -> Array:
     """Check a box (2, 3) [m]."""
-    rows = []
-    ends = _pair(value, "box", "the least and the greatest (x, y, z)")
-    for row, name in zip(ends, ("least", "greatest"), strict=True):
-        try:
-            corner = np.array(row, dtype=np.float64)
-        except (TypeError, ValueError):
-            corner = np.zeros(0)
-        if corner.shape != (3,) or np.isnan(corner).any():
-            raise InputError(f"the {name} of a box must be three numbers (x, y, z) [m]; got {quote(row)}")
-        rows.append(corner)
-    low, high = rows
+    low, high = rows = _rows(value, "box", "the least and the greatest (x, y, z) [m]")
     if (low >= high).any():
         k = int(np.argmax(low >= high))
         raise InputError(
             f"the box is empty along {'xyz'[k]}: its least, {low[k]:g} m, must be below its greatest, {high[k]:g} m "
             "(a plane keeps the tool's origin in a plane)"
         )
-    if not np.isfinite(rows).any():
-        raise InputError("all sides of the box are open: give a number")
     return frozen(rows)
-
-
-def _between(a: Array, b: Array) -> float:
-    return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
 
 
 @dataclass(frozen=True, eq=False)
@@ -327,8 +304,8 @@ class Kept:
         left open by its middle is halved.
         """
         powers = np.arange(len(coefficients) - 1, 0, -1.0)[:, None]
-        reach = np.abs(coefficients) * np.concatenate([durations**powers, np.ones((1, len(durations)))])[:, :, None]
-        w, v = rates(self.arm, reach.sum(axis=0).max(axis=0))
+        most = np.abs(bernstein(coefficients, durations)).max(axis=(0, 1), initial=0.0)
+        w, v = rates(self.arm, most)
         piece, half = np.arange(len(durations)), 0.5 * durations
         middle, bad = half, np.zeros(len(durations), dtype=bool)
         for _ in range(LEVELS):

@@ -15,9 +15,10 @@ from ..collision import Scene
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.messages import Argument, Text
+from .following import outside_limits
 from .free_moves import CLEARANCE, SMALL, UNLIMITED, require_clear
 from .keep import Flags, Kept
-from .piecewise import JointPath, bernstein, extremes
+from .piecewise import JointPath
 from .refusal import PathError
 from .spline import interpolating
 
@@ -61,8 +62,8 @@ def keeping_path(
             return straight
     filled = False
     for k in count():
-        step, share, apart = ATTEMPTS[min(k, len(ATTEMPTS) - 1)]
-        is_free = _roomy(scene, apart * clearance, np.array([start, *goals]))
+        step, share, room = ATTEMPTS[min(k, len(ATTEMPTS) - 1)]
+        is_free = _roomy(scene, room * clearance, np.array([start, *goals]))
         search = Search(is_free, kept, limits, step, share, ends, np.random.default_rng(seed + k))
         states = search.found(start, goals)
         if states is not None:
@@ -259,7 +260,7 @@ class Search:
                 states = self._halved(states, np.ones(len(states) - 1, dtype=bool))
             s = np.append(0.0, np.cumsum(_lengths(np.diff(states, axis=0))))
             path = JointPath(*interpolating(states, s, s[2:-2], ())).cut_at(s)
-            bad = self.kept.unproven(path.coefficients, np.diff(s)) | self._outside(path)
+            bad = self.kept.unproven(path.coefficients, np.diff(s)) | outside_limits(self.kept.arm, path)
             if not bad.any():
                 return path
             if self.late:
@@ -273,19 +274,6 @@ class Search:
         middle = 0.5 * (states[at] + states[at + 1])
         found, _ = self.kept.projected(middle, self.share, self.limits.lower, self.limits.upper)
         return np.insert(states, at + 1, found, axis=0)
-
-    def _outside(self, path: JointPath) -> Flags:
-        """Which pieces leave the position limits by more than rounding."""
-        h = np.diff(path.breakpoints)
-
-        def beyond(values: Array) -> Flags:
-            out = np.maximum(self.limits.lower - values, values - self.limits.upper)
-            return np.asarray(out.max(axis=(0, 2)) > ROUNDING)
-
-        outside = beyond(bernstein(path.coefficients, h))
-        if outside.any():
-            outside[outside] = beyond(extremes(path.coefficients[:, outside], h[outside])[1])
-        return outside
 
 
 def _lengths(ways: Array) -> Array:

@@ -219,7 +219,7 @@ def _checked(
     from .free_moves import first_collision
 
     motion = timed(parts)
-    left = [k for k, each in kept.items() if not _keeps(each, motion, *motion.times[k : k + 2])]
+    left = [k for k, held in kept.items() if not _keeps(held, motion, *motion.times[k : k + 2])]
     if left:
         parts = [replace(part, blend=0.0) if part.index in left else part for part in parts]
         motion = timed(parts)

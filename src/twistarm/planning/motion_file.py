@@ -160,11 +160,11 @@ class _Reader:
         of_start = {part for part in KEPT if isinstance(value, dict) and value.get(part) is True}
         known = self.checks(part for part in KEPT if part not in of_start) | dict.fromkeys(of_start, anything)
         table = fields(value, name, {}, known | self.checks(("rpy", "quaternion_wxyz", "level")))
-        turned = [each for each in ("orientation", "rpy", "quaternion_wxyz") if each in table]
-        if len(turned) > 1:
-            raise InputError(f"give {' or '.join(turned)}, not both")
-        if turned:
-            table["orientation"] = table.pop(turned[0])
+        given = [entry for entry in ("orientation", "rpy", "quaternion_wxyz") if entry in table]
+        if len(given) > 1:
+            raise InputError(f"give {' or '.join(given)}, not both")
+        if given:
+            table["orientation"] = table.pop(given[0])
         if as_flag(table.pop("level", False), "level"):
             if table.keys() & {"direction", "tool_axis"}:
                 raise InputError("level = true means direction = [0, 0, 1] and tool_axis = true: give one of them")

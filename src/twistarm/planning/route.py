@@ -169,17 +169,18 @@ class Router:
         except InputError as error:
             raise InputError(joined(": ", [self._place(i), error.message])) from error
         wanted, errors = [whole, *(whole.weaker(self.arm) if self.arm.n < 6 else ())], list[PathError]()
-        for each in wanted:
-            kept = Kept(self.arm, each)
+        for candidate in wanted:
+            kept = Kept(self.arm, candidate)
             try:
                 path = self._kept_path(i, segment, kept, theta, 1.0 / len(wanted))
             except PathError as error:
                 errors.append(error)
                 continue
             if errors:
-                template = "{place}: an arm of {n} joints cannot keep all of it here ({why}); it keeps {less}"
-                why, less = errors[0].detail, each.describe()
-                self.notes.append(Text(template, place=self._place(i), n=self.arm.n, why=why, less=less))
+                template, what = "{place}: an arm of {n} joints cannot keep {what}; it keeps {less}", whole.describe()
+                self.notes.append(
+                    Text(template, place=self._place(i), n=self.arm.n, what=what, less=candidate.describe())
+                )
             self.kept[i] = kept
             return self._part(i, theta if path is None else path.end, path)
         raise errors[0]
@@ -212,7 +213,7 @@ class Router:
         if not nearest.converged:
             raise NotConvergedError(joined(": ", [self._place(i), in_one_line(nearest)]), nearest)
         found = branches(self.arm, target_for(self.arm, target), theta, tolerances)
-        good = [each for each in found if not kept.fault(each) and not self.scene.collides(each)][:MOST_GOALS]
+        good = [end for end in found if not kept.fault(end) and not self.scene.collides(end)][:MOST_GOALS]
         return np.array([nearest.theta, *good] if not kept.fault(nearest.theta) else good or [nearest.theta])
 
     def _straight(self, i: int, start: Array, end: Array) -> PathPart:
