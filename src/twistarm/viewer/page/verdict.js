@@ -2,7 +2,7 @@
 
 import { DEFAULTS } from "./core.js";
 import { $, element } from "./element.js";
-import { shown } from "./units.js";
+import { shown, signed } from "./units.js";
 import { report } from "./words.js";
 
 const DEGREES = 180 / Math.PI;
@@ -85,7 +85,7 @@ function turn(core, given, theta) {
 
 function shortfall(reason, stop, { position }, { positionError }) {
   const by = stop === "OUT_OF_REACH" ? " by" : ",";
-  const place = position.map((value) => value.toFixed(3)).join(", ");
+  const place = position.map((value) => signed(value, 3)).join(", ");
   return `${reason[0].toUpperCase()}${reason.slice(1)}${by} ${length(positionError)}${stop === "OUT_OF_REACH" ? "" : " short"}: (${place}) m`;
 }
 
