@@ -13,9 +13,9 @@ namespace {
 
 const Kernels* chosen(const std::string& name) {
     std::string there;
-    for (auto each = kernels(); *each != nullptr; ++each) {
-        if (name.empty() || name == (*each)->name) return *each;
-        there += std::string(there.empty() ? "" : ", ") + (*each)->name;
+    for (auto kernel = kernels(); *kernel != nullptr; ++kernel) {
+        if (name.empty() || name == (*kernel)->name) return *kernel;
+        there += std::string(there.empty() ? "" : ", ") + (*kernel)->name;
     }
     throw nb::value_error(("no instruction set '" + name + "' here; there are: " + there).c_str());
 }

@@ -58,7 +58,7 @@ public:
     bool solve_batch(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
                      nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed, nb::handle max_time,
                      nb::handle posture, nb::handle threads, nb::handle progress, nb::handle records) const;
-    // None, or (met (count,), theta (count, n)); `chunks` (m + 1,): where chunks of targets begin, and the end.
+    // None, or (converged (count,), theta (count, n)); `chunks` (m + 1,): where chunks of targets begin, and the end.
     nb::object reachable(nb::handle kind, nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
                          nb::handle orientation_tolerance, nb::handle restarts, nb::handle seed, nb::handle chunks,
                          nb::handle threads, nb::handle progress) const;

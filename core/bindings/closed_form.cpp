@@ -29,7 +29,7 @@ std::vector<int> whole_numbers(const Numbers& values, std::size_t most) {
 }
 
 // Tolerances of a call, and whether they are plainly right.
-struct Met {
+struct Tolerances {
     double position, orientation;
     bool read(nb::handle position_tolerance, nb::handle orientation_tolerance) {
         return tolerance(position_tolerance, position) && tolerance(orientation_tolerance, orientation);
@@ -129,18 +129,18 @@ private:
 // A batch, in blocks that threads take.
 class ConfigurationsWork final : public SharedWork {
 public:
-    ConfigurationsWork(const ClosedFormEngine& engine, const Questions& asked, const Met& met, std::size_t n,
+    ConfigurationsWork(const ClosedFormEngine& engine, const Questions& asked, const Tolerances& tolerances, std::size_t n,
          bool (*over)(const void* clock), const void* clock)
-        : SharedWork(over, clock), engine_(engine), asked_(asked), met_(met), n_(n),
+        : SharedWork(over, clock), engine_(engine), asked_(asked), tolerances_(tolerances), n_(n),
           blocks_((asked.count + block - 1) / block), found_(blocks_), counts_(asked.count), inside_(asked.count), families_(asked.count) {}
 
     nb::object result() {
-        const auto each = [&](const std::vector<int>& values) {
+        const auto as_array = [&](const std::vector<int>& values) {
             nb::object array = NumPy::get().empty(nb::int_(asked_.count), NumPy::get().whole());
             std::copy(values.begin(), values.end(), memory<std::int64_t>(array));
             return array;
         };
-        return nb::make_tuple(found_.array(n_), each(counts_), each(inside_), each(families_));
+        return nb::make_tuple(found_.array(n_), as_array(counts_), as_array(inside_), as_array(families_));
     }
 
 private:
@@ -152,7 +152,7 @@ private:
             const std::size_t end = std::min((b + 1) * block, asked_.count);
             for (std::size_t t = b * block; t < end && !stopped(); ++t) {
                 const Question question = asked_.at(t);
-                engine_.solve(question.numbers, question.theta0, nullptr, met_.position, met_.orientation, found);
+                engine_.solve(question.numbers, question.theta0, nullptr, tolerances_.position, tolerances_.orientation, found);
                 rows.insert(rows.end(), found.rows, found.rows + static_cast<std::size_t>(found.count) * 2 * n_);
                 counts_[t] = found.count;
                 inside_[t] = found.inside;
@@ -164,7 +164,7 @@ private:
 
     const ClosedFormEngine& engine_;
     const Questions& asked_;
-    Met met_;
+    Tolerances tolerances_;
     std::size_t n_;
     const std::size_t blocks_;
     OrderedRows found_;
@@ -214,9 +214,9 @@ nb::object ClosedForm::solve(nb::handle numbers, nb::handle theta0, nb::handle h
                              nb::handle orientation_tolerance) const {
     const Numbers given_start(theta0), values(held);
     const bool stays = held.is_none();
-    Met met;
+    Tolerances tolerances;
     double asked[most_numbers], start[most_joints];
-    if (!met.read(position_tolerance, orientation_tolerance) || !read_target(numbers, kind_, asked) ||
+    if (!tolerances.read(position_tolerance, orientation_tolerance) || !read_target(numbers, kind_, asked) ||
         !given_start.is(n_) || !is_start(given_start.data(), n_) ||
         !(stays || (values.plain() && values.dimensions() == 2 && values.is(values.shape(0), held_count_) && values.finite())))
         return not_plain();
@@ -229,7 +229,7 @@ nb::object ClosedForm::solve(nb::handle numbers, nb::handle theta0, nb::handle h
         Configurations found;
         for (std::size_t i = 0; i < tries; ++i) {
             const double* const at = stays ? nullptr : tried.data() + i * held_count_;
-            engine_->solve(asked, start, at, met.position, met.orientation, found);
+            engine_->solve(asked, start, at, tolerances.position, tolerances.orientation, found);
             all.add(found);
         }
     };
@@ -241,14 +241,14 @@ nb::object ClosedForm::solve(nb::handle numbers, nb::handle theta0, nb::handle h
 nb::object ClosedForm::verify(nb::handle numbers, nb::handle theta0, nb::handle candidates, nb::handle position_tolerance,
                               nb::handle orientation_tolerance) const {
     const Numbers start(theta0), rows(candidates);
-    Met met;
+    Tolerances tolerances;
     double asked[most_numbers];
-    if (!met.read(position_tolerance, orientation_tolerance) || !read_target(numbers, kind_, asked) || !start.is(n_) ||
+    if (!tolerances.read(position_tolerance, orientation_tolerance) || !read_target(numbers, kind_, asked) || !start.is(n_) ||
         !is_start(start.data(), n_) || !rows.plain() || rows.dimensions() != 2 || !rows.is(rows.shape(0), n_) || !rows.finite())
         return not_plain();
     Gathered all(n_);
     Configurations found;
-    engine_->verify(asked, start.data(), rows.data(), rows.shape(0), met.position, met.orientation, found);
+    engine_->verify(asked, start.data(), rows.data(), rows.shape(0), tolerances.position, tolerances.orientation, found);
     all.add(found);
     return all.result();
 }
@@ -272,10 +272,10 @@ nb::object ClosedForm::candidates(nb::handle numbers, nb::handle theta0, nb::han
 
 nb::object ClosedForm::solve_batch(nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
                                    nb::handle orientation_tolerance, nb::handle threads) const {
-    Met met;
+    Tolerances tolerances;
     Questions asked;
     std::uint64_t workers;
-    if (!met.read(position_tolerance, orientation_tolerance) || !is_threads(threads, workers) ||
+    if (!tolerances.read(position_tolerance, orientation_tolerance) || !is_threads(threads, workers) ||
         !asked.read_targets(numbers, kind_) || !asked.read_thetas(theta0, n_, asked.theta0) || !is_start(asked.theta0.at(0), asked.theta0.count))
         return not_plain();
     const std::size_t busy = std::min<std::size_t>(workers, (asked.count + block - 1) / block);
@@ -283,7 +283,7 @@ nb::object ClosedForm::solve_batch(nb::handle numbers, nb::handle theta0, nb::ha
     Watch watch(Deadline::none);
     const Deadline never(Deadline::none);
     const auto over = static_cast<bool (*)(const void*)>(&Deadline::passed);
-    ConfigurationsWork work(*engine_, asked, met, n_, alone ? &Watch::passed : over,
+    ConfigurationsWork work(*engine_, asked, tolerances, n_, alone ? &Watch::passed : over,
               alone ? static_cast<const void*>(&watch) : &never);
     if (alone) {
         work.run();

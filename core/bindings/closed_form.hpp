@@ -16,7 +16,7 @@ public:
     ClosedForm(nb::object chain, int kind, int first, int last, int keeps, nb::handle axes, nb::handle joint,
                nb::handle kept, nb::handle held, nb::handle held_axes, nb::handle rate, nb::handle home, nb::handle idle);
 
-    // A configuration is a row (2, n): theta and, as 0 and 1, which coordinates may move while the target stays met.
+    // A configuration is a row (2, n): theta and, as 0 and 1, which coordinates may move while the target stays reached.
     //
     // None, or (rows (k, 2, n), inside, hits, left, families): those inside the limits come first, by distance. `hits`
     // counts the values with any; `families` those of a continuous family, `left` those of them outside. held: None,

@@ -17,18 +17,7 @@ namespace twistarm {
 inline namespace TWISTARM_INSTRUCTION_SET {
 namespace engines {
 
-using bindings::Answer;
-using bindings::ArmNumbers;
-using bindings::Batch;
-using bindings::Chunk;
-using bindings::ClosedFormEngine;
-using bindings::Configurations;
-using bindings::FamilyNumbers;
-using bindings::Constants;
-using bindings::Engine;
-using bindings::numbers_of_kind;
-using bindings::Query;
-using bindings::Question;
+using namespace bindings;  // its names, hidden by twistarm's where both have one
 
 using general_chain = chain<double, dynamic, dynamic>;
 using Reaches = reaches<double, dynamic>;
@@ -255,7 +244,7 @@ struct ChunkJob {
     }
     void store(std::int64_t t, const double* theta) {
         double* const row = chunk.theta + t * reaches.n;
-        chunk.met[t] = theta != nullptr;
+        chunk.converged[t] = theta != nullptr;
         if (theta != nullptr) return reaches.back(theta, true, row);
         for (int k = 0; k < reaches.n; ++k) row[k] = __builtin_nan("");
     }
@@ -342,15 +331,15 @@ public:
         const auto n = static_cast<std::size_t>(arm_.coordinates());
         double held[most_joints];
         for (int h = 0; h < solved_.held_count && count != 0; ++h) held[h] = rows[solved_.held[h]];
-        std::size_t taken = 0;
+        std::size_t used = 0;
         const auto next = [&](int, closed_form::candidate_list<double>& some) {
-            for (; taken < count && some.count < bindings::most_candidates; ++taken) {
+            for (; used < count && some.count < bindings::most_candidates; ++used) {
                 closed_form::candidate<double> one{{}, 1};  // As if free to move: Newton's method has time to come from afar.
                 for (int i = 0; i < solved_.family.count; ++i)
-                    if (const int k = solved_.joint[i]; k >= 0) one.x[i] = rows[taken * n + static_cast<std::size_t>(k)] * solved_.rate[k];
+                    if (const int k = solved_.joint[i]; k >= 0) one.x[i] = rows[used * n + static_cast<std::size_t>(k)] * solved_.rate[k];
                 some.add(one);
             }
-            return taken < count;
+            return used < count;
         };
         configurations<double, dynamic> all;
         find_among(arm_, solved_, range_, target_of_kind<Kind>(numbers), near, held, position_tolerance,
@@ -364,10 +353,10 @@ public:
         closed_form::candidate_list<double> found;
         closed_form::find_candidates(solved_, target_of_kind<Kind>(numbers), near, held, slack, open, nth, found);
         if (nth + 1 == closed_form::values_tried) open = 0;
-        for (const auto& each : found) {
+        for (const auto& candidate : found) {
             for (int h = 0; h < solved_.held_count; ++h) rows[solved_.held[h]] = held[h];
             for (int i = 0; i < solved_.family.count; ++i)
-                if (const int k = solved_.joint[i]; k >= 0) rows[k] = each.x[i] / solved_.rate[k];
+                if (const int k = solved_.joint[i]; k >= 0) rows[k] = candidate.x[i] / solved_.rate[k];
             rows += arm_.coordinates();
         }
         return found.count;

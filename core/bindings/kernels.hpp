@@ -52,11 +52,11 @@ struct Batch {
     void* owner;
 };
 
-// Targets of one kind that follow one another, and where their verdicts go: met (count,), theta (count, n).
+// Targets of one kind that follow one another, and where their verdicts go: converged (count,), theta (count, n).
 struct Chunk {
     const double *numbers, *theta0;
     std::size_t count;
-    bool* met;
+    bool* converged;
     double* theta;
 };
 
@@ -119,7 +119,7 @@ public:
                             double* body) const = 0;
     virtual void solve(const Query& query, const Question& question, Answer& answer) const = 0;
     virtual void solve(const Query& query, const Batch& batch, std::size_t begin, std::size_t end) const = 0;
-    // Which of the targets are met; NaN for theta where one is not.
+    // Which of the targets are reached; NaN for theta where one is not.
     virtual void find_reachable(const Query& query, const Chunk& chunk) const = 0;
     // The rotation error of a target at theta: its impossible part, its prevented part, and an axis (3,) of the tool.
     virtual void split_rotation(int kind, const double* numbers, const double* theta, double* split) const = 0;

@@ -20,7 +20,7 @@ using bindings::Chain;
 
 std::vector<std::string> instruction_sets() {
     std::vector<std::string> names;
-    for (auto each = bindings::kernels(); *each != nullptr; ++each) names.emplace_back((*each)->name);
+    for (auto kernel = bindings::kernels(); *kernel != nullptr; ++kernel) names.emplace_back((*kernel)->name);
     return names;
 }
 

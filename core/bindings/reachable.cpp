@@ -14,9 +14,9 @@ namespace {
 class ReachableWork final : public SharedWork {
 public:
     ReachableWork(const Engine& engine, const Query& query, const Questions& asked, std::size_t n,
-         const std::vector<std::size_t>& chunks, bool* met, double* theta)
+         const std::vector<std::size_t>& chunks, bool* converged, double* theta)
         : SharedWork(query.stopped, query.clock), engine_(engine), query_(query), asked_(asked), n_(n), chunks_(chunks),
-          met_(met), theta_(theta) {
+          converged_(converged), theta_(theta) {
         query_.stopped = [](const void* self) { return static_cast<const ReachableWork*>(self)->stopped(); };
         query_.clock = this;
     }
@@ -26,7 +26,7 @@ private:
         for (std::size_t c; (c = next_.fetch_add(1)) + 1 < chunks_.size() && !stopped();) {
             const std::size_t begin = chunks_[c], count = chunks_[c + 1] - begin;
             const Question first = asked_.at(begin);
-            engine_.find_reachable(query_, {first.numbers, first.theta0, count, met_ + begin, theta_ + begin * n_});
+            engine_.find_reachable(query_, {first.numbers, first.theta0, count, converged_ + begin, theta_ + begin * n_});
             count_done(count);
         }
     }
@@ -36,7 +36,7 @@ private:
     const Questions& asked_;
     std::size_t n_;
     const std::vector<std::size_t>& chunks_;
-    bool* met_;
+    bool* converged_;
     double* theta_;
     std::atomic<std::size_t> next_{0};
 };
@@ -68,17 +68,17 @@ nb::object Chain::reachable(nb::handle kind, nb::handle numbers, nb::handle thet
         !asked.read_thetas(theta0, n_, asked.theta0) || !is_start(asked.theta0.at(0), n_) ||
         !read_chunks(chunks, asked.count, begins))
         return not_plain();
-    const nb::object met = NumPy::get().empty(nb::int_(asked.count), NumPy::get().truth());
+    const nb::object converged = NumPy::get().empty(nb::int_(asked.count), NumPy::get().truth());
     const nb::object theta = NumPy::get().empty(nb::make_tuple(asked.count, n_));
     if (asked.count > 0) {
         const Deadline never(Deadline::none);
         settings.query.stopped = &Deadline::passed;
         settings.query.clock = &never;
-        ReachableWork work(*engine_, settings.query, asked, n_, begins, memory<bool>(met), memory(theta));
+        ReachableWork work(*engine_, settings.query, asked, n_, begins, memory<bool>(converged), memory(theta));
         share(work, static_cast<int>(std::min<std::size_t>(workers, begins.size() - 1)), asked.count, progress);
         if (work.out_of_memory()) throw std::bad_alloc();
     }
-    return nb::make_tuple(met, theta);
+    return nb::make_tuple(converged, theta);
 }
 
 }  // namespace bindings

@@ -1,4 +1,4 @@
-// What a closed form says of a target that no search has met: `decide` of src/twistarm/ik/certainty.py.
+// What a closed form says of a target that no search has reached: `decide` of src/twistarm/ik/certainty.py.
 #pragma once
 
 #include <cmath>

@@ -166,7 +166,7 @@ __attribute__((noinline, cold)) void drop_twins(const Judge& judged, const range
     int kept = 0, inside = 0;
     for (int i = 0; i < all.count; ++i) {
         int twin = 0;
-        while (twin < kept && judged.compare(range, all.found[i].theta, all.found[twin].theta) == relation::apart) ++twin;
+        while (twin < kept && judged.compare(range, all.found[i].theta, all.found[twin].theta) == relation::different) ++twin;
         if (twin < kept) {
             all.found[twin].free |= all.found[i].free;
             all.found[twin].family = all.found[twin].family || all.found[i].family;

@@ -42,9 +42,9 @@ template <class T> using candidate_list = few<candidate<T>, most_candidates>;
 
 namespace detail {
 /// Whether E₁(x₁) ⋯ Eₖ(xₖ) is G.
-template <class T> bool is_met(const fitted_family<T>& family, const candidate<T>& each, const frame<T>& G) {
+template <class T> bool is_reached(const fitted_family<T>& family, const candidate<T>& item, const frame<T>& G) {
     frame<T> g = identity_frame<T>();
-    for (int i = family.count - 1; i >= 0; --i) move_frame(family.axes[i], value_of(family.axes[i], each.x[i]), g);
+    for (int i = family.count - 1; i >= 0; --i) move_frame(family.axes[i], value_of(family.axes[i], item.x[i]), g);
     T off = T(0);
     for (int k = 0; k < 3; ++k)
         off = greatest(off, greatest(greatest(absolute(g.x[k] - G.x[k]), absolute(g.y[k] - G.y[k])),
@@ -65,12 +65,12 @@ void find_decoupled(const fitted_family<T>& family, const frame<T>& G, const joi
             wanted[count] = near[i];
             turning[count++] = i;
         }
-    placings<T> turns;
+    placements<T> turns;
     rotating(group<T>{axes, count, family.kept}, G, wanted, slack, turns);
-    for (const placed<T>& each : turns) {
+    for (const placement<T>& item : turns) {
         joint_value<T> x[most_unknowns];
         for (int i = 0; i < family.count; ++i) x[i] = slid(T(0));
-        for (int i = 0; i < count; ++i) x[turning[i]] = each.x[i];
+        for (int i = 0; i < count; ++i) x[turning[i]] = item.x[i];
         set_slides(family.axes, family.count, G, x);
         candidate<T> one{{}, 0};
         for (int i = 0; i < family.count; ++i) {
@@ -84,11 +84,11 @@ void find_decoupled(const fitted_family<T>& family, const frame<T>& G, const joi
 /// The candidates of several placings of the kept point or plane, from `start` on, side by side in the lanes of V.
 template <class V, class T>
 void find_behind(const fitted_family<T>& family, const group<T>& inner, const frame<T>& G, const joint_axis<T>* chain,
-                 const placings<T>& outer, int start, const joint_value<T>* near, T slack, bool free_ones,
+                 const placements<T>& outer, int start, const joint_value<T>* near, T slack, bool free_ones,
                  candidate_list<T>& found) {
     constexpr int lanes = number<V>::lanes;
     const int before = family.first, behind = family.count - family.last, count = least(lanes, outer.count - start);
-    candidate<V> each;
+    candidate<V> item;
     unsigned beside_free[lanes] = {}, inside_free[lanes];
     V inner_slack = V(slack);
     // G E_R⁻¹ = (motions of the axes behind, seen through G)⁻¹ G, and E_L⁻¹ goes before it.
@@ -99,21 +99,21 @@ void find_behind(const fitted_family<T>& family, const group<T>& inner, const fr
         for (unsigned any = bits(x.free), l = 0; any != 0; any >>= 1U, ++l) beside_free[l] |= (any & 1U) << at;
         inner_slack = select(x.free, V(nearest<T>), inner_slack);
         move_frame(chain[i], back(x), E);
-        each.x[at] = coordinate_of(family.axes[at], x);
+        item.x[at] = coordinate_of(family.axes[at], x);
     }
-    const placings<V> inside = within(inner, E, near + family.first, inner_slack);
+    const placements<V> inside = within(inner, E, near + family.first, inner_slack);
     for (int r = 0; r < inside.count; ++r) {
-        const placed<V>& more = inside.items[r];
+        const placement<V>& more = inside.items[r];
         for (int l = 0; l < lanes; ++l) inside_free[l] = beside_free[l];
         for (int i = 0; i < inner.count; ++i) {
-            each.x[before + i] = coordinate_of(inner.axes[i], more.x[i]);
+            item.x[before + i] = coordinate_of(inner.axes[i], more.x[i]);
             for (unsigned all = bits(more.x[i].free), l = 0; all != 0; all >>= 1U, ++l)
                 inside_free[l] |= (all & 1U) << (before + i);
         }
         for (int l = 0; l < count; ++l) {
             if ((bits(inside.there[r]) >> l & 1U) == 0 || (free_ones && inside_free[l] == 0)) continue;
             candidate<T> one;
-            for (int i = 0; i < family.count; ++i) one.x[i] = lane(each.x[i], l);
+            for (int i = 0; i < family.count; ++i) one.x[i] = lane(item.x[i], l);
             one.free = inside_free[l];
             found.add(one);
         }
@@ -137,7 +137,7 @@ void find_with(const fitted_family<T>& family, const frame<T>& G, const joint_va
         wanted[behind + i] = near[i];
     }
     const group<T> inner{family.axes + family.first, family.last - family.first, family.kept};
-    const placings<T> outer = place(chain, before + behind, family.kept, moved(G, family.kept), wanted, slack);
+    const placements<T> outer = place(chain, before + behind, family.kept, moved(G, family.kept), wanted, slack);
     constexpr int lanes = lanes_at_once<T, 4>;
     for (int start = 0; start < outer.count; start += lanes)
         find_behind<pack<T, lanes>>(family, inner, G, chain, outer, start, near, slack, free_ones, found);
@@ -153,8 +153,8 @@ unsigned find_candidates(const fitted_family<T>& family, const frame<T>& G, cons
                          candidate_list<T>& found) {
     detail::find_with(family, G, near, slack, false, found);
     unsigned open = 0;
-    for (const candidate<T>& each : found)
-        if (each.free != 0 && !detail::is_met(family, each, G)) open |= each.free;
+    for (const candidate<T>& item : found)
+        if (item.free != 0 && !detail::is_reached(family, item, G)) open |= item.free;
     return open;
 }
 

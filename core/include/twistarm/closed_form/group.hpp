@@ -22,14 +22,14 @@ namespace detail {
 template <class T, class V> joint_value<V> turn_between(const T w[3], const T u[3], const V there[3]) {
     T v[3];
     cross(w, u, v);
-    return turned(dot(u, there), dot(v, there));
+    return rotated(dot(u, there), dot(v, there));
 }
 
 /// The middle joint has moved the last axis; x₁ turns it to where E takes it. The last joint makes the remaining turn.
 /// `between`: the value of the middle joint, or null.
 template <class T, class V>
 void first_and_last(const group<T>& wrist, const frame<V>& E, const V middle[3], const joint_value<V>* between,
-                    const joint_value<T>& near, const mask_of<V>& where, placings<V>& found) {
+                    const joint_value<T>& near, const mask_of<V>& where, placements<V>& found) {
     const joint_axis<T>&first = wrist.axes[0], &last = wrist.axes[wrist.count - 1];
     T u[3], v[3];
     V there[3];
@@ -41,7 +41,7 @@ void first_and_last(const group<T>& wrist, const frame<V>& E, const V middle[3],
     move_direction(first, back(x), there);
     if (between != nullptr) move_direction(wrist.axes[1], back(*between), there);
     const joint_value<V> rest = turn_between(last.w, u, there);
-    found.add(between == nullptr ? placed<V>{{x, rest, {}}} : placed<V>{{x, *between, rest}}, where);
+    found.add(between == nullptr ? placement<V>{{x, rest, {}}} : placement<V>{{x, *between, rest}}, where);
 }
 
 /// The angle between unit vectors.
@@ -64,7 +64,7 @@ roots<V, 2> middle_turns(const joint_axis<T>& middle, const T first[3], const T 
     V sines[4], cosine;
     for (int i = 0; i < 4; ++i) sincos(angles[i], sines[i], cosine);
     const V sine_squared = sines[0] * sines[1], cosine_squared = sines[2] * sines[3];
-    const joint_value<V> half = turned(sqrt(greatest(cosine_squared, zero)), sqrt(greatest(sine_squared, zero)));
+    const joint_value<V> half = rotated(sqrt(greatest(cosine_squared, zero)), sqrt(greatest(sine_squared, zero)));
     const feature<T> from{true, {last[0], last[1], last[2]}, T(0)}, to{true, {first[0], first[1], first[2]}, T(0)};
     joint_value<T> aligned = settle(middle, from, to, joint_value<T>{T(1), T(0), T(0)});
     aligned.free = false;
@@ -77,7 +77,7 @@ roots<V, 2> middle_turns(const joint_axis<T>& middle, const T first[3], const T 
 /// Axes that meet. Of three, the angle from w₁ to R w₃ gives x₂; x₁ turns e^{ŵ₂x₂} w₃ to R w₃; x₃ is the remaining
 /// turn. If x₂ brings w₃ along w₁, the wrist is singular and x₁ is free.
 template <class T, class V>
-void rotating(const group<T>& wrist, const frame<V>& E, const joint_value<T>* near, V slack, placings<V>& found) {
+void rotating(const group<T>& wrist, const frame<V>& E, const joint_value<T>* near, V slack, placements<V>& found) {
     const joint_axis<T>* axes = wrist.axes;
     const auto always = in_every_lane<V>(true);
     V there[3];
@@ -147,7 +147,7 @@ template <class T, class V> void set_slides(const joint_axis<T>* axes, int count
 /// the slides are two lengths in the plane. With more turns, the joints before the last turn take a point of its axis
 /// to where E takes it.
 template <class T, class V>
-void sliding(const group<T>& plane, const frame<V>& E, const joint_value<T>* near, V slack, placings<V>& found) {
+void sliding(const group<T>& plane, const frame<V>& E, const joint_value<T>* near, V slack, placements<V>& found) {
     const T* const normal = plane.kept.v;
     T u[3], v[3];
     V there[3];
@@ -164,9 +164,9 @@ void sliding(const group<T>& plane, const frame<V>& E, const joint_value<T>* nea
     };
     across(normal, u, v);
     rotate(E, u, there);
-    const joint_value<V> whole = turned(dot(u, there), dot(v, there));
+    const joint_value<V> whole = rotated(dot(u, there), dot(v, there));
     if (turning == 1) {
-        placed<V> one{};
+        placement<V> one{};
         for (int i = 0; i < plane.count; ++i) one.x[i] = i == last ? sensed(last, whole) : slid(V(0));
         set_slides(plane.axes, plane.count, E, one.x);
         found.add(one, in_every_lane<V>(true));
@@ -180,10 +180,10 @@ void sliding(const group<T>& plane, const frame<V>& E, const joint_value<T>* nea
             axes[i] = plane.axes[end - i];
             wanted[i] = back(near[end - i]);
         }
-        placings<V> backward;
+        placements<V> backward;
         sliding(group<T>{axes, plane.count, plane.kept}, inverse(E), wanted, slack, backward);
         for (int r = 0; r < backward.count; ++r) {
-            placed<V> forward{};
+            placement<V> forward{};
             for (int i = 0; i <= end; ++i) forward.x[i] = back(backward.items[r].x[end - i]);
             found.add(forward, backward.there[r]);
         }
@@ -192,19 +192,19 @@ void sliding(const group<T>& plane, const frame<V>& E, const joint_value<T>* nea
     const feature<T> X = point_at(plane.axes[last].o);
     found = place(plane.axes, last, X, moved(E, X), near, slack);
     for (int r = 0; r < found.count; ++r) {
-        placed<V>& each = found.items[r];
+        placement<V>& item = found.items[r];
         joint_value<V> left = whole;
         for (int i = 0; i < last; ++i)
-            if (!plane.axes[i].slides) left = left + back(sensed(i, each.x[i]));
-        each.x[last] = sensed(last, left);
+            if (!plane.axes[i].slides) left = left + back(sensed(i, item.x[i]));
+        item.x[last] = sensed(last, left);
     }
 }
 }  // namespace detail
 
 /// All x with E₁(x₁) ⋯ Eₖ(xₖ) = E, for a group that leaves what it keeps alone.
 template <class T, class V>
-placings<V> within(const group<T>& joints, const frame<V>& E, const joint_value<T>* near, V slack) {
-    placings<V> found;
+placements<V> within(const group<T>& joints, const frame<V>& E, const joint_value<T>* near, V slack) {
+    placements<V> found;
     if (joints.kept.plane) detail::sliding(joints, E, near, slack, found);
     else detail::rotating(joints, E, near, slack, found);
     return found;

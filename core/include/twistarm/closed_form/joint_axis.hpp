@@ -57,20 +57,20 @@ template <class V> joint_value<V> set_free(joint_value<V> value) {
 template <class V> TWISTARM_INLINE joint_value<V> slid(V length) { return {V(1), V(0), length}; }
 
 /// The turn with this cosine and sine, up to a common factor. Both 0 give the turn 0.
-template <class V> TWISTARM_INLINE joint_value<V> turned(V cosine, V sine) {
+template <class V> TWISTARM_INLINE joint_value<V> rotated(V cosine, V sine) {
     const V zero = V(0), one = V(1), square = cosine * cosine + sine * sine;
     const auto turns = square > zero;
     const V scale = one / sqrt(select(turns, square, one));
     return {select(turns, cosine * scale, one), select(turns, sine * scale, zero), zero};
 }
 
-template <class T> joint_value<T> turned_by(T angle) {
+template <class T> joint_value<T> rotated_by(T angle) {
     joint_value<T> value{T(1), T(0), T(0)};
     sincos(angle, value.sine, value.cosine);
     return value;
 }
 
-template <class T> joint_value<T> value_of(const joint_axis<T>& axis, T x) { return axis.slides ? slid(x) : turned_by(x); }
+template <class T> joint_value<T> value_of(const joint_axis<T>& axis, T x) { return axis.slides ? slid(x) : rotated_by(x); }
 
 /// x [rad or m], turns in [−π, π].
 template <class T, class V> TWISTARM_INLINE V coordinate_of(const joint_axis<T>& axis, const joint_value<V>& value) {
@@ -113,7 +113,7 @@ template <class V, class One> TWISTARM_INLINE joint_value<V> in_lanes(const One&
 
 /// A direction parted by a unit vector w: `along` w, `across` it, and w × `across`.
 template <class V> struct parted {
-    V along[3], across[3], turned[3];
+    V along[3], across[3], rotated[3];
 
     template <class T> TWISTARM_INLINE parted(const T w[3], const V v[3]) {
         const V share = dot(w, v);
@@ -121,7 +121,7 @@ template <class V> struct parted {
             along[k] = share * w[k];
             across[k] = v[k] - along[k];
         }
-        cross(w, v, turned);
+        cross(w, v, rotated);
     }
 };
 
@@ -129,7 +129,7 @@ template <class V> struct parted {
 template <class T, class V> TWISTARM_INLINE void move_direction(const joint_axis<T>& axis, const joint_value<V>& x, V v[3]) {
     if (axis.slides) return;
     const parted<V> parts(axis.w, v);
-    for (int k = 0; k < 3; ++k) v[k] = parts.along[k] + x.cosine * parts.across[k] + x.sine * parts.turned[k];
+    for (int k = 0; k < 3; ++k) v[k] = parts.along[k] + x.cosine * parts.across[k] + x.sine * parts.rotated[k];
 }
 
 /// p ← E(x) p.

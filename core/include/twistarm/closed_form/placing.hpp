@@ -18,11 +18,11 @@ namespace closed_form {
 template <class T> constexpr T on_axis = is_double<T> ? T(1e-7) : T(1e-4);
 
 /// Values of up to three joints.
-template <class V> struct placed {
+template <class V> struct placement {
     joint_value<V> x[3];
 };
 
-template <class V> using placings = few<placed<V>, 8, mask_of<V>>;
+template <class V> using placements = few<placement<V>, 8, mask_of<V>>;
 
 /// x with E(x) X = Y as near as can be; `near`, free, where any would do. Subproblem 1, MLS §3.3.2, for planes and slides too.
 template <class T, class A, class B>
@@ -37,7 +37,7 @@ joint_value<wider<A, B>> settle(const joint_axis<T>& axis, const feature<A>& X, 
         const V away[3] = {Y.v[0] - X.v[0], Y.v[1] - X.v[1], Y.v[2] - X.v[2]};
         return slid(dot(axis.w, away));
     }
-    A a[3], turned_a[3];
+    A a[3], rotated_a[3];
     B b[3];
     for (int k = 0; k < 3; ++k) {
         a[k] = X.plane ? X.v[k] : X.v[k] - axis.o[k];
@@ -50,8 +50,8 @@ joint_value<wider<A, B>> settle(const joint_axis<T>& axis, const feature<A>& X, 
         b[k] = b[k] - along_b * axis.w[k];
     }
     const V shorter = least(V(dot(a, a)), V(dot(b, b)));
-    cross(axis.w, a, turned_a);
-    return select(shorter < V(on_axis<T> * on_axis<T>), any_value, turned(dot(a, b), dot(turned_a, b)));
+    cross(axis.w, a, rotated_a);
+    return select(shorter < V(on_axis<T> * on_axis<T>), any_value, rotated(dot(a, b), dot(rotated_a, b)));
 }
 
 namespace detail {
@@ -90,7 +90,7 @@ template <class T> struct kept_along {
             for (int k = 0; k < 3; ++k) {
                 still[k] = parts.along[k] + (X.plane ? T(0) : axis.o[k]);
                 first[k] = parts.across[k];
-                second[k] = sense * parts.turned[k];
+                second[k] = sense * parts.rotated[k];
             }
         }
         if (middle.slides) {
@@ -126,7 +126,7 @@ private:
 /// The first joint is the middle one: nothing stands before it.
 template <class T, class V>
 void place_by_two(const joint_axis<T>* axes, const feature<T>& X, const feature<V>& Y, const joint_value<T>* near,
-                  V slack, placings<V>& found) {
+                  V slack, placements<V>& found) {
     const kept_along<T> along(axes[0], axes[1], X, T(1));
     V e[2];
     kept_numbers(axes[0], Y, e);
@@ -142,7 +142,7 @@ void place_by_two(const joint_axis<T>* axes, const feature<T>& X, const feature<
 
 template <class T>
 void place_by_three(const joint_axis<T>* axes, const feature<T>& X, const feature<T>& Y, const joint_value<T>* near,
-                    T slack, placings<T>& found) {
+                    T slack, placements<T>& found) {
     const kept_along<T> before(axes[1], axes[0], Y, T(-1)), behind(axes[1], axes[2], X, T(1));
     side<T> first{{}, axes[0].slides, near[0]}, last{{}, axes[2].slides, near[2]};
     T e[2];
@@ -171,9 +171,9 @@ void place_by_three(const joint_axis<T>* axes, const feature<T>& X, const featur
 /// Where any value would do, a joint takes that of `near`. What just misses by `slack` counts. In the lanes of a pack Y is
 /// at several places, for at most two joints.
 template <class T, class V>
-placings<V> place(const joint_axis<T>* axes, int count, const feature<T>& X, const feature<V>& Y,
+placements<V> place(const joint_axis<T>* axes, int count, const feature<T>& X, const feature<V>& Y,
                   const joint_value<T>* near, V slack) {
-    placings<V> found;
+    placements<V> found;
     const auto always = in_every_lane<V>(true);
     if (count == 0) found.add({}, always);
     if (count == 1) found.add({{settle(axes[0], X, Y, near[0]), {}, {}}}, always);

@@ -49,8 +49,8 @@ template <class T, class V> roots<V, 2> harmonic(T a, T b, V c, T scale, V slack
     if (!any(there)) return found;
     const V square = (amplitude - c) * (amplitude + c), zero = V(0);
     const V opening = sqrt(select(square > V(double_root<T> * amplitude * amplitude), square, zero));
-    found.add(turned(a * c - b * opening, b * c + a * opening), there);
-    found.add(turned(a * c + b * opening, b * c - a * opening), there & (opening > zero));
+    found.add(rotated(a * c - b * opening, b * c + a * opening), there);
+    found.add(rotated(a * c + b * opening, b * c - a * opening), there & (opening > zero));
     return found;
 }
 
@@ -80,7 +80,7 @@ template <class T> struct second_harmonic {
     }
     T scale() const {
         T largest = T(0);
-        for (T each : k) largest = greatest(largest, absolute(each));
+        for (T value : k) largest = greatest(largest, absolute(value));
         return largest;
     }
 
@@ -97,17 +97,17 @@ template <class T> struct second_harmonic {
         T p[5];
         in_half_tangent(start, p);
         T largest = T(0);
-        for (T each : p) largest = greatest(largest, absolute(each));
+        for (T value : p) largest = greatest(largest, absolute(value));
         if (!(largest > nothing<T> * size)) {
             found.any = true;
             return found;
         }
         complex_number<T> t[4];
         quartic_roots(p, t);
-        for (const complex_number<T>& each : t) {
-            const T square = each.re * each.re + each.im * each.im;
-            if (absolute(each.im) > T(3) * sqrt(slack) * (T(1) + square)) continue;
-            const joint_value<T> x = turned(T(1) - each.re * each.re, T(2) * each.re) + start;
+        for (const complex_number<T>& root : t) {
+            const T square = root.re * root.re + root.im * root.im;
+            if (absolute(root.im) > T(3) * sqrt(slack) * (T(1) + square)) continue;
+            const joint_value<T> x = rotated(T(1) - root.re * root.re, T(2) * root.re) + start;
             found.add(corrected(x, size));
         }
         return found;
@@ -147,7 +147,7 @@ private:
             if (absolute(rate) < nothing<T> * size) break;
             const T on = at(x.cosine, x.sine) / rate;
             if (absolute(on) > T(0.01)) break;
-            x = turned(x.cosine + on * x.sine, x.sine - on * x.cosine);
+            x = rotated(x.cosine + on * x.sine, x.sine - on * x.cosine);
         }
         return x;
     }

@@ -54,16 +54,16 @@ template <class T> struct two_by_two {
         const T p = A[0][0] * A[0][0] + A[0][1] * A[0][1], r = A[1][0] * A[1][0] + A[1][1] * A[1][1];
         const T q = A[0][0] * A[1][0] + A[0][1] * A[1][1];
         // Rows across one another, or one of them 0: no root needs to be drawn to see it.
-        const bool apart = absolute(q) <= T(sizeof(T) == 8 ? 1e-15 : 1e-7) * absolute(p - r);
-        const T h = apart ? absolute(p - r) : sqrt((p - r) * (p - r) + T(4) * q * q);
+        const bool diagonal = absolute(q) <= T(sizeof(T) == 8 ? 1e-15 : 1e-7) * absolute(p - r);
+        const T h = diagonal ? absolute(p - r) : sqrt((p - r) * (p - r) + T(4) * q * q);
         larger = sqrt(T(0.5) * (p + r + h));
         smaller = larger > T(0) ? absolute(A[0][0] * A[1][1] - A[0][1] * A[1][0]) / larger : T(0);
         row[0] = T(1);
         row[1] = T(0);
         if (!(h > T(0))) return;
         const int main = p >= r ? 0 : 1;
-        row[main] = apart ? T(1) : sqrt(T(0.5) * (T(1) + absolute(p - r) / h));
-        row[1 - main] = apart ? T(0) : q / (h * row[main]);
+        row[main] = diagonal ? T(1) : sqrt(T(0.5) * (T(1) + absolute(p - r) / h));
+        row[1 - main] = diagonal ? T(0) : q / (h * row[main]);
     }
 };
 
@@ -98,7 +98,7 @@ template <class T, class V> roots<V, 4> one_joint(const side<T>& a, const V e[2]
     } else if (size.smaller > well_conditioned<T> * size.larger) {
         V both[2];
         solve_two(a.A, e, both);
-        found.add(turned(both[0], both[1]), always);
+        found.add(rotated(both[0], both[1]), always);
     } else {
         const T cosine = size.row[0] * a.A[0][0] + size.row[1] * a.A[1][0];
         const T sine = size.row[0] * a.A[0][1] + size.row[1] * a.A[1][1];
@@ -110,7 +110,7 @@ template <class T, class V> roots<V, 4> one_joint(const side<T>& a, const V e[2]
 
 namespace detail {
 template <class T> void add_swapped(const pairs<T>& swapped, pairs<T>& found) {
-    for (const pair<T>& each : swapped) found.add({each.y, each.x});
+    for (const pair<T>& root : swapped) found.add({root.y, root.x});
 }
 
 /// Both conditions are linear. If they are dependent, the second length keeps its current value.
@@ -202,7 +202,7 @@ template <class T> void by_inverse(const side<T>& a, const side<T>& b, const T e
                                        T(2) * (B[0][0] * B[0][1] + B[1][0] * B[1][1]),
                                        B[0][1] * B[0][1] + B[1][1] * B[1][1]}};
     for (const joint_value<T>& y : equation.zeros(slack).or_near(b.near))
-        found.add({turned(m[0] - B[0][0] * y.cosine - B[0][1] * y.sine, m[1] - B[1][0] * y.cosine - B[1][1] * y.sine), y});
+        found.add({rotated(m[0] - B[0][0] * y.cosine - B[0][1] * y.sine, m[1] - B[1][0] * y.cosine - B[1][1] * y.sine), y});
 }
 
 /// A is of rank 1: across its one row y stands alone; x follows.

@@ -1,4 +1,4 @@
-// Candidates made into answers: corrected by forward kinematics, verified, told apart; joints that may go on moving.
+// Candidates made into answers: corrected by forward kinematics, verified, compared; joints that may go on moving.
 #pragma once
 
 #include "../ik/ranges.hpp"
@@ -9,7 +9,7 @@
 
 TWISTARM_BEGIN
 
-/// An answer: θ, its distance from the start, and, as bits, the coordinates that may change while the target stays met.
+/// An answer: θ, its distance from the start, and, as bits, the coordinates that may change while the target stays reached.
 template <class T, int N> struct configuration {
     T theta[capacity(N)];
     std::uint64_t free;
@@ -31,8 +31,8 @@ template <class T> struct precision {
     static constexpr T dependent = T(is_double<T> ? 1e-6 : 1e-3);     ///< and below this move nothing at first
     static constexpr T regular = T(is_double<T> ? 1e11 : 1e5);        ///< squares of singular values, the largest over the least
     static constexpr T same = T(is_double<T> ? 1e-5 : 3e-3);          ///< nearer together, two answers may be one
-    static constexpr T halfway = T(is_double<T> ? 1e-13 : 3e-6);      ///< if halfway between the target is met so well,
-    static constexpr T twins = T(1e-2);            ///< and so near if it is met to the tolerances there
+    static constexpr T halfway = T(is_double<T> ? 1e-13 : 3e-6);      ///< if halfway between the target is reached so well,
+    static constexpr T twins = T(1e-2);            ///< and so near if it is reached to the tolerances there
     static constexpr T at_limit = T(is_double<T> ? 1e-5 : 3e-3);      ///< an answer beyond by less may be at the limit:
                                                                      ///< a multiple root is known no better,
     static constexpr T on_limit = T(is_double<T> ? 1e-11 : 1e-6);     ///< and by so little meets the target there too
@@ -42,7 +42,7 @@ template <class T> struct precision {
     static constexpr T moved = T(is_double<T> ? 1e-6 : 1e-3);
 };
 
-enum class relation { apart, twins, same };
+enum class relation { different, twins, same };
 
 /// Forward kinematics as the judge of one target: how far configurations miss it, and Newton's steps toward it.
 template <target_kind Kind, class T, int N, int M> class judge {
@@ -68,21 +68,21 @@ public:
     /// Whether two answers are one. They are near each other up to whole turns, and their midpoint meets the target as
     /// well, or to rounding. They are twins if the midpoint meets it within the tolerances.
     __attribute__((noinline, cold)) relation compare(const ranges<T, N>& range, const T* a, const T* b) const {
-        T apart[width], between[width], farthest = T(0);
-        if (!differences(range, a, b, apart)) return relation::apart;
+        T difference[width], between[width], farthest = T(0);
+        if (!differences(range, a, b, difference)) return relation::different;
         for (int k = 0; k < arm_.coordinates(); ++k) {
-            between[k] = b[k] + T(0.5) * apart[k];
-            farthest = greatest(farthest, absolute(apart[k]));
+            between[k] = b[k] + T(0.5) * difference[k];
+            farthest = greatest(farthest, absolute(difference[k]));
         }
         const T most = greatest(greatest(precision<T>::halfway, T(2) * missed(a)), T(2) * missed(b));
         if (farthest <= precision<T>::same && missed(between) <= most) return relation::same;
-        return meets(between) ? relation::twins : relation::apart;
+        return meets(between) ? relation::twins : relation::different;
     }
 
     /// In which lanes θ is so near an answer, whole turns left aside, that it may be the same.
     template <class V> unsigned near_to(const ranges<T, N>& range, const V* theta, const T* answer) const {
-        V apart[width];
-        return differences(range, theta, answer, apart);
+        V difference[width];
+        return differences(range, theta, answer, difference);
     }
 
     /// A register of configurations after one Newton step, if one of them needs it. Tells which of them have only
@@ -131,7 +131,7 @@ public:
     }
 
     /// θ after Newton steps of least length, −J⁺ e; at most `patience` of them may gain little. Returns whether the
-    /// target is met. singular: smaller singular values, as a part of the largest, are ignored. still: the coordinates,
+    /// target is reached. singular: smaller singular values, as a part of the largest, are ignored. still: the coordinates,
     /// as bits, that stay.
     bool correct(T* theta, int patience = precision<T>::patience, T singular = precision<T>::singular,
                  std::uint64_t still = 0) const {
@@ -153,7 +153,7 @@ public:
         return meets(theta);
     }
 
-    /// Whether the target can be met inside the limits with the coordinates that exceed a limit moved to it. θ is then
+    /// Whether the target can be reached inside the limits with the coordinates that exceed a limit moved to it. θ is then
     /// that answer.
     bool meet_at_limits(const ranges<T, N>& range, T* theta) const {
         std::uint64_t still = 0;
@@ -171,7 +171,7 @@ public:
         return false;
     }
 
-    /// The coordinates that move while the target stays met.
+    /// The coordinates that move while the target stays reached.
     ///
     /// If the rows of the Jacobian are dependent, some direction moves nothing to first order. The code takes a step
     /// along it and corrects the result. If the result is a different answer that is as exact, both belong to a family.
@@ -183,14 +183,14 @@ public:
         with_rows(theta, missed);
         const T most = decompose(missed, columns, X, size);
         const T alike = greatest(precision<T>::alike, least(T(2) * this->missed(theta), precision<T>::hardly));
-        const T turned = T(0.5) * precision<T>::sidestep;
+        const T loosened = T(0.5) * precision<T>::sidestep;
         std::uint64_t moving = 0;
         for (int i = 0; i < count_; ++i) {
             if (size[i] > precision<T>::dependent * most) continue;
             for (int k = 0; k < arm_.coordinates(); ++k) beside[k] = theta[k];
             for (int j = 0; j < count_; ++j) beside[moving_[j]] += precision<T>::sidestep * X[j][i];
             if (!correct(beside, precision<T>::patience, precision<T>::dependent)) continue;
-            if (this->missed(beside) > alike && !meets(beside, turned * position_, turned * chord_)) continue;
+            if (this->missed(beside) > alike && !meets(beside, loosened * position_, loosened * chord_)) continue;
             std::uint64_t changed = 0;
             T square = T(0);
             for (int j = 0; j < count_; ++j) {
@@ -206,12 +206,12 @@ public:
 private:
     /// a − b without whole turns, and, as bits, the lanes where it is small. If there are none, the difference is
     /// incomplete.
-    template <class V> unsigned differences(const ranges<T, N>& range, const V* a, const T* b, V* apart) const {
+    template <class V> unsigned differences(const ranges<T, N>& range, const V* a, const T* b, V* difference) const {
         auto near = in_every_lane<V>(true);
         for (int k = 0; k < arm_.coordinates(); ++k) {
-            apart[k] = a[k] - b[k];
-            if (range.periodic[k]) apart[k] = apart[k] - T(whole_turn) * nearest_whole(apart[k] * T(1.0 / whole_turn));
-            near = near & (absolute(apart[k]) <= V(precision<T>::twins));
+            difference[k] = a[k] - b[k];
+            if (range.periodic[k]) difference[k] = difference[k] - T(whole_turn) * nearest_whole(difference[k] * T(1.0 / whole_turn));
+            near = near & (absolute(difference[k]) <= V(precision<T>::twins));
             if (!any(near)) return 0;
         }
         return bits(near);
@@ -223,8 +223,8 @@ private:
 
     static T largest(const residual<T, N, rows>& missed) {
         T worst = T(0);
-        for (T each : missed.e)
-            if (!(absolute(each) <= worst)) worst = absolute(each);
+        for (T component : missed.e)
+            if (!(absolute(component) <= worst)) worst = absolute(component);
         return worst;
     }
 
@@ -264,7 +264,7 @@ private:
         return most;
     }
 
-    /// Limits the step in each direction that J tells apart. If one direction hardly moves the tool, as near a straight
+    /// Limits the step in each direction that J distinguishes. If one direction hardly moves the tool, as near a straight
     /// wrist, the others still take their full step.
     void pseudo_inverse_step(const residual<T, N, rows>& missed, T singular, T move[6]) const {
         six_rows<T, most_unknowns> columns;

@@ -6,11 +6,11 @@
 
 TWISTARM_BEGIN
 
-/// The base and tip with which the walk along a chain ends at the identity if the target is met.
+/// The base and tip with which the walk along a chain ends at the identity if the target is reached.
 ///
 /// pose, task: g_goal⁻¹ · g_st. task in base axes: T(−p) · g_st · R_goalᵀ, with the rotation R R_goalᵀ. position and
 /// approach: the origin at p. approach also turns z along the direction before and along the tool axis after, so that
-/// the last z column is (0, 0, 1) if the target is met.
+/// the last z column is (0, 0, 1) if the target is reached.
 template <class V> struct aim {
     frame<V> base, tip;
     V tolerance[6];
@@ -50,8 +50,8 @@ template <class T, int N, int M> aim<T> aim_at(const chain<T, N, M>& arm, const 
         behind = inverse(behind);
     }
     for (int k = 0; k < 3; ++k) before.p[k] = asked.goal.p[k];
-    const bool turned = asked.kind == target_kind::approach || (asked.kind == target_kind::task && asked.base_axes);
-    aim<T> aimed{product(inverse(before), arm.base), turned ? product(arm.tip, behind) : arm.tip, {}};
+    const bool rotated = asked.kind == target_kind::approach || (asked.kind == target_kind::task && asked.base_axes);
+    aim<T> aimed{product(inverse(before), arm.base), rotated ? product(arm.tip, behind) : arm.tip, {}};
     for (int k = 0; k < 6; ++k) aimed.tolerance[k] = asked.tolerance[k];
     return aimed;
 }

@@ -16,7 +16,7 @@ template <class T, int N> struct answer {
     bool nearest;                 ///< `found` comes from the search for the nearest, not from a search for an answer
     bool has_unlimited;
     T unlimited[capacity(N)];     ///< outside the limits, where they block: it meets the target, or comes nearest to it
-    bool other_branch;            ///< `found` is not near θ₀, though the target is near the tool there, or is not met
+    bool other_branch;            ///< `found` is not near θ₀, though the target is near the tool there, or is not reached
 };
 
 namespace detail {
@@ -24,12 +24,12 @@ namespace detail {
 template <class T, int N, int M>
 void take_nearest_start(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                         const target<T>& asked, const T* theta0, const T* starts, int count, solution<T, N>& found) {
-    const auto met = [&](T position) { return position <= settings.position_tolerance ? T(0) : position; };
+    const auto beyond = [&](T position) { return position <= settings.position_tolerance ? T(0) : position; };
     for (int i = 0; i < count; ++i) {
         solution<T, N> start = found;
         for (int k = 0; k < arm.coordinates(); ++k) start.theta[k] = starts[i * arm.coordinates() + k];
         judge(arm, range, settings, asked, theta0, start);
-        const T here = met(start.position_error), best = met(found.position_error);
+        const T here = beyond(start.position_error), best = beyond(found.position_error);
         if (here < best || (here == best && start.orientation_error < found.orientation_error)) found = start;
     }
 }
@@ -120,8 +120,8 @@ bool is_open(const solution<T, N>& found, const ranges<T, N>& range, const searc
     if (!is_exact(found, settings)) return true;
     const T half = detail::other_branch<T>;
     const T position = greatest(half * range.most_speed, detail::near_position<T>);
-    const T turned = greatest(half * range.most_turning, detail::near_orientation<T>);
-    return detail::begins_within(found, settings, kind, position, turned) &&
+    const T rotation = greatest(half * range.most_turning, detail::near_orientation<T>);
+    return detail::begins_within(found, settings, kind, position, rotation) &&
            detail::largest_difference(found.theta, theta0, n) > half;
 }
 
@@ -172,7 +172,7 @@ void conclude(const chain<T, N, M>& arm, const ranges<T, N>& range, const search
     if (posture != nullptr) approach_posture(arm, range, settings, asked, posture, stopped, out.found);
 }
 
-/// Inverse kinematics of one target, and where it cannot be met, the nearest configuration and the reason.
+/// Inverse kinematics of one target, and where it cannot be reached, the nearest configuration and the reason.
 ///
 /// As `solve`: settings.searches searches from `theta0` (n,) and from random starts of `seed`. Equal calls give equal
 /// bits unless stopped() ends them; it is called now and then and returns true when the time is up. `reach` [m] brings

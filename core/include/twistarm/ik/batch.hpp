@@ -100,12 +100,12 @@ struct batch_of_targets final : search_owner<V, T, N> {
         hand_over(starts, i);
     }
 
-    void settle(const lane_searches<V, N>& lanes, lane_starts<T, N, lane_count>& starts, unsigned ended,
-                unsigned met) override {
+    void collect(const lane_searches<V, N>& lanes, lane_starts<T, N, lane_count>& starts, unsigned ended,
+                unsigned reached) override {
         for (; ended != 0U; ended &= ended - 1U) {
             const int i = __builtin_ctz(ended);
             if (at_target[i] == none || stopped) continue;
-            if ((met >> i & 1U) != 0U && converged(lanes, i)) hand_over(starts, i);
+            if ((reached >> i & 1U) != 0U && converged(lanes, i)) hand_over(starts, i);
             else failed(lanes, starts, i);
         }
     }

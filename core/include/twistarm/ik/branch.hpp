@@ -15,7 +15,7 @@ template <class T> constexpr T other_branch = T(0.2);
 template <class T> constexpr T box_growth = T(1.3);
 /// Where a first step is longer than this [rad, m], no box about θ₀ of `other_branch` is searched.
 template <class T> constexpr T far_step = T(0.5);
-/// Added to the λ of that step. Near a singular configuration the target may be met without the long step that J
+/// Added to the λ of that step. Near a singular configuration the target may be reached without the long step that J
 /// demands.
 template <class T> constexpr T damping_of_first_step = T(5e-3);
 /// Iterations and stalls of a search in a box: many coordinates stand at its sides.
@@ -63,7 +63,7 @@ bool begins_within(const solution<T, N>& found, const search_settings<T>& settin
 /// Whether a damped step from θ₀ toward the target is so short that the box of `other_branch` about θ₀ may hold an
 /// answer.
 template <target_kind Kind, class T, int N, int M>
-bool may_be_met_near(const chain<T, N, M>& arm, const search_settings<T>& settings, const target<T>& asked,
+bool may_be_reached_near(const chain<T, N, M>& arm, const search_settings<T>& settings, const target<T>& asked,
                      const T* theta0) {
     const int n = arm.coordinates();
     const aim<T> aims = aim_at(arm, asked);
@@ -115,7 +115,7 @@ bool meet_in_box(const chain<T, N, M>& arm, const ranges<T, N>& range, search_se
 }  // namespace detail
 
 /// Whether the target is near the tool at θ₀ (n,) although its nearest configuration is elsewhere. Near means within 2
-/// cm of the position and, if the position is met, within 3° of the rotation.
+/// cm of the position and, if the position is reached, within 3° of the rotation.
 template <class T, int N, int M>
 bool lies_elsewhere(const chain<T, N, M>& arm, const search_settings<T>& settings, const target<T>& asked,
                     const T* theta0, const solution<T, N>& nearest) {
@@ -138,7 +138,7 @@ bool keep_branch(const chain<T, N, M>& arm, const ranges<T, N>& range, const sea
                                             detail::near_orientation<T>);
     bool may_be = near;
     with_kind(asked, [&](auto kind) {
-        may_be = may_be || detail::may_be_met_near<kind()>(arm, settings, asked, theta0);
+        may_be = may_be || detail::may_be_reached_near<kind()>(arm, settings, asked, theta0);
     });
     if (!may_be) return false;
     T half = detail::other_branch<T>;

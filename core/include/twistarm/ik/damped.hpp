@@ -11,7 +11,7 @@ TWISTARM_BEGIN
 /// best given in units of its reach.
 template <class T> struct search_settings {
     T position_tolerance = T(1e-5), orientation_tolerance = T(5e-5);  ///< greatest errors of an answer [m], [rad]
-    bool to_edge = false;           ///< aim at the edge of the tolerances, where no search met the target itself
+    bool to_edge = false;           ///< aim at the edge of the tolerances, where no search reached the target itself
     int searches = 100;             ///< in all, the one from theta0 included
     T rotation_weight = T(0.2);     ///< what a squared radian counts beside a squared metre
     T damping = T(0.03);            ///< λ = damping · E + least_damping

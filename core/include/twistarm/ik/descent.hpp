@@ -26,8 +26,8 @@ template <class V, int N> struct descent_lanes {
 namespace detail {
 template <class T> constexpr T machine_epsilon = T(sizeof(T) == 8 ? 2.220446049250313e-16 : 1.1920929e-7F);
 
-/// The weight of the second level is lowered, to its square, where a step promises less than `settled` · ε.
-template <class T> constexpr T settled = T(0.01);
+/// The weight of the second level is lowered, to its square, where a step promises less than `lowered_below` · ε.
+template <class T> constexpr T lowered_below = T(0.01);
 /// A descent ends if a step at the last weight promises less than this, in units of ε, or of 1 m² without a weight.
 template <class T> constexpr T arrived = T(sizeof(T) == 8 ? 1e-13 : 1e-6);
 template <class T> constexpr T arrived_without_weight = T(sizeof(T) == 8 ? 1e-26 : 1e-13);
@@ -93,7 +93,7 @@ template <class V, class T, int N, int M> struct descent {
 
   private:
     TWISTARM_INLINE void lower_weight(const truth& accepted) {
-        const truth lower = accepted & ((lanes.promise <= settled<T> * lanes.epsilon) | (fraction <= V(T(0))));
+        const truth lower = accepted & ((lanes.promise <= lowered_below<T> * lanes.epsilon) | (fraction <= V(T(0))));
         const V next = greatest(lanes.epsilon * lanes.epsilon, V(settings.last_epsilon));
         lanes.epsilon = select(lower, least(lanes.epsilon, next), lanes.epsilon);
     }
@@ -128,7 +128,7 @@ template <class V, class T, int N, int M> struct descent {
         }
         value = select(accepted, objective.value(at, lanes.epsilon), value);
         lanes.position = select(accepted, at.position, lanes.position);
-        lanes.rotation = select(accepted, at.turned.value, lanes.rotation);
+        lanes.rotation = select(accepted, at.rotation_level.value, lanes.rotation);
         lanes.promise = select(accepted, promised, lanes.promise);
         for (int i = 0; i < objective.arm.coordinates(); ++i) {
             lanes.theta[i] = select(accepted, trial[i], lanes.theta[i]);

@@ -9,8 +9,8 @@
 
 TWISTARM_BEGIN
 
-/// nearest: f₁ = ½ ‖position error‖², f₂ = the rotation's. met: f₁ is both, f₂ nothing.
-enum class levels { nearest, met };
+/// nearest: f₁ = ½ ‖position error‖², f₂ = the rotation's. both: f₁ is both, f₂ nothing.
+enum class levels { nearest, both };
 
 /// What the rotation counts beside a squared metre where both belong to the first level.
 template <class T> constexpr T rotation_beside_position = T(0.4);
@@ -21,7 +21,7 @@ template <class V, int M> struct local_errors {
     V p[3];              ///< where the tool's origin is, from where it should be [m]
     V away[3], held[3];  ///< p beyond its tolerance [m], and 1 for components that are held
     V position;          ///< ½ ‖away‖²
-    turning<V> turned;
+    turning<V> rotation_level;
     V off[capacity(M)];  ///< θ − θ_near, or what of θ lies outside its limits, where that counts
     V departure;         ///< f₃ = ½ ‖off‖²
 };
@@ -53,7 +53,7 @@ template <class V, class T, int N, int M> struct two_levels {
                 at.held[k] = select(detail::is_active(at.away[k], aims.tolerance[k]), V(T(1)), V(T(0)));
         }
         at.position = T(0.5) * dot(at.away, at.away);
-        turning_at(kind, g, aims, at.turned);
+        turning_at(kind, g, aims, at.rotation_level);
         at.departure = V(T(0));
         if (!departs()) return;
         for (int i = 0; i < arm.coordinates(); ++i) {
@@ -84,7 +84,7 @@ template <class V, class T, int N, int M> struct two_levels {
 
     /// F at θ.
     TWISTARM_INLINE V value(const local_errors<V, M>& at, const V& epsilon) const {
-        return at.position + rotation_weight(epsilon) * at.turned.value + epsilon * nu * at.departure;
+        return at.position + rotation_weight(epsilon) * at.rotation_level.value + epsilon * nu * at.departure;
     }
 
     /// ∇F (n,) and the lower triangle of F's Hessian at θ, by joints. With vⱼ and wⱼ the velocities that joint j gives
@@ -122,12 +122,12 @@ template <class V, class T, int N, int M> struct two_levels {
         TWISTARM_UNROLL
         for (int i = 0; i < joints; ++i) {
             const column<V>& moved = at.moved[i];
-            g[i] = dot(moved.v, at.away) + weight * dot(moved.w, at.turned.slope);
+            g[i] = dot(moved.v, at.away) + weight * dot(moved.w, at.rotation_level.slope);
             V push[3], twist[3];
             cross(pull, moved.w, push);
             for (int k = 0; k < 3; ++k) {
                 push[k] = push[k] + at.held[k] * moved.v[k];
-                twist[k] = weight * dot(at.turned.curvature[k], moved.w);
+                twist[k] = weight * dot(at.rotation_level.curvature[k], moved.w);
             }
             TWISTARM_UNROLL
             for (int j = i; j < joints; ++j)

@@ -17,12 +17,12 @@ namespace detail {
 template <class T> constexpr T last_epsilon = T(sizeof(T) == 8 ? 1e-9 : 1e-5);
 
 /// Every start first descends a little, then the best go on to the last weight. The best of these go to their minima,
-/// and the slow ones among them until they settle. At the end the position alone is minimised to rounding, with all
+/// and the slow ones among them until they converge. At the end the position alone is minimised to rounding, with all
 /// that does not move it held.
 template <class T> constexpr descent_settings<T> approaching = {T(1e-5), T(0), 10, false};
 template <class T> constexpr descent_settings<T> following = {last_epsilon<T>, T(0), 20, true};
 template <class T> constexpr descent_settings<T> finishing = {last_epsilon<T>, T(0), 40, true};
-template <class T> constexpr descent_settings<T> settling = {last_epsilon<T>, T(0), 120, true};
+template <class T> constexpr descent_settings<T> refining = {last_epsilon<T>, T(0), 120, true};
 template <class T> constexpr descent_settings<T> position_alone = {T(0), T(sizeof(T) == 8 ? 1e-9 : 1e-5), 6, true};
 
 /// Two minima with a smaller difference in distance [m] are equally near; the rotation decides.
@@ -121,13 +121,13 @@ template <class T, int N> const minimum<T, N>& nearest_of(const minimum<T, N>* m
     return minima[best];
 }
 
-/// Writes to `which` the starts that are not settled but may become the nearest, and returns their number.
-template <class T, int N> int unsettled(const minimum<T, N>* minima, int count, int* which) {
+/// Writes to `which` the starts that have not converged but may become the nearest, and returns their number.
+template <class T, int N> int not_converged(const minimum<T, N>* minima, int count, int* which) {
     const minimum<T, N>& best = nearest_of(minima, count);
     int left = 0;
     for (int i = 0; i < count; ++i) {
-        const bool settled = minima[i].at.position_stationary && minima[i].at.rotation_stationary;
-        if (!settled && minima[i].distance <= best.distance + same_position<T>) which[left++] = minima[i].start;
+        const bool converged = minima[i].at.position_stationary && minima[i].at.rotation_stationary;
+        if (!converged && minima[i].distance <= best.distance + same_position<T>) which[left++] = minima[i].start;
     }
     return left;
 }

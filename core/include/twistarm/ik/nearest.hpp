@@ -45,17 +45,17 @@ void nearest_from(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
     int count = detail::most_promising(field, chosen, followed, detail::most_finalists, last);
     detail::minimum<T, N> minima[3 * detail::most_finalists];
     detail::finish(objective, range, detail::finishing<T>, last, count, field, stopped, minima);
-    if (const int left = detail::unsettled(minima, count, last); left != 0 && !stopped()) {
-        detail::finish(objective, range, detail::settling<T>, last, left, field, stopped, minima + count);
+    if (const int left = detail::not_converged(minima, count, last); left != 0 && !stopped()) {
+        detail::finish(objective, range, detail::refining<T>, last, left, field, stopped, minima + count);
         count += left;
     }
     const detail::minimum<T, N>& best = detail::nearest_of(minima, count);
     found = best.at;
     if (stopped()) return;
     count += detail::draw_to(objective, range, theta0, best, field, stopped, minima + count);
-    const detail::minimum<T, N>& taken = detail::nearest_to(arm, range, settings, asked, theta0, minima, count);
-    found = taken.at;
-    found.rotation_stationary = found.rotation_stationary || detail::is_agreed(minima, count, taken);
+    const detail::minimum<T, N>& closest = detail::nearest_to(arm, range, settings, asked, theta0, minima, count);
+    found = closest.at;
+    found.rotation_stationary = found.rotation_stationary || detail::is_agreed(minima, count, closest);
 }
 
 TWISTARM_END

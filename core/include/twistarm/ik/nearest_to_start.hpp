@@ -97,13 +97,13 @@ const minimum<T, N>& nearest_to(const chain<T, N, M>& arm, const ranges<T, N>& r
                                 const search_settings<T>& settings, const target<T>& asked, const T* theta0,
                                 minimum<T, N>* minima, int count) {
     constexpr T infinite = static_cast<T>(__builtin_inf());
-    T away[3 * most_finalists], turned[3 * most_finalists];
+    T away[3 * most_finalists], angle[3 * most_finalists];
     T least_away = infinite, least_value = infinite, least_departure = infinite;
     for (int i = 0; i < count; ++i) {
         wrap_near(range, arm.coordinates(), theta0, minima[i].at.theta);
         const target_errors<T> errors = errors_at(asked, forward(arm, minima[i].at.theta));
         away[i] = errors.position;
-        turned[i] = errors.orientation;
+        angle[i] = errors.orientation;
         least_away = least(least_away, away[i]);
     }
     int best = 0;
@@ -114,9 +114,9 @@ const minimum<T, N>& nearest_to(const chain<T, N, M>& arm, const ranges<T, N>& r
         best = i;
     }
     const nearest_configuration<T, N> nearest = minima[best].at;
-    const T most_turned = turned[best] + least(settings.orientation_tolerance, usual_tolerance<T>);
+    const T most_angle = angle[best] + least(settings.orientation_tolerance, usual_tolerance<T>);
     for (int i = 0; i < count; ++i) {
-        if (away[i] > least_away + as_far(settings) || turned[i] > most_turned) continue;
+        if (away[i] > least_away + as_far(settings) || angle[i] > most_angle) continue;
         if (nearest.position_stationary && !minima[i].at.position_stationary) continue;
         if (nearest.rotation_stationary && !minima[i].at.rotation_stationary) continue;
         const T departure = squared_distance(minima[i].at.theta, theta0, arm.coordinates());

@@ -8,7 +8,7 @@ TWISTARM_BEGIN
 namespace detail {
 constexpr int most_posture_steps = 100, most_corrections = 6;
 template <class T> constexpr T least_share = T(1e-3);  ///< of a step, before it is given up
-template <class T> constexpr T settled_step = T(sizeof(T) == 8 ? 1e-7 : 1e-4);       ///< [rad, m]
+template <class T> constexpr T negligible_step = T(sizeof(T) == 8 ? 1e-7 : 1e-4);       ///< [rad, m]
 template <class T> constexpr T singular_shift = T(sizeof(T) == 8 ? 1e-10 : 1e-6);    ///< keeps J Jᵀ invertible
 template <class T> constexpr T corrected = T(sizeof(T) == 8 ? 1e-22 : 1e-11);        ///< E on the target, [m²]
 
@@ -16,13 +16,13 @@ template <class T> constexpr T corrected_inexactly = T(sizeof(T) == 8 ? 1e-14 : 
 
 /// The target as its answer meets it, if the answer is only within loose tolerances.
 template <class T, int N, int M>
-target<T> target_met(const chain<T, N, M>& arm, const target<T>& asked, const T* theta) {
+target<T> reached_target(const chain<T, N, M>& arm, const target<T>& asked, const T* theta) {
     const frame<T> g = forward(arm, theta);
-    target<T> met = asked;
-    for (int k = 0; k < 3; ++k) met.goal.p[k] = g.p[k];
-    if (asked.kind == target_kind::pose) met.goal = g;
-    if (asked.kind == target_kind::approach) rotate(g, asked.tool_axis, met.direction);
-    return met;
+    target<T> kept = asked;
+    for (int k = 0; k < 3; ++k) kept.goal.p[k] = g.p[k];
+    if (asked.kind == target_kind::pose) kept.goal = g;
+    if (asked.kind == target_kind::approach) rotate(g, asked.tool_axis, kept.direction);
+    return kept;
 }
 
 template <class T> T squared_distance(const T* a, const T* b, int n) {
@@ -133,8 +133,8 @@ template <target_kind Kind, class T, int N, int M> struct posture_walk {
         T d[capacity(N)], ahead[capacity(N)], trial[capacity(N)];
         look(theta);
         const T longest = downhill(theta, d), before = squared_distance(theta, posture, size());
-        if (longest <= settled_step<T>) return false;
-        const T shortest = least_share<T> * settled_step<T>;
+        if (longest <= negligible_step<T>) return false;
+        const T shortest = least_share<T> * negligible_step<T>;
         for (T share = least(share_of(theta, d), T(0.5) / longest); share * longest > shortest; share *= T(0.5)) {
             for (int i = 0; i < size(); ++i) ahead[i] = trial[i] = theta[i] + share * d[i];
             if (!correct(trial) || squared_distance(trial, posture, size()) >= before) continue;
@@ -168,9 +168,9 @@ void approach_posture(const chain<T, N, M>& arm, const ranges<T, N>& range, cons
     solution<T, N> moved = found;
     wrap_near(range, arm.coordinates(), posture, moved.theta);
     const bool exact = is_exact(found, settings) || asked.kind == target_kind::task;
-    const target<T> met = exact ? asked : detail::target_met(arm, asked, found.theta);
+    const target<T> kept = exact ? asked : detail::reached_target(arm, asked, found.theta);
     with_kind(asked.kind, [&](auto kind) {
-        detail::walk_to_posture<kind()>(arm, range, settings, met, posture, exact, stopped, moved.theta);
+        detail::walk_to_posture<kind()>(arm, range, settings, kept, posture, exact, stopped, moved.theta);
     });
     if (judge(arm, range, settings, asked, posture, moved)) found = moved;
 }

@@ -15,7 +15,7 @@ constexpr int most_starts = 112, most_followed = 32, most_finalists = 8;
 /// Of the random starts among them.
 constexpr std::uint64_t random_starts_seed = 1;
 
-/// The first weights of a radian beside a square metre, from start to start. If the position can be met, large ones
+/// The first weights of a radian beside a square metre, from start to start. If the position can be reached, large ones
 /// find minima with a small rotation error. If it cannot, the weight must not draw a start away from the nearest.
 template <class T> constexpr T first_epsilons[4] = {T(1e-1), T(1e-3), T(1e-1), T(sizeof(T) == 8 ? 1e-9 : 1e-5)};
 

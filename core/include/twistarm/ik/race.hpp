@@ -85,13 +85,13 @@ template <class V, class T, int N, int M, class Starts, class Stopped> struct ra
         return true;
     }
 
-    void settle(const lane_searches<V, N>& lanes, lane_starts<T, N, lane_count>& starts, unsigned ended,
-                unsigned met) override {
+    void collect(const lane_searches<V, N>& lanes, lane_starts<T, N, lane_count>& starts, unsigned ended,
+                unsigned reached) override {
         for (; ended != 0U; ended &= ended - 1U) {
             const int i = __builtin_ctz(ended), steps = static_cast<int>(lane(lanes.iterations, i));
             if (search[i] == none) continue;
             iterations += steps;
-            if (beats(search[i], steps) && !((met >> i & 1U) != 0U && converged(lanes, i))) failed(lanes, i);
+            if (beats(search[i], steps) && !((reached >> i & 1U) != 0U && converged(lanes, i))) failed(lanes, i);
             begin(starts, i);
         }
         over = true;

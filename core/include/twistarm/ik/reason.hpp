@@ -1,4 +1,4 @@
-// The reason why a target cannot be met: the limits, a direction without a joint, or the reach.
+// The reason why a target cannot be reached: the limits, a direction without a joint, or the reach.
 #pragma once
 
 #include "minima.hpp"
@@ -53,7 +53,7 @@ namespace detail {
 /// Removes the directions of the first `spanning` vectors (count, size) from all of them, if these are longer than
 /// `lacking_below`: Gram–Schmidt, the longest first.
 template <class T, int Size> void take_out(T (*vectors)[Size], int spanning, int count, int size) {
-    for (int taken = 0; taken < spanning; ++taken) {
+    for (int step = 0; step < spanning; ++step) {
         T longest = static_cast<T>(lacking_below * lacking_below), unit[Size];
         int which = -1;
         for (int i = 0; i < spanning; ++i) {
@@ -74,7 +74,7 @@ template <class T, int Size> void take_out(T (*vectors)[Size], int spanning, int
 }
 
 /// The target's components at a configuration: the error of each, its rows, and whether it is held. Rows of a task's
-/// rotation are as if the rotation were met, in the axes of its tolerances: far from the goal, its logarithm changes
+/// rotation are as if the rotation were reached, in the axes of its tolerances: far from the goal, its logarithm changes
 /// with what is left free.
 template <target_kind Kind, class T, int N> struct asked_here {
     frame<T> g, behind;  ///< the pose in the axes of the aim, and what the aim adds to the tool

@@ -71,13 +71,13 @@ void race_from(const chain<T, N, M>& arm, const ranges<T, N>& range, const searc
     const auto begins = [&](int search, T* theta, int step) {
         for (int k = 0; k < arm.coordinates(); ++k) theta[k * step] = starts[search * stride + k];
     };
-    solution<T, N> met{};
+    solution<T, N> raced{};
     T* nowhere = nullptr;
     using V = pack<T, Lanes != 0 ? Lanes : lanes_at_once<T, searches_in_round>>;
-    if (!race_to<V, Kind>(arm, range, settings, asked, begins, theta0, nowhere, 0, stopped, met)) return;
-    met.restarts = found.restarts;
-    met.start_error = found.start_error;
-    found = met;
+    if (!race_to<V, Kind>(arm, range, settings, asked, begins, theta0, nowhere, 0, stopped, raced)) return;
+    raced.restarts = found.restarts;
+    raced.start_error = found.start_error;
+    found = raced;
 }
 
 /// The settings of searches that are resumed.
@@ -89,9 +89,9 @@ template <class T> search_settings<T> patient(search_settings<T> settings) {
 }
 }  // namespace detail
 
-/// What follows searches of which none has met the target itself, from their ends (count, n), and `found`, the best.
+/// What follows searches of which none has reached the target itself, from their ends (count, n), and `found`, the best.
 ///
-/// If that was on its way, the nearest go on with more patience. If the target itself is still not met, and nothing is
+/// If that was on its way, the nearest go on with more patience. If the target itself is still not reached, and nothing is
 /// within the tolerances, searches from all ends look for their edge. Replaces `found` if one succeeds.
 template <int Lanes = 0, class T, int N, int M, class Target, class Stopped>
 void resume(const chain<T, N, M>& arm, const ranges<T, N>& range, search_settings<T> settings, const Target& asked,

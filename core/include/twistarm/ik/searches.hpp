@@ -33,7 +33,7 @@ template <class T, int N> void find_nothing(const T* theta0, int n, solution<T, 
     found.start_error = {found.position_error, found.position_error};
 }
 
-/// Errors [m, rad] below which a search has met its target, whatever is tolerated, and below which it needs no polish.
+/// Errors [m, rad] below which a search has reached its target, whatever is tolerated, and below which it needs no polish.
 template <class T> constexpr T exact_error = T(sizeof(T) == 8 ? 1e-6 : 1e-5);
 template <class T> constexpr T polished_error = T(sizeof(T) == 8 ? 1e-9 : 1e-6);
 
@@ -43,7 +43,7 @@ constexpr int most_ends = 96;
 /// One search in each lane. Everything of a lane is its own.
 template <class V, int N> struct lane_searches {
     V theta[capacity(N)], position_squared, rotation_squared, error, best, stalls, iterations;
-    V met;  ///< 1 where the search met its target one step ago, and has been polished since
+    V reached;  ///< 1 where the search reached its target one step ago, and has been polished since
     squared_errors<V> first;
 };
 
@@ -53,7 +53,7 @@ template <class V, int N> TWISTARM_INLINE lane_searches<V, N> searches_at_rest()
     lane_searches<V, N> lanes;
     for (V& coordinate : lanes.theta) coordinate = zero;
     lanes.position_squared = lanes.rotation_squared = lanes.error = lanes.first.position = lanes.first.rotation = zero;
-    lanes.best = lanes.stalls = lanes.iterations = lanes.met = zero;
+    lanes.best = lanes.stalls = lanes.iterations = lanes.reached = zero;
     return lanes;
 }
 
@@ -68,7 +68,7 @@ namespace detail {
 /// rounding of wrapped angles cannot change its verdict.
 constexpr double allowed = 0.999, edge = 0.9999;
 
-/// Squared errors below which a search has met its target; the rotation's as a chord, 2 sin(φ/2), or an angle.
+/// Squared errors below which a search has reached its target; the rotation's as a chord, 2 sin(φ/2), or an angle.
 template <class T> struct thresholds {
     T position, rotation;
 };
@@ -116,7 +116,7 @@ TWISTARM_INLINE void begin_waiting(lane_searches<V, N>& lanes, lane_starts<T, N,
         set_lane(lanes.best, i, static_cast<T>(__builtin_inf()));
         set_lane(lanes.stalls, i, T(0));
         set_lane(lanes.iterations, i, T(0));
-        set_lane(lanes.met, i, T(0));
+        set_lane(lanes.reached, i, T(0));
     }
     starts.waiting = 0U;
 }
@@ -127,8 +127,8 @@ template <class V, class T, int N> struct search_owner {
     using starts = lane_starts<T, N, number<V>::lanes>;
 
     aim<V> aims;  ///< what each lane is after
-    /// Receives the lanes that have ended and those that have met their target. May put new searches into `next`.
-    virtual void settle(const lane_searches<V, N>& lanes, starts& next, unsigned ended, unsigned met) = 0;
+    /// Receives the lanes that have ended and those that have reached their target. May put new searches into `next`.
+    virtual void collect(const lane_searches<V, N>& lanes, starts& next, unsigned ended, unsigned reached) = 0;
     /// Asked after each evaluation; true ends the run.
     virtual bool finished(const lane_searches<V, N>& lanes) = 0;
 
@@ -138,7 +138,7 @@ protected:
 };
 
 /// Runs searches until `owner` has what it wants. E = ‖position error‖² + rotation_weight ‖rotation error‖²; to the edge
-/// of loose tolerances only what is beyond them. A search that has met its target goes one step on.
+/// of loose tolerances only what is beyond them. A search that has reached its target goes one step on.
 template <class V, target_kind Kind, class T, int N, int M>
 void run_searches(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                   lane_searches<V, N>& lanes, lane_starts<T, N, number<V>::lanes>& starts,
@@ -158,18 +158,18 @@ void run_searches(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
         lanes.rotation_squared = at.rotation_squared;
         lanes.error = at.position_squared + settings.rotation_weight * at.rotation_squared;
         if (settings.to_edge) lanes.error = detail::allow_tolerances<Kind>(settings, at, n);
-        const auto met = (at.position_squared <= V(enough.position)) & (at.rotation_squared <= V(enough.rotation));
+        const auto reached = (at.position_squared <= V(enough.position)) & (at.rotation_squared <= V(enough.rotation));
         lanes.stalls = lanes.stalls + select(lanes.best * settings.progress < lanes.error, V(T(1)), V(T(0)));
         lanes.best = least(lanes.best, lanes.error);
         const auto begins = lanes.iterations < V(T(1));
         lanes.first.position = select(begins, at.position_squared, lanes.first.position);
         lanes.first.rotation = select(begins, at.rotation_squared, lanes.first.rotation);
         const auto fine = (at.position_squared <= V(finest.position)) & (at.rotation_squared <= V(finest.rotation));
-        const auto over = fine | (met & (lanes.met > V(T(0)))) | (lanes.stalls >= V(static_cast<T>(settings.stalls))) |
+        const auto over = fine | (reached & (lanes.reached > V(T(0)))) | (lanes.stalls >= V(static_cast<T>(settings.stalls))) |
                           (lanes.iterations >= V(static_cast<T>(settings.iterations)));
-        lanes.met = select(met, V(T(1)), V(T(0)));
+        lanes.reached = select(reached, V(T(1)), V(T(0)));
         const unsigned ended = bits(over);
-        if (ended != 0U) owner.settle(lanes, starts, ended, bits(met));
+        if (ended != 0U) owner.collect(lanes, starts, ended, bits(reached));
         if (owner.finished(lanes)) return;
         const V lambda = settings.damping * lanes.error + settings.least_damping;
         bounded_step(range, lambda, n, at, lanes.theta);
@@ -195,7 +195,7 @@ template <class T, int N> void set_errors(const squared_errors<T>& squared, targ
 constexpr int most_polish = 20, polish_in_vain = 2;
 }  // namespace detail
 
-/// The answer in a lane that has met its target: θ wrapped near `near`, and the errors computed before wrapping, which
+/// The answer in a lane that has reached its target: θ wrapped near `near`, and the errors computed before wrapping, which
 /// changes them only by rounding.
 template <class V, class T, int N>
 inline bool accept(const lane_searches<V, N>& lanes, int i, const ranges<T, N>& range, int n, target_kind kind,
@@ -267,7 +267,7 @@ inline bool judge(const chain<T, N, M>& arm, const ranges<T, N>& range, const se
     return found.converged;
 }
 
-/// What is left of searches of which none has met the target itself: their best end, `found`, or θ₀ (n,) if only that
+/// What is left of searches of which none has reached the target itself: their best end, `found`, or θ₀ (n,) if only that
 /// is within the tolerances.
 template <class T, int N, int M>
 void judge_end(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,

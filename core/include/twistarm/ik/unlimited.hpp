@@ -61,32 +61,32 @@ template <class T, int N> struct searched {
     static constexpr int most = detail::most_searches_without_limits;
 
     T theta[most * capacity(N)];  ///< (count, n)
-    bool met[most];               ///< whether the search has met its target
+    bool converged[most];         ///< whether the search has reached its target
     int count;
 };
 
 namespace detail {
 /// A search from each configuration, which its end replaces. They go in rounds of `searches_in_group`, so that the
-/// number of lanes changes no answer; no round begins once enough have met the target.
+/// number of lanes changes no answer; no round begins once enough have reached the target.
 template <class V, class T, int N, class Stopped> struct searches_from_each final : search_owner<V, T, N> {
     static constexpr int lane_count = number<V>::lanes, none = -1;
 
     searched<T, N>& set;
     int n, enough;
     Stopped& stopped;
-    int search[lane_count], begun = 0, end_of_round = 0, running = 0, met = 0, nearest = 0;
+    int search[lane_count], begun = 0, end_of_round = 0, running = 0, solved = 0, nearest = 0;
     T least_error = static_cast<T>(__builtin_inf());
 
     searches_from_each(const aim<V>& aims, searched<T, N>& from, int size, int wanted, Stopped& time_is_up)
         : search_owner<V, T, N>(aims), set(from), n(size), enough(wanted), stopped(time_is_up) {
-        for (int k = 0; k < set.count; ++k) set.met[k] = false;
-        for (int& each : search) each = none;
+        for (int k = 0; k < set.count; ++k) set.converged[k] = false;
+        for (int& slot : search) slot = none;
     }
 
     /// Gives the idle lanes the next searches of the round, or of the next one where none is running.
     void begin(lane_starts<T, N, lane_count>& starts) {
-        const int most = met > 0 ? set.count : least(set.count, searches_without_limits);
-        if (running == 0 && met < enough) end_of_round = least(begun + searches_in_group, most);
+        const int most = solved > 0 ? set.count : least(set.count, searches_without_limits);
+        if (running == 0 && solved < enough) end_of_round = least(begun + searches_in_group, most);
         for (int i = 0; i < lane_count && begun < end_of_round; ++i) {
             if (search[i] != none) continue;
             search[i] = begun++;
@@ -96,7 +96,7 @@ template <class V, class T, int N, class Stopped> struct searches_from_each fina
         }
     }
 
-    void settle(const lane_searches<V, N>& lanes, lane_starts<T, N, lane_count>& starts, unsigned ended,
+    void collect(const lane_searches<V, N>& lanes, lane_starts<T, N, lane_count>& starts, unsigned ended,
                 unsigned there) override {
         for (; ended != 0U; ended &= ended - 1U) {
             const int i = __builtin_ctz(ended), which = search[i];
@@ -104,8 +104,8 @@ template <class V, class T, int N, class Stopped> struct searches_from_each fina
             search[i] = none;
             --running;
             for (int k = 0; k < n; ++k) set.theta[which * n + k] = lane(lanes.theta[k], i);
-            set.met[which] = (there >> i & 1U) != 0U;
-            met += set.met[which] ? 1 : 0;
+            set.converged[which] = (there >> i & 1U) != 0U;
+            solved += set.converged[which] ? 1 : 0;
             if (lane(lanes.error, i) < least_error) {
                 least_error = lane(lanes.error, i);
                 nearest = which;
@@ -117,7 +117,7 @@ template <class V, class T, int N, class Stopped> struct searches_from_each fina
 };
 
 /// Runs a search from each configuration. If none meets the target, the nearest go on with more patience. Returns how
-/// many have met it; these come first.
+/// many have reached it; these come first.
 template <target_kind Kind, class T, int N, int M, class Stopped>
 int search_from_each_as(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                         const target<T>& asked, int enough, Stopped& stopped, searched<T, N>& set) {
@@ -128,7 +128,7 @@ int search_from_each_as(const chain<T, N, M>& arm, const ranges<T, N>& range, co
     lane_starts<T, N, number<V>::lanes> starts;
     owner.begin(starts);
     run_searches<V, Kind, T, N, M>(arm, range, settings, lanes, starts, owner);
-    if (owner.met == 0 && owner.least_error < on_its_way<T> && !stopped()) {
+    if (owner.solved == 0 && owner.least_error < on_its_way<T> && !stopped()) {
         resumed_ends<T, N> starts;
         take_nearest(arm, range, settings, asked, set.theta, owner.begun, starts);
         search_settings<T> how = patient(settings);
@@ -140,7 +140,7 @@ int search_from_each_as(const chain<T, N, M>& arm, const ranges<T, N>& range, co
     }
     int kept = 0;
     for (int r = 0; r < owner.begun; ++r) {
-        if (!set.met[r]) continue;
+        if (!set.converged[r]) continue;
         for (int k = 0; k < n; ++k) set.theta[kept * n + k] = set.theta[r * n + k];
         ++kept;
     }
@@ -150,11 +150,11 @@ int search_from_each_as(const chain<T, N, M>& arm, const ranges<T, N>& range, co
 template <class T, int N, int M, class Stopped>
 int search_from_each(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                      const target<T>& asked, int enough, Stopped& stopped, searched<T, N>& set) {
-    int met = 0;
+    int solved = 0;
     with_kind(asked, [&](auto kind) {
-        met = search_from_each_as<kind()>(arm, range, settings, asked, enough, stopped, set);
+        solved = search_from_each_as<kind()>(arm, range, settings, asked, enough, stopped, set);
     });
-    return met;
+    return solved;
 }
 
 /// ‖θ − clamped θ‖².
@@ -211,7 +211,7 @@ void draw_inside(const chain<T, N, M>& arm, const ranges<T, N>& range, const tar
     using V = pack<T, searches_in_group>;
     const int n = arm.coordinates();
     const ranges<T, N> free = without_limits(arm, range);
-    two_levels<V, T, N, M> objective{arm, asked.kind, aim_in_every_lane<V>(aim_at(arm, asked)), levels::met};
+    two_levels<V, T, N, M> objective{arm, asked.kind, aim_in_every_lane<V>(aim_at(arm, asked)), levels::both};
     objective.limits = &range;
     objective.nu = outside_beside_position<T> / drawn_inside_with<T>;
     for (int first = 0; first < roots.count && !stopped(); first += searches_in_group) {

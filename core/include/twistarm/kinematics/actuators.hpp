@@ -20,9 +20,9 @@ template <class T, int N, int K, bool Determined = true> struct actuators {
     }
     /// θ with G θ + o = motor; of more motors than joints the least squares.
     constexpr void to_theta(const T* motor, T* theta) const {
-        T turned[K] = {};
-        for (int i = 0; i < K; ++i) turned[i] = motor[i] - offset[i];
-        velocity_to_theta(turned, theta);
+        T unshifted[K] = {};
+        for (int i = 0; i < K; ++i) unshifted[i] = motor[i] - offset[i];
+        velocity_to_theta(unshifted, theta);
     }
     /// The rates of the motors, G θ̇; accelerations alike.
     constexpr void velocity_to_motor(const T* theta_dot, T* motor_dot) const {

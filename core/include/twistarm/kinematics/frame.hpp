@@ -21,17 +21,17 @@ template <class A, class B> TWISTARM_INLINE void cross(const A a[3], const B b[3
 
 /// out = R v, R the rotation of g.
 template <class V, class A> TWISTARM_INLINE void rotate(const frame<V>& g, const A v[3], V out[3]) {
-    V turned[3];
+    V rotated[3];
     TWISTARM_UNROLL
-    for (int k = 0; k < 3; ++k) turned[k] = g.x[k] * v[0] + g.y[k] * v[1] + g.z[k] * v[2];
+    for (int k = 0; k < 3; ++k) rotated[k] = g.x[k] * v[0] + g.y[k] * v[1] + g.z[k] * v[2];
     TWISTARM_UNROLL
-    for (int k = 0; k < 3; ++k) out[k] = turned[k];
+    for (int k = 0; k < 3; ++k) out[k] = rotated[k];
 }
 
 /// out = Rᵀ v.
 template <class V> TWISTARM_INLINE void rotate_back(const frame<V>& g, const V v[3], V out[3]) {
-    const V turned[3] = {dot(g.x, v), dot(g.y, v), dot(g.z, v)};
-    for (int k = 0; k < 3; ++k) out[k] = turned[k];
+    const V rotated[3] = {dot(g.x, v), dot(g.y, v), dot(g.z, v)};
+    for (int k = 0; k < 3; ++k) out[k] = rotated[k];
 }
 
 /// a b.

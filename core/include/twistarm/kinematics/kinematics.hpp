@@ -26,9 +26,9 @@ template <class V, class T> TWISTARM_INLINE void step_through(const link<T>& joi
         }
     TWISTARM_UNROLL
     for (int k = 0; k < 3; ++k) {
-        const V turned = c * g.x[k] + s * g.y[k];
+        const V rotated = c * g.x[k] + s * g.y[k];
         g.y[k] = c * g.y[k] - s * g.x[k];
-        g.x[k] = turned;
+        g.x[k] = rotated;
     }
     if (!joint.revolute) {
         const V along = x * joint.slide;

@@ -38,7 +38,7 @@ template <class T> struct meeting {
 };
 
 template <class T, int N, class Place, class Rate>
-meeting<T> until_met(const motion_limits<T, N>& limits, const Place& place, const Rate& rate) {
+meeting<T> first_hit(const motion_limits<T, N>& limits, const Place& place, const Rate& rate) {
     meeting<T> first{infinite<T>, -1};
     for (int r = 0; r < limits.rows(); ++r) {
         const T v = rate(r), x = place(r);
@@ -91,12 +91,12 @@ template <class T, int N> int slow_down(const motion_limits<T, N>& limits, const
     int row;
     T scale = velocity_share(limits, rates, row);
     const T stop = stopping_time(limits, rates);
-    const meeting<T> met = until_met<T>(
+    const meeting<T> hit = first_hit<T>(
         limits, [&](int r) { return limits.place(r, theta); }, [&](int r) { return limits.rate(r, rates); });
-    const bool ends = scale * (dt + T(0.5) * scale * stop) > met.time;
-    if (ends) scale = T(2) * met.time / (dt + sqrt(dt * dt + T(2) * stop * met.time));
+    const bool ends = scale * (dt + T(0.5) * scale * stop) > hit.time;
+    if (ends) scale = T(2) * hit.time / (dt + sqrt(dt * dt + T(2) * stop * hit.time));
     for (int k = 0; k < n; ++k) rates[k] *= scale;
-    return ends ? met.row : -1;
+    return ends ? hit.row : -1;
 }
 
 /// The speed s nearest to 1 at which the accelerations allow s · rates after `before`; −1 where they allow none.
@@ -136,12 +136,12 @@ int stop_partly(const motion_limits<T, N>& limits, const T* theta, const T* befo
         change[k] = rates[k] - slow[k];
     }
     const T longer = greatest(stopping_time(limits, slow), stopping_time(limits, rates)), time = dt + T(0.5) * longer;
-    const meeting<T> met = until_met<T>(
+    const meeting<T> hit = first_hit<T>(
         limits, [&](int r) { return limits.place(r, theta) + time * limits.rate(r, slow); },
         [&](int r) { return time * limits.rate(r, change); });
-    const T share = is_safe(limits, theta, slow, dt, longer) ? least(met.time, T(1)) : T(0);
+    const T share = is_safe(limits, theta, slow, dt, longer) ? least(hit.time, T(1)) : T(0);
     for (int k = 0; k < n; ++k) rates[k] = slow[k] + share * change[k];
-    return met.row;
+    return hit.row;
 }
 }  // namespace detail
 

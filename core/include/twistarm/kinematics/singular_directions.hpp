@@ -51,9 +51,9 @@ template <class T, int N> void make_orthogonal(six_rows<T, N>& rows, int count, 
     const T nothing = size * (sizeof(T) == 8 ? T(1e-24) : T(1e-12));
     for (int i = 0; i < count; ++i)
         for (int j = 0; j < count; ++j) X[i][j] = T(i == j ? 1 : 0);
-    bool turned = true;
-    for (int sweep = 0; turned && sweep < most_sweeps; ++sweep) {
-        turned = false;
+    bool rotated = true;
+    for (int sweep = 0; rotated && sweep < most_sweeps; ++sweep) {
+        rotated = false;
         for (int p = 0; p < count; ++p)
             for (int q = p + 1; q < count; ++q) {
                 T a = T(0), b = T(0), c = T(0);
@@ -63,7 +63,7 @@ template <class T, int N> void make_orthogonal(six_rows<T, N>& rows, int count, 
                     c += rows[p][k] * rows[q][k];
                 }
                 if (c * c <= precise * precise * a * b || absolute(c) <= nothing) continue;
-                turned = true;
+                rotated = true;
                 const T zeta = (b - a) / (T(2) * c);
                 const T t = (zeta < T(0) ? T(-1) : T(1)) / (absolute(zeta) + sqrt(T(1) + zeta * zeta));
                 const T cosine = T(1) / sqrt(T(1) + t * t), sine = cosine * t;

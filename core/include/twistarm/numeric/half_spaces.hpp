@@ -107,32 +107,32 @@ void least_within(const T (&H)[Capacity][Capacity], const T* r, const T* lower, 
     for (int round = 0; round < 8 * (n + count); ++round) {
         T y[Capacity], share = T(1);
         detail::solve_on(H, r, n, rows, at, x, y, pull_of);
-        int met = -1;  // an unknown, or n and more for a row
+        int blocking = -1;  // an unknown, or n and more for a row
         for (int a = 0; a < n; ++a) {
             if (at[a] != 0 || (y[a] <= upper[a] && y[a] >= lower[a])) continue;
             const T room = (y[a] > upper[a] ? upper[a] : lower[a]) - x[a];
             const T reached = greatest(room / (y[a] - x[a]), T(0));
-            if (met < 0 || reached < share) {
+            if (blocking < 0 || reached < share) {
                 share = reached;
-                met = a;
+                blocking = a;
             }
         }
         for (int i = 0; i < count; ++i) {
             const T then = rows->along(i, y, n);
             if (rows->on[i] || !(then > rows->most[i] + rounding * (T(1) + absolute(then)))) continue;
             const T now = rows->along(i, x, n), reached = greatest((rows->most[i] - now) / (then - now), T(0));
-            if (met < 0 || reached < share) {
+            if (blocking < 0 || reached < share) {
                 share = reached;
-                met = n + i;
+                blocking = n + i;
             }
         }
-        if (met >= 0) {
+        if (blocking >= 0) {
             for (int a = 0; a < n; ++a)
                 if (at[a] == 0) x[a] = clamped(x[a] + share * (y[a] - x[a]), lower[a], upper[a]);
-            if (met < n) {
-                at[met] = y[met] > upper[met] ? 1 : -1;
-                x[met] = at[met] > 0 ? upper[met] : lower[met];
-            } else rows->on[met - n] = true;
+            if (blocking < n) {
+                at[blocking] = y[blocking] > upper[blocking] ? 1 : -1;
+                x[blocking] = at[blocking] > 0 ? upper[blocking] : lower[blocking];
+            } else rows->on[blocking - n] = true;
             continue;
         }
         for (int a = 0; a < n; ++a) x[a] = y[a];

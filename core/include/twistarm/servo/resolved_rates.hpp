@@ -50,7 +50,7 @@ template <class T> constexpr T precedence_of_six = T(3);       // … and from s
 template <class T> constexpr T steps_damped = T(3);            // τ is at least so many steps, and a joint comes to its limit in no fewer
 template <class T> constexpr T no_motion = T(sizeof(T) == 8 ? 1e-9 : 1e-5);   // singular values below this count as none
 template <class T> constexpr T rise_whole = T(0.05);           // dσ per scaled rad: from here on a motion leaves a singularity entirely
-template <class T> constexpr T rise_taken = T(0.02);           // … and by the motion that the arm makes then
+template <class T> constexpr T rise_moving = T(0.02);           // … and by the motion that the arm makes then
 template <class T> constexpr T on_course = T(2e-3);            // what singular values count as at least, where the arm keeps to its course
 template <class T> constexpr T difference = T(sizeof(T) == 8 ? 1e-4 : 4e-3);
 template <class T> constexpr T beside = T(0.02);               // how far beside a posture one looks for lacking directions
@@ -243,11 +243,11 @@ template <class T, int N, int M> struct rate_solver {
                 for (int k = 0; k < n(); ++k) rest[i][k] -= along * found[d].v[k];
             }
         make_orthogonal<T, N>(rest, weak, n(), Y);
-        for (bool taken[6] = {}; strong < rank; ++strong) {
+        for (bool used[6] = {}; strong < rank; ++strong) {
             int widest = -1;
             for (int i = 0; i < weak; ++i)
-                if (!taken[i] && (widest < 0 || norm(rest[i], n()) > norm(rest[widest], n()))) widest = i;
-            taken[widest] = true;
+                if (!used[i] && (widest < 0 || norm(rest[i], n()) > norm(rest[widest], n()))) widest = i;
+            used[widest] = true;
             direction<T, N>& next = found[strong];
             next.sigma = T(0);
             const T size = norm(rest[widest], n());
@@ -351,9 +351,9 @@ template <class T, int N, int M> struct rate_solver {
 
     /// How fast a motion turns the tool.
     T turn_of(const T* motion) const {
-        T turned[3];
-        for (int i = 0; i < 3; ++i) turned[i] = times(J, i + 3, motion);
-        return norm(turned, 3);
+        T rotated[3];
+        for (int i = 0; i < 3; ++i) rotated[i] = times(J, i + 3, motion);
+        return norm(rotated, 3);
     }
 
     /// How far the joints may move along a unit motion before one is at its limit [scaled rad], 1 at most.
@@ -378,9 +378,9 @@ template <class T, int N, int M> struct rate_solver {
         bool less = false;
         for (int d = 0; d < rank; ++d) {
             if (!(found[d].leaving > T(0))) continue;
-            const T taken = clamped(rise(found[d], motion) / rise_taken<T>, T(0), T(1));
-            less = less || taken < T(1);
-            found[d].leaving *= taken;
+            const T rising = clamped(rise(found[d], motion) / rise_moving<T>, T(0), T(1));
+            less = less || rising < T(1);
+            found[d].leaving *= rising;
         }
         if (less) lead();
         return less;

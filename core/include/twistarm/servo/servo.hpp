@@ -80,8 +80,8 @@ servo_bounds<T, N> with_near(const servo_bounds<T, N>& bounds, const near_pairs<
     servo_bounds<T, N> all = bounds;
     motion_limits<T, N>& motion = all.motion;
     T* const limits[] = {motion.lower, motion.upper, motion.velocity, motion.acceleration};
-    for (T* const each : limits)
-        for (int r = motion.rows() - 1; r >= motion.motors; --r) each[r + count] = each[r];
+    for (T* const limit : limits)
+        for (int r = motion.rows() - 1; r >= motion.motors; --r) limit[r + count] = limit[r];
     for (int i = 0; i < count; ++i) {
         const int r = motion.motors + i;
         motion.c[r] = T(0);
@@ -126,9 +126,9 @@ template <class T> void rotation_vector(const frame<T>& g, T out[3]) {
 
 /// (p_target − p, log(R_target Rᵀ)) in base axes, or turned into the tool's.
 template <class T> void pose_error(const frame<T>& g, const frame<T>& target, bool base_axes, T error[6]) {
-    frame<T> turned = product(target, inverse(g));
+    frame<T> rotated = product(target, inverse(g));
     for (int k = 0; k < 3; ++k) error[k] = target.p[k] - g.p[k];
-    rotation_vector(turned, error + 3);
+    rotation_vector(rotated, error + 3);
     if (base_axes) return;
     rotate_back(g, error, error);
     rotate_back(g, error + 3, error + 3);
@@ -239,15 +239,15 @@ template <class T, int N, int M> struct servo {
     int n() const { return arm.coordinates(); }
     int first_near() const { return bounds.motion.motors - near_count; }
 
-    T most_apart(const position_bounds<T, N>& room, int i) const {
+    T most_approach(const position_bounds<T, N>& room, int i) const {
         return near->room[i] / (near->time[i] > T(0) ? near->time[i] : room.time);
     }
 
     /// What near pairs let the scaled rates be: they come closer no faster than lets them stop as joints do.
-    void keep_apart(const position_bounds<T, N>& room, half_spaces<T, capacity(N)>& rows) const {
+    void limit_approach(const position_bounds<T, N>& room, half_spaces<T, capacity(N)>& rows) const {
         rows.count = near_count;
         for (int i = 0; i < near_count; ++i) {
-            rows.most[i] = most_apart(room, i);
+            rows.most[i] = most_approach(room, i);
             rows.on[i] = false;
             for (int k = 0; k < n(); ++k) rows.normal[i][k] = near->rows[i][k] * bounds.unit[k];
         }
@@ -257,7 +257,7 @@ template <class T, int N, int M> struct servo {
     T too_close(const position_bounds<T, N>& room, const T* rates, int& worst) const {
         T largest = T(0);
         for (int i = 0; i < near_count; ++i) {
-            const T beyond = bounds.motion.rate(first_near() + i, rates) - most_apart(room, i);
+            const T beyond = bounds.motion.rate(first_near() + i, rates) - most_approach(room, i);
             if (!(beyond > largest)) continue;
             largest = beyond;
             worst = i;
@@ -297,7 +297,7 @@ template <class T, int N, int M> struct servo {
         for (int k = 0; k < n(); ++k) rates[k] = clamped(rates[k], room.least[k], room.most[k]);
         if (too_close(room, rates, joint) > nothing<T>) {
             blame(servo_cause::near, first_near() + joint);
-            jog_apart(room, rates);
+            jog_limiting_approach(room, rates);
         }
         const T size = norm(command.rates, n());
         move(rates);
@@ -308,12 +308,12 @@ template <class T, int N, int M> struct servo {
     }
 
     /// The rates nearest to those of a jog that keep near pairs apart: each joint at most as fast, and none backwards.
-    void jog_apart(const position_bounds<T, N>& room, T* rates) const {
+    void jog_limiting_approach(const position_bounds<T, N>& room, T* rates) const {
         constexpr int most = capacity(N);
         T H[most][most], wanted[most], lower[most], upper[most], x[most];
         sides<most> at;
         half_spaces<T, most> rows;
-        keep_apart(room, rows);
+        limit_approach(room, rows);
         for (int a = 0; a < n(); ++a) {
             for (int b = 0; b < n(); ++b) H[a][b] = T(a == b ? 1 : 0);
             wanted[a] = rates[a] / bounds.unit[a];
@@ -486,14 +486,14 @@ template <class T, int N, int M> struct servo {
         T lower[capacity(N)], upper[capacity(N)], scaled[6], x[capacity(N)], end[capacity(N)], worst = T(-1);
         int joint = -1, closest = -1;
         sides<capacity(N)> at;
-        half_spaces<T, capacity(N)> rows, *const apart = near_count > 0 ? &rows : nullptr;
-        if (apart != nullptr) keep_apart(room, rows);
+        half_spaces<T, capacity(N)> rows, *const approach = near_count > 0 ? &rows : nullptr;
+        if (approach != nullptr) limit_approach(room, rows);
         for (int i = 0; i < 6; ++i) scaled[i] = share * asked[i];
         for (int k = 0; k < n(); ++k) {
             lower[k] = (velocities ? greatest(room.least[k], -fastest[k]) : room.least[k]) / bounds.unit[k];
             upper[k] = (velocities ? least(room.most[k], fastest[k]) : room.most[k]) / bounds.unit[k];
         }
-        solver(scaled, lower, upper, at, x, apart);
+        solver(scaled, lower, upper, at, x, approach);
         const T size = norm(scaled, 6);
         for (int k = 0; k < n(); ++k) {
             end[k] = at[k] < 0 ? room.least[k] : room.most[k];
@@ -508,14 +508,14 @@ template <class T, int N, int M> struct servo {
         }
         const T too_fast = too_close(room, rates, closest) / bounds.length;
         if (too_fast > T(noticed) * size) {
-            const T left = greatest(most_apart(room, closest), T(0)) / bounds.length;
+            const T left = greatest(most_approach(room, closest), T(0)) / bounds.length;
             if ((bounds.stops ? too_fast / (left + T(no_room) * size) : too_fast) > worst) {
                 joint = -1;
                 blame(servo_cause::near, first_near() + closest);
             }
         }
         if (bounds.stops) {
-            hold_course(solver, scaled, lower, upper, at, x, apart);
+            hold_course(solver, scaled, lower, upper, at, x, approach);
             // Nobody is at a limit: one would have to be too fast for the course.
             if (joint >= 0 && absolute(end[joint]) / bounds.unit[joint] > T(no_room) * size &&
                 norm(x, n()) <= T(halted_below) * size)
@@ -540,11 +540,11 @@ template <class T, int N, int M> struct servo {
         }
         rate_solver<T, N, M> ahead(arm, bounds, solver.levels, solver.held, solver.base_axes, farther, state.period);
         ahead.leave_as(solver);
-        const auto taken = [&] { return (solver.levels.holds ? T(12) : T(4)) * time_to_change(x, then, size); };
+        const auto time = [&] { return (solver.levels.holds ? T(12) : T(4)) * time_to_change(x, then, size); };
         ahead.go_on(asked, lower, upper, 1, at, then);
-        if (!(one_round<T> * taken() > T(1))) return T(1);
+        if (!(one_round<T> * time() > T(1))) return T(1);
         ahead.go_on(asked, lower, upper, most_rounds, at, then);
-        return T(1) / sqrt(greatest(taken(), T(1)));
+        return T(1) / sqrt(greatest(time(), T(1)));
     }
 
     /// The time [s] that the accelerations take for the change x' of rates x of that size, on the way to `then`.
@@ -565,11 +565,11 @@ template <class T, int N, int M> struct servo {
 
     /// Slows what is asked until the rates x do it without leaving its course: by halves, the largest share that does.
     void hold_course(const rate_solver<T, N, M>& solver, const T* asked, const T* lower, const T* upper,
-                     sides<capacity(N)>& at, T* x, half_spaces<T, capacity(N)>* apart) {
+                     sides<capacity(N)>& at, T* x, half_spaces<T, capacity(N)>* approach) {
         T kept = T(0), slower[6], step = followable_share(solver, asked, lower, upper, x);
         for (bool first = true; step > T(1e-6); first = false) {
             for (int i = 0; i < 6; ++i) slower[i] = (kept + step) * asked[i];
-            solver(slower, lower, upper, at, x, apart);
+            solver(slower, lower, upper, at, x, approach);
             if (solver.keeps_course(slower, x)) {
                 if (first) return;
                 kept += step;
@@ -577,7 +577,7 @@ template <class T, int N, int M> struct servo {
             step = T(0.5) * step;
         }
         for (int i = 0; i < 6; ++i) slower[i] = kept * asked[i];
-        solver(slower, lower, upper, at, x, apart);
+        solver(slower, lower, upper, at, x, approach);
     }
 
     void reach(rate_solver<T, N, M>& solver, const T* asked) {
