@@ -192,7 +192,7 @@ class Router:
         goals = self._kept_goals(i, segment, kept, theta)
         for at, name in ((theta, "start"), (goals[0], "goal")):
             if fault := kept.fault(at):
-                remedy = Text("give a {name} that keeps it, or a larger {tol}", name=name, tol=Argument("tol"))
+                remedy = Text("give another {name}, or a larger {tol} or box", name=name, tol=Argument("tol"))
                 what = Text("at its {name} {fault}: {remedy}", name=name, fault=fault, remedy=remedy)
                 raise PathError(what, theta=at, reason="not kept", **how)
         if (goals[0] == theta).all():
