@@ -216,6 +216,7 @@ def _finished(arm: Arm, records: Record, targets: tuple[AnyTarget, ...] | None, 
         records["theta"][late] = joint_ranges(arm).inside(records["theta0"][late])
         records["position_error"][late] = records["orientation_error"][late] = np.inf
         records["stop"][late] = STOPS.index(StopReason.TIMED_OUT)
+    # An answer of one search stays: its caller wants the end of that search.
     for i in np.flatnonzero((records["stop"] != CONVERGED) & (records["restarts"] > 1)).tolist():
         target = target_of(Pose.kind, records[i]["numbers"]) if targets is None else targets[i]
         decide(arm, target, records[i, ...], patient)

@@ -43,9 +43,8 @@ def decide(arm: Arm, target: AnyTarget, answer: Record, patient: bool) -> None:
         if patient and answer["stop"] == BLOCKED:
             _search_again(arm, target, answer)
         return
-    answers = method.core.solve(
-        target.numbers, start, _held_values(arm, method, start), exact.position, exact.orientation
-    )
+    held = _held_values(arm, method, start)
+    answers = method.core.solve(target.numbers, start, held, exact.position, exact.orientation)
     if answers is None:
         return
     found = Configurations(*answers)
@@ -70,16 +69,10 @@ def decide(arm: Arm, target: AnyTarget, answer: Record, patient: bool) -> None:
 def _search_again(arm: Arm, target: AnyTarget, answer: Record) -> None:
     """Look for an answer that meets the target after all. A root at a corner of the limits has a small basin."""
     assert arm.compiled is not None, "the core has answered"
-    how = (
-        float(answer["position_tol"]),
-        float(answer["orientation_tol"]),
-        int(answer["restarts"]),
-        OTHER_SEED,
-        None,
-        None,
-    )
-    again = arm.compiled.solve(target.kind, target.numbers, np.array(answer["theta0"]), *how)
-    if again is not None and again[0] == 0:
+    # Another seed: the same one would repeat the searches that found nothing.
+    how = float(answer["position_tol"]), float(answer["orientation_tol"]), int(answer["restarts"]), OTHER_SEED
+    again = arm.compiled.solve(target.kind, target.numbers, np.array(answer["theta0"]), *how, None, None)
+    if again is not None and again[0] == CONVERGED:
         answer[...] = np.ndarray((), record_type(arm.n), again[1])
 
 

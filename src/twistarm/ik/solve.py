@@ -134,7 +134,7 @@ def _rounds(arm: Arm, first: IKResult, start: Array) -> Iterator[Array]:
     """Configurations (k, n) that meet the target, several at a time."""
     tolerances, chain, target = first.tolerances, arm.require_core("solve_ik with a scene"), first.target
     numbers = np.repeat(target.numbers[None], SEARCHES, axis=0)
-    rng, ranges = np.random.default_rng(0), joint_ranges(arm)
+    rng, ranges = np.random.default_rng(0), joint_ranges(arm)  # one seed: equal calls give equal bits
     for spread in SPREADS:
         starts = arm.random_theta(rng, SEARCHES)
         if np.isfinite(spread):
