@@ -253,7 +253,7 @@ def test_where_it_may_be_written(rover: Arm, tmp_path: Path) -> None:
     description = write(tmp_path, "<robot/>")
     link = tmp_path / "link.json"
     link.symlink_to(description)
-    with pytest.raises(InputError, match="a description stands there and would be lost"):
+    with pytest.raises(InputError, match="it is a description and would be lost"):
         twistarm.bake(rover, link)
     assert description.read_text() == "<robot/>"
 

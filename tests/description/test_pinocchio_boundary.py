@@ -37,16 +37,16 @@ def right(arm: Arm, path: Path, seed: int = 0) -> bool:
 
 
 UNLIMITED = {
-    "no limit at all": ("", [-np.inf, np.inf, np.inf, np.inf], "no <limit>; taken as unbounded both ways"),
+    "no limit at all": ("", [-np.inf, np.inf, np.inf, np.inf], "no <limit>; unbounded both ways"),
     "no velocity": (
         '<limit lower="-1" upper="1" effort="3"/>',
         [-1, 1, np.inf, 3],
-        "velocity limit absent or 0 on a: taken as not given",
+        "velocity limit absent or 0 on a: counts as missing",
     ),
     "no effort": (
         '<limit lower="-1" upper="1" velocity="2"/>',
         [-1, 1, 2, np.inf],
-        "effort limit absent or 0 on a: taken as not given",
+        "effort limit absent or 0 on a: counts as missing",
     ),
     "infinite bounds": ('<limit lower="-inf" upper="inf" velocity="2" effort="3"/>', [-np.inf, np.inf, 2, 3], ""),
 }

@@ -39,7 +39,7 @@ def test_the_files_to_fill_in_are_written_and_never_overwritten(written: Path, c
     assert run(["guide", "exercises", "-o", str(written)]) == 0
     assert mine.read_text() == RIGHT
     assert (written / f"{LESSONS[1]}.py").is_file()
-    assert "1 files written, 34 that were there left as they are" in capsys.readouterr().out
+    assert "1 files written; 34 existing files kept" in capsys.readouterr().out
 
 
 def test_check_names_the_mistake(tmp_path: Path, capsys: Capture) -> None:
@@ -80,7 +80,7 @@ def test_what_cannot_be_used(tmp_path: Path, capsys: Capture) -> None:
     ("typed", "words"),
     [
         (["--arm", "no_such_arm", "-o", "new"], "error: no arm 'no_such_arm' in the catalogue"),
-        (["--arm", "broken.urdf", "-o", "new"], "; no page was written: twistarm doctor says all"),
+        (["--arm", "broken.urdf", "-o", "new"], "; no page was written: twistarm doctor lists"),
         (["-o", "."], "holds something that the guide did not write"),
         (["print", "3_1_forward_kinematic", "-o", "a.pdf"], "closest: '3_1_forward_kinematics'"),
         (["print", LESSON, "-o", "none/a.pdf"], "does not exist; create it first"),

@@ -122,8 +122,8 @@ class Abilities(NamedTuple):
     """The number of directions that the tool moves in almost everywhere, and directions (k, 3), a unit vector a row.
 
     `position` is the rank of the linear half of the Jacobian, `turning` that of the rotations that hold the position.
-    `immovable` and `unturned` are directions in base axes that no motion goes along or about. `turned_base` and
-    `turned_tool` are axes in the base or the tool that the tool can always turn about, with its position held.
+    `immovable` and `unrotated` are directions in base axes that no motion goes along or about. `rotated_base` and
+    `rotated_tool` are axes in the base or the tool that the tool can always turn about, with its position held.
     """
 
     position: int

@@ -16,7 +16,7 @@ import numpy as np
 from ..support.checks import Array
 
 EXACT_ANGLE, EXACT_DISTANCE = 1e-9, 1e-9  # [rad], [m]: closer than this counts as exact.
-ALMOST_ANGLE, ALMOST_DISTANCE = math.radians(0.5), 2e-3  # [rad], [m]: further apart is intended.
+ALMOST_ANGLE, ALMOST_DISTANCE = math.radians(0.5), 2e-3  # [rad], [m]: more is intended.
 
 
 @dataclass(frozen=True)

@@ -254,7 +254,7 @@ class Arm(ArmData):
         Of theta alone they are the torques N(θ) that hold the arm still against gravity.
 
         Every joint of the description counts that theta moves, mimic followers too: τ = Aᵀ τ_joints with their coupling
-        A. Locked joints stand still. The model has no friction, no elasticity and no inertia of motors. A link without
+        A. Locked joints are fixed. The model has no friction, no elasticity and no inertia of motors. A link without
         `<inertial>` weighs nothing. Sources: MLS §4.3; Featherstone 2008, §5.3 (recursive Newton-Euler, by Pinocchio).
 
         Args:
@@ -294,7 +294,7 @@ class Arm(ArmData):
     def gravity(self) -> Array:
         """The acceleration of free fall (3,) [m/s²] in base axes: (0, 0, −9.81) unless an MJCF gives another.
 
-        An MJCF gives it in the world. The base then stands as with all joints at 0.
+        An MJCF gives it in the world. The base then has its pose with all joints at 0.
         """
         if self.description is None or self.description.gravity is None:
             return np.array(GRAVITY)

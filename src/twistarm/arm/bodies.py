@@ -40,7 +40,7 @@ class Triangles(NamedTuple):
 class Body:
     """A shape of the collision library, with its pose (4, 4) in the frame of the link `carrier`.
 
-    `name` is the link's or the obstacle's. `kind` tells how the shape was made. An obstacle has the numbers of its size
+    `name` is the link's or the obstacle's. `kind` says how the shape was made. An obstacle has the numbers of its size
     [m], a mesh its file or triangles, and a cloud its file or points (N, 3).
     """
 

@@ -48,7 +48,7 @@ corner above the line from shoulder to tool."""
 LIFTED, HANGING, NEAR_AXIS = 0.15, 0.2, 0.05
 # The least σ_k/σ_1 of a regular configuration, and the cost of a singular one, larger than all other costs.
 SINGULAR, FORBIDDEN = 0.01, 1e3
-# The least σ_k/σ_1 that counts towards the rank, because exports round axes, and the least that is told from 0.
+# The least σ_k/σ_1 that counts towards the rank, because exports round axes, and the least that differs from 0.
 LOST, HOPELESS = 1e-3, 1e-6
 DECIMALS = 6  # Decimals of compared costs, so that rounding does not choose between equal configurations.
 

@@ -9,7 +9,7 @@ from ..description.meshes.mesh import components, welded
 from ..support.checks import Array
 from ..theory.rotations import from_rpy
 
-# A ray along its z axis meets no edge of a mesh whose edges are along the axes.
+# A ray along its z axis hits no edge of a mesh with edges along the axes.
 SKEW = from_rpy(np.array([0.7, 0.4, 0.9]))
 
 
@@ -28,7 +28,7 @@ class Solid:
         edges = np.column_stack([np.minimum(start, end), np.maximum(start, end)])
         _, edge, count = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
         self.closed = bool(len(count)) and not (count % 2).any()
-        # Faces that are all turned one way tell a cavity from a part that overlaps another one.
+        # Where all faces point one way, a cavity differs from a part that overlaps another one.
         self._oriented = not np.bincount(edge.ravel(), np.where(start < end, 1.0, -1.0)).any()
         part = components(start, end, len(points))[numbers[faces[:, 0]]] if len(faces) else np.zeros(0)
         self.samples = points[faces[np.unique(part, return_index=True)[1], 0]]

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arm.arm import Arm, require_arm
 from ..arm.pinocchio_model import why_no_pinocchio
-from ..description.bounds import WIDE
+from ..description.bounds import NO_LIMIT
 from ..support.checks import Array, as_whole, frozen, reporting
 from ..support.display import Brief
 from ..support.errors import ComparisonError, InputError, MissingExtraError
@@ -229,7 +229,7 @@ def _as_written(arm: Arm, theta: Array) -> Iterator[EngineComparison]:
     tolerance = WRITTEN_TOL * _size(arm)
     yield _compared("all links", ("walk", AS_WRITTEN), _walked(arm, theta) - theirs, theta, tolerance)
     bounds = [
-        np.subtract(*np.clip([joint.hard, written[name]], -WIDE, WIDE)).tolist()
+        np.subtract(*np.clip([joint.hard, written[name]], -NO_LIMIT, NO_LIMIT)).tolist()
         for name, joint in arm.description.joints.items()
         if name in written and joint.type != "continuous" and joint.hard != (-np.inf, np.inf)
     ]

@@ -70,7 +70,7 @@ class Difference:
 def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
     """Write the arm as numbers (JSON, SI): what `bake` keeps, and each link's mass, centre and inertia.
 
-    `compare` tells what has changed since. Shapes and meshes, named poses, the SRDF, limits of joints beside the chain,
+    `compare` lists the changes since. Shapes and meshes, named poses, the SRDF, limits of joints beside the chain,
     damping and friction are not covered, and the file lists them. A digest covers every number, so an edited file is
     refused. The file is written whole or not at all.
 

@@ -29,7 +29,7 @@ UNIT_TOL = 1e-12  # A larger difference of an axis from a unit vector scales the
 def as_written(description: Description, values: Mapping[str, Array], base: str) -> tuple[Array, Bounds]:
     """Poses (samples, links, 4, 4) in `base` for joint values (samples,), and each joint's lower and upper limit.
 
-    Joints without values stand at 0. Limits are those of joints that are one number. Raises InputError with the reason
+    Joints without values are at 0. Limits are those of joints that are one number. Raises InputError with the reason
     if the text cannot be compared.
     """
     planar = next((joint.part_of for joint in description.joints.values() if joint.part_of), None)
@@ -59,7 +59,7 @@ def _undeclared(description: Description) -> str:
 
 
 def _q(pin: Any, model: Any, values: Mapping[str, float]) -> Array:
-    """Pinocchio's configuration: an unbounded angle is its cosine and sine, a floating joint stands still."""
+    """Pinocchio's configuration: an unbounded angle is its cosine and sine, a floating joint is fixed."""
     q: Array = pin.neutral(model)
     for i, name in enumerate(model.names):
         joint, value = model.joints[i], values.get(str(name), 0.0)

@@ -73,7 +73,7 @@ def program() -> None:
             stream.reconfigure(errors="replace")
     with ended_like_ctrl_c() as sent:
         code = run(sys.argv[1:], sent)
-    # Ctrl-C is how a view or a servo is ended: it has done what it was told.
+    # Ctrl-C is the usual end of a view or a servo, and no failure.
     end_by([number for number in sent if number != signal.SIGINT or code == INTERRUPTED])
     sys.exit(code)
 
@@ -84,7 +84,7 @@ def run(arguments: Sequence[str], sent: Sequence[int] = ()) -> int:
     An error after a signal was `sent` counts as the interruption.
     """
     debug = "--debug" in arguments
-    # --debug may stand anywhere, not only before the command.
+    # --debug may be anywhere, not only before the command.
     rest = [argument for argument in arguments if argument != "--debug"]
     try:
         code = app(args=rest, prog_name="twistarm", standalone_mode=False)

@@ -17,7 +17,7 @@ from .numbers import NUMBERS, Typed, is_part
 class Shared(OptionInfo):
     """Options that commands share, in the annotation of one argument: `made` makes it of what was typed.
 
-    They stand in a section `panel` of the help, if it is named.
+    They have a section `panel` of the help, if it is named.
     """
 
     def __init__(self, made: Callable[..., Any], params: Sequence[Any] | None = None, panel: str = "") -> None:

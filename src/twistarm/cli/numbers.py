@@ -44,7 +44,7 @@ OfJoints = Mapping[str, float]  # A typed quantity of joints, by their units rad
 ROUNDING = 1e-6  # A smaller distance outside a limit [rad, m] is rounding of a printed number.
 
 _NAMES = "|".join(sorted({unit for units in UNITS.values() for unit in units if unit[0].isalpha()}, key=len)[::-1])
-# A unit that may stand behind a number, a rate too.
+# A unit that may follow a number, a rate too.
 UNIT = rf"(?:{_NAMES}|°)(?:/s(?:\^?[23]|[²³])?)?(?![\w°/])"
 
 _PART = re.compile(

@@ -186,7 +186,7 @@ def _keywords(
     ] = None,
     locked_joints: Annotated[
         list[str] | None,
-        _loading("locked_joints", "A joint that stands still, in degrees, or metres for a slide; may be repeated."),
+        _loading("locked_joints", "A joint to hold, in degrees, or metres for a slide; may be repeated."),
     ] = None,
 ) -> dict[str, Any]:
     """What was typed, as keywords of `load_arm`, but the tool."""

@@ -111,7 +111,7 @@ class Table:
         out.print(made)
 
     def _in_units(self, radians: bool) -> Iterator[tuple[str, list[str], bool]]:
-        """Heads, cells, and whether they are text. The rows' units stand before the first column that has them."""
+        """Heads, cells, and whether they are text. The rows' units precede the first column that has them."""
         units_written, rows = False, range(len(self.columns[0].values)) if self.rows is None else self.rows
         for column in (column for column in self.columns if column.people):
             cells = column.cells(radians)

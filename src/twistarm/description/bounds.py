@@ -16,7 +16,7 @@ from .tree import Joint
 AXIS_TOL = 1e-3
 SNAP = 2e-12  # An axis so near to x, y or z is rounded to it. Pinocchio's parser rounds too, at 1e-12.
 # The number for "no limit" in a URDF, whose readers refuse infinity. Read as infinity, like any more.
-WIDE = 1e9
+NO_LIMIT = 1e9
 
 LIMIT_NAMES = ("lower", "upper", "velocity", "effort")
 SOFT_NAMES = ("soft_lower_limit", "soft_upper_limit")
@@ -63,11 +63,11 @@ def read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], read
     both = len(missing) == 2
     if missing:
         what = "no <limit>" if element.find("limit") is None else f"a <limit> without {' and '.join(missing)}"
-        what += "; taken as unbounded both ways" if both else "; URDF reads it as 0"
+        what += "; unbounded both ways" if both else "; URDF reads it as 0"
         remedy = f"write lower and upper in the URDF, or limits.{element.get('name')} in arm.toml"
         reading.note("limit-incomplete", element, what, remedy)
     lower, upper = given.get("lower", -np.inf if both else 0.0), given.get("upper", np.inf if both else 0.0)
-    if lower >= WIDE or upper <= -WIDE:
+    if lower >= NO_LIMIT or upper <= -NO_LIMIT:
         what = f"its limits lower {lower:g}, upper {upper:g} allow no position"
         raise reading.error(element, "number-malformed", what, "give finite bounds")
     if lower > upper:
@@ -77,7 +77,7 @@ def read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], read
     if lower == upper:
         remedy = f"give its range as limits.{element.get('name')} in arm.toml"
         reading.note("limit-incomplete", element, f"lower and upper are both {lower:g}: the joint cannot move", remedy)
-    return (lower if lower > -WIDE else -np.inf), (upper if upper < WIDE else np.inf)
+    return (lower if lower > -NO_LIMIT else -np.inf), (upper if upper < NO_LIMIT else np.inf)
 
 
 def softened(element: ET.Element, kind: str, hard: Bounds, reading: Reading) -> Bounds:
@@ -141,7 +141,7 @@ def note_commanded(robot: ET.Element, joints: Mapping[str, Joint], reading: Read
 
 def rate(value: float | None) -> float:
     """A limit of a rate. Absent, zero and negative limits mean "not given"."""
-    return value if value is not None and 0 < value < WIDE else np.inf
+    return value if value is not None and 0 < value < NO_LIMIT else np.inf
 
 
 def _numbers(joint: ET.Element, tag: str, names: Iterable[str], reading: Reading) -> dict[str, float]:

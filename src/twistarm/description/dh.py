@@ -44,7 +44,7 @@ LIMITS = {"lower": ("rad", "m"), "upper": ("rad", "m"), "velocity": ("rad/s", "m
 WORDS = ("joint", "type", "convention")
 COLUMNS = (*WORDS, *PARAMETERS, *LIMITS)
 KNOWN = {name: name for name in COLUMNS} | {"α": "alpha", "θ": "theta"}
-# Angles [rad] that may stand without a unit. Longer ones are in degrees, mostly.
+# Largest angles [rad] without a unit. Larger ones are in degrees, mostly.
 LONGEST = {"alpha": TURN, "theta": TURN, "lower": 4 * TURN, "upper": 4 * TURN}
 
 UNDECIDED = (

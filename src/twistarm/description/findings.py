@@ -28,8 +28,8 @@ CODES: dict[str, Code] = {
     "mjcf-unusable": Code("error", "an element of an MJCF, or a file that it includes, cannot be understood"),
     "mjcf-scenery-left-out": Code("info", "an MJCF has things that no URDF has; the kinematics do not need them"),
     "mjcf-part-not-read": Code("warning", "an MJCF has parts that twistarm does not read; the arm may need them"),
-    "mjcf-loop-open": Code("warning", "a constraint of an MJCF is not kept, because no mimic joint can express it"),
-    "mjcf-gravity": Code("info", "an MJCF has another gravity than straight down, which no URDF can say"),
+    "mjcf-loop-open": Code("warning", "a constraint of an MJCF is dropped: no mimic joint can express it"),
+    "mjcf-gravity": Code("info", "the gravity of an MJCF is not straight down, which a URDF cannot express"),
     # the tree
     "name-unusable": Code("error", "a name of a link or joint is missing, used twice, or too long"),
     "not-a-tree": Code("error", "a joint lacks a link, or the links form several trees or a circle"),
@@ -53,7 +53,7 @@ CODES: dict[str, Code] = {
     "no-chain": Code("error", "no joint moves between base and tip, or a floating one does"),
     "off-the-chain": Code("info", "joints, or their limits and motors, that are not between base and tip"),
     "ready-named": Code("info", "the pose to start from is one that the description names"),
-    # what stands beside the description
+    # companion files
     "companion-unusable": Code("error", "an entry of an arm.toml, DH table, SRDF or file of limits cannot be used"),
     "srdf-found": Code("info", "an SRDF says more about the robot than its description"),
     "companion-doubtful": Code(
@@ -63,10 +63,8 @@ CODES: dict[str, Code] = {
     # packages and xacro
     "package-not-found": Code("warning", "a package was not found, but nothing the kinematics needs uses it"),
     "package-without-manifest": Code("info", "a folder counts as a package by its name; it has no package.xml"),
-    "package-left-out": Code(
-        "info", "a part of the description is left out with the package that the caller does without"
-    ),
-    "environment-kept": Code("info", "an environment variable that was asked for counts as not set"),
+    "package-left-out": Code("info", "a part of the description is left out with an ignored package"),
+    "environment-kept": Code("info", "an environment variable that the file reads counts as not set"),
     "package-needed-not-found": Code("error", "a package with needed files was not found"),
     "xacro-arguments": Code("error", "a xacro argument has no value, or the file does not take it"),
     "xacro-failed": Code("error", "xacro cannot expand the file"),
@@ -85,7 +83,7 @@ CODES: dict[str, Code] = {
     "inertia-implausible": Code("warning", "no link has such a mass, centre or inertia; its unit may be another"),
     # what the doctor sees beyond the reading
     "unit-doubtful": Code("warning", "angles look like degrees, or lengths, meshes or velocities like other units"),
-    "zero-outside-limits": Code("info", "zero, where many programs start, is outside the arm's limits"),
+    "zero-outside-limits": Code("info", "zero, where many programs start, is outside the limits"),
     "home-singular": Code("info", "at zero, or at home, the tool cannot move in every direction that the arm has"),
     "ready-singular": Code("warning", "at the ready pose, where searches start, the tool hardly moves some way"),
     "cannot-move": Code("info", "directions in which no joint ever moves the tool"),
@@ -93,7 +91,7 @@ CODES: dict[str, Code] = {
     "cannot-turn-in-place": Code("info", "rotations that are missing while the tool's position is held"),
     "joint-without-effect": Code("warning", "a coordinate of the arm never moves the tool"),
     "axes-almost-exact": Code("info", "axes are almost parallel, square or intersecting, or just miss a closed form"),
-    "tool-frame-missing": Code("warning", "the tool is the last joint's own frame; nothing says where the arm grips"),
+    "tool-frame-missing": Code("warning", "the tool is the last joint's own frame; where the arm grips is unknown"),
     # engines
     "not-compared": Code("warning", "without Pinocchio nothing confirms the arm's kinematics"),
     "engines-disagree": Code("error", "Pinocchio refuses the description, or finds other kinematics"),
@@ -165,7 +163,7 @@ def refused(findings: Iterable[Finding]) -> DescriptionError:
 
 _MEANS: dict[Severity, str] = {
     "error": "The arm cannot be loaded; nothing is guessed.",
-    "warning": "The arm loads, but something is missing, repaired or hardly meant so.",
+    "warning": "The arm loads, but something is missing, repaired or doubtful.",
     "info": "Good to know; nothing needs to change.",
 }
 

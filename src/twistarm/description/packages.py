@@ -42,7 +42,7 @@ class PackageIndex:
     The search goes through the user's folders, then each parent of the description. There it covers the children,
     those of `src` and the installed packages. Then follow `<prefix>/share/*` of AMENT_PREFIX_PATH, and
     ROS_PACKAGE_PATH. If no package.xml has the name, a folder of that name in the first two places may be the package;
-    `copies` are the folders taken so. `mesh_dirs` come last and give only meshes.
+    `copies` are the folders found so. `mesh_dirs` come last and give only meshes.
     """
 
     file: Path

@@ -28,7 +28,7 @@ def coordinate_names(joint: str) -> tuple[str, str, str]:
 def split_planar_joints(robot: ET.Element, reading: Reading) -> dict[str, str]:
     """Replace every planar joint by three, and return the joint that each is part of, {"p_x": "p", …}.
 
-    Raises DescriptionError if a coordinate's name is taken, or if a planar joint mimics or is mimicked. A joint with an
+    Raises DescriptionError if a coordinate's name is used, or if a planar joint mimics or is mimicked. A joint with an
     unusable axis stays, and is refused later with the other joints.
     """
     planar = [joint for joint in robot.findall("joint") if joint.get("type") == "planar"]
@@ -72,14 +72,14 @@ def _parts(joint: ET.Element, names: tuple[str, str, str], between: list[str], a
         ET.SubElement(part, "child", link=child)
         part.extend(copy.deepcopy(joint.findall("origin")) if i == 0 else [])
         ET.SubElement(part, "axis", xyz=" ".join(repr(float(number)) for number in axis))
-        # The plane has no edge: told so, the reader misses no limits.
+        # The plane has no edge. Infinite limits keep the reader from noting missing ones.
         ET.SubElement(part, "limit", lower="-inf", upper="inf", velocity="inf", effort="inf")
         parts.append(part)
     return parts
 
 
 def free_name(name: str, used: set[str]) -> str:
-    """The name, with an underscore, a number or more underscores added if it is taken. It goes into `taken`."""
+    """The name, with an underscore, a number or more underscores added if it is used already. It goes into `used`."""
     for more in ("_", str(len(used))):
         name += more if name in used else ""
     while name in used:

@@ -45,7 +45,7 @@ CONTENTS = {
     "visual": ("origin", "geometry", "material"),
     "collision": ("origin", "geometry"),
 }
-"""Elements with the elements in them that are read. All but shapes may stand there once."""
+"""Elements with the elements in them that are read. All but shapes may occur once."""
 
 SIMILAR = 0.75  # Similarity of a word and its misspelling: `orgin` is one, `physics` belongs to another tool.
 
@@ -182,6 +182,6 @@ def _note_words_in(part: ET.Element, element: ET.Element, reading: Reading) -> N
             what = f"{name}= in its <{child.tag}> means nothing and is not read"
             reading.note("word-unread", part, what, f"its attributes are {listed(allowed)}{closest(name, allowed)}")
         if child.tag == "axis" and "xyz" not in child.attrib and part.get("type") not in ("fixed", "floating"):
-            reading.note("word-unread", part, "its <axis> has no xyz=; taken as 1 0 0", 'write <axis xyz="…"/>')
+            reading.note("word-unread", part, "its <axis> has no xyz=, which counts as 1 0 0", 'write <axis xyz="…"/>')
         if element is part and child.tag in CONTENTS:
             _note_words_in(part, child, reading)

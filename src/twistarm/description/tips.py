@@ -63,7 +63,7 @@ PARTS = {
         ),
     }.items()
 }
-"""Names by the part that they tell of.
+"""Patterns of names by the part that they name.
 
 A flange holds a tool, a carrier is a hand or a tool by its last word, a jaw moves. Locomotion is a wheel, its carrier
 or a leg. A sensor is a camera, a head or a mast. A wrist turns a hand. An ornament, such as a light or a tag, only
@@ -337,7 +337,7 @@ def note_choice(description: Description, choice: Choice) -> tuple[Finding, ...]
         return ()
     what = f"chosen as the tool, because no tip was given: {choice.why}"
     if choice.base != description.root:
-        what += f"; the arm stands on {choice.base!r}"
+        what += f"; the arm begins at {choice.base!r}"
     what += f"; other candidates: {listed(choice.others, SHOWN)}"
     place = description.place(description.links[choice.tip])
     return (finding("several-tips", place, what, Text("pass {tip} if another is meant", tip=Argument("tip"))),)

@@ -1,4 +1,4 @@
-"""A robot description as plain data: links, joints, their tree, and what is said of them beside the kinematics."""
+"""A robot description as plain data: links, joints, their tree, and what companion files add."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class Semantics:
 JointType = Literal["revolute", "continuous", "prismatic", "fixed", "planar", "floating"]
 Shape = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
 
-# The usual acceleration of free fall [m/s²], in axes of a base that stands upright.
+# The usual acceleration of free fall [m/s²], in axes of an upright base.
 GRAVITY = (0.0, 0.0, -9.81)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from ..support.checks import frozen
 from ..support.errors import DescriptionError, closest, listed
 from ..support.messages import Text, package_folder
-from .bounds import WIDE, limit_numbers, note_commanded, note_softened, rate, read_axis, read_bounds, softened
+from .bounds import NO_LIMIT, limit_numbers, note_commanded, note_softened, rate, read_axis, read_bounds, softened
 from .catalog import models_share
 from .document import Reading, existing_file, floats, parse_xml, read_text
 from .expansion.expand import expand_xacro, is_xacro
@@ -25,7 +25,7 @@ from .planar import split_planar_joints
 from .structure import check_structure, end_of, note_unread_words, root_links
 from .tree import Description, Joint, JointType, Link, Mimic
 
-MOST_TURNED = 6.3  # A whole turn [rad], generously rounded.
+WHOLE_TURN = 6.3  # A whole turn [rad], generously rounded.
 Rates = dict[str, dict[str, float]]  # The numbers of each joint's `<limit>` as written, by joint name.
 
 _MACRO = re.compile(r"<xacro:macro\s[^>]*?\bname\s*=\s*[\"']([^\"']+)")
@@ -175,7 +175,7 @@ def _note_degrees(element: ET.Element, reading: Reading) -> None:
     """Note an origin with an angle beyond a whole turn, which is probably in degrees."""
     origin = element.find("origin")
     angles = [] if origin is None else floats(origin.get("rpy", "0 0 0"), 3)
-    if any(abs(angle) > MOST_TURNED for angle in angles):
+    if any(abs(angle) > WHOLE_TURN for angle in angles):
         radians = " ".join(f"{np.radians(angle):.6g}" for angle in angles)
         typed = " ".join(f"{angle:g}" for angle in angles)
         what = f'its rpy="{typed}" rad goes beyond a whole turn; it looks like degrees'
@@ -198,7 +198,7 @@ def _note_missing_rates(joints: Iterable[Joint], given: Rates, reading: Reading)
         absent = {name: given[name].get(kind, 0.0) for name in moving if given[name].get(kind, 0.0) <= 0}
         if absent:
             worst = min(absent.values())
-            what = f"{kind} limit {f'{worst:g}' if worst else 'absent or 0'} on {', '.join(absent)}: taken as not given"
+            what = f"{kind} limit {f'{worst:g}' if worst else 'absent or 0'} on {', '.join(absent)}: counts as missing"
             remedy = f"give {kind} in arm.toml, or in a URDF" + (", before planning" if kind == "velocity" else "")
             reading.note("rate-not-given", None, what, remedy)
 
@@ -234,8 +234,8 @@ def _for_pinocchio(robot: ET.Element, joints: Mapping[str, Joint]) -> str:
         ET.SubElement(part, "child", link=joint.child)
         if kind != "fixed":
             ET.SubElement(part, "axis", xyz=" ".join(repr(float(x)) for x in joint.axis))
-            lower, upper = (repr(float(bound)) for bound in np.clip(joint.hard, -WIDE, WIDE))
-            ET.SubElement(part, "limit", lower=lower, upper=upper, velocity=repr(WIDE), effort=repr(WIDE))
+            lower, upper = (repr(float(bound)) for bound in np.clip(joint.hard, -NO_LIMIT, NO_LIMIT))
+            ET.SubElement(part, "limit", lower=lower, upper=upper, velocity=repr(NO_LIMIT), effort=repr(NO_LIMIT))
     return ET.tostring(made, encoding="unicode")
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..support.checks import Array
 from ..theory.rotations import to_rpy
-from .bounds import WIDE
+from .bounds import NO_LIMIT
 from .document import floats
 from .geometry import read_origin
 
@@ -37,7 +37,7 @@ def add_joint(
 ) -> ET.Element:
     """Add a joint from the first of the links `ends` to a new link, the second. Return the joint's element.
 
-    Readers of URDF refuse infinity; `WIDE` replaces it.
+    Readers of URDF refuse infinity; `NO_LIMIT` replaces it.
     """
     ET.SubElement(robot, "link", name=ends[1])
     joint = ET.SubElement(robot, "joint", name=name, type=kind)
@@ -47,7 +47,7 @@ def add_joint(
     if kind != "fixed":
         ET.SubElement(joint, "axis", xyz=number_text(axis))
     if limit:
-        numbers = {key: repr(float(np.clip(value, -WIDE, WIDE))) for key, value in limit.items()}
+        numbers = {key: repr(float(np.clip(value, -NO_LIMIT, NO_LIMIT))) for key, value in limit.items()}
         ET.SubElement(joint, "limit", numbers)
     return joint
 

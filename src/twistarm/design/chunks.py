@@ -36,7 +36,7 @@ class Sweep:
 
     `work` is a pure function at the top of a module and returns arrays by name. So the chunks have the same bits in any
     order, on any number of workers. `data` is an arm and settings, as bytes where an executor copies them. `identity`
-    is all that the answers depend on, for JSON. It tells the files of one sweep from those of another.
+    is all that the answers depend on, for JSON. It separates the files of one sweep from those of another.
     """
 
     work: Callable[[Any, int, int], Arrays]

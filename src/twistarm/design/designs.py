@@ -28,7 +28,7 @@ SAMPLES, CUBES = 2000, 40  # Configurations, and cubes along the diameter of the
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Design(Brief):
-    """An arm in numbers, over random configurations inside its limits. NaN is unknown; `notes` tell why.
+    """An arm in numbers, over random configurations inside its limits. NaN is unknown; `notes` say why.
 
     `reach` [m] is `arm.reach`, and `farthest` [m] the greatest distance of the tool from the base's origin. `volume`
     [m³] is that of the positions that inverse kinematics reaches, by a random point in each of 40³ cubes, to 1 %.
@@ -131,7 +131,7 @@ def _volume(arm: Arm) -> float:
     """The volume [m³] reached.
 
     Centres of cubes err by half a cube at a face along the axes, as that of a rail. Random points do not. The points
-    are met exactly, or a plane would be as thick as the tolerance.
+    are reached exactly, or a plane would be as thick as the tolerance.
     """
     centre, radius = sphere(arm)
     grid = Grid.about(centre, radius, 2.0 * radius / CUBES)

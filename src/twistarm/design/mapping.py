@@ -55,7 +55,7 @@ def reach_map(
 
     By "ik" a cube has the verdicts of inverse kinematics at its centre: `arm.tool_axis` along each direction, turning
     about it free. By "fk" random configurations count in the cubes that hold the tool, for the nearest direction within
-    20°. This first look takes seconds and misses what no sample meets.
+    20°. This first look takes seconds and misses what no sample hits.
 
     The grid holds every position of the tool. Slides without limits count as ±1 m.
 
@@ -88,12 +88,8 @@ def reach_map(
         from ..collision.scene_file import scene_text
 
         require_scene(scene, arm).find_allowed_pairs()
-        scene_identity = [
-            scene_text(scene.content(), Path()),
-            scene._description.text,
-            scene.exact,
-            sorted(scene.allowed),
-        ]
+        content, description = scene_text(scene.content(), Path()), scene.arm.description
+        scene_identity = [content, description and description.text, scene.exact, sorted(scene.allowed)]
     per_cube = max(len(towards), 1)
     grid = _grid(require_arm(arm), side, per_cube)
     settings = {"method": method, "samples": count, "scene": "" if scene is None else repr(scene)}
@@ -181,7 +177,7 @@ def _by_fk(data: bytes, first: int, end: int) -> Arrays:
 
 
 def _reached(arm: Arm, scene: Scene | None, p: Array, direction: Array | None) -> tuple[NDArray[np.bool_], Array]:
-    """Which targets (k,) are met, and the configurations (k, n)."""
+    """Which targets (k,) are reached, and the configurations (k, n)."""
     reached, theta = reachable(arm, p, direction=direction, restarts=RESTARTS)
     if scene is not None:
         hit = np.flatnonzero(reached)[scene.collides(theta[reached])]

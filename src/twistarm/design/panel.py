@@ -66,7 +66,7 @@ class PanelTask(Brief):
         g = screws.exp(self.twist, along)
         places, directions = g[:, :3, :3] @ self.place + g[:, :3, 3], np.tile(self.direction, (len(g), 1))
         directions = g[:, :3, :3] @ self.direction if self.hold == "pose" else directions
-        into = max(0.0, float((places[-1] - self.place) @ self.direction))  # the tool stands so far in the panel
+        into = max(0.0, float((places[-1] - self.place) @ self.direction))  # so deep in the panel does the screw end
         places -= np.array([clearance, 0.0, 0.0, 0.0, clearance + into])[:, None] * directions
         return places, directions
 
@@ -86,7 +86,7 @@ class PanelTask(Brief):
 class Panel(Brief):
     """Tasks in the panel's frame (x right, y up, z out of it), its `pose` (4, 4) in the world, and where to park.
 
-    The base of the arm stands at x, y [m] and yaw [rad] in these ranges, at the height `z` [m]. `size` (3,) [m] makes
+    The base of the arm is at x, y [m] and yaw [rad] in these ranges, at the height `z` [m]. `size` (3,) [m] makes
     the panel a box, `gap` [m] behind z = 0. The tool goes straight through the last `clearance` [m] before a place.
     `tolerances` are `position_tol` [m] and `orientation_tol` [rad] of `plan`.
     """
@@ -103,7 +103,7 @@ class Panel(Brief):
     tolerances: Mapping[str, float] = field(default_factory=dict)
 
     def base_at(self, x: float, y: float, yaw: float) -> Array:
-        """The pose (4, 4) in the world of an arm's base that stands upright at x, y [m] and yaw [rad]."""
+        """The pose (4, 4) in the world of an upright base at x, y [m] and yaw [rad]."""
         g: Array = screws.exp(np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0]), yaw)
         g[:3, 3] = x, y, self.z
         return g
@@ -121,11 +121,11 @@ def load_panel(path: str | os.PathLike[str]) -> Panel:
     content = parse_toml(file, "a panel.toml")
     with inside(file):
         angle = partial(_angle, as_flag(content.get("degrees", False), "degrees"))
-        stand = {"x": _range(_length), "y": _range(_length), "yaw": _range(angle), "z": _length}
+        place = {"x": _range(_length), "y": _range(_length), "yaw": _range(angle), "z": _length}
         optional: dict[str, Check] = {
             "degrees": as_flag, "clearance": _positive(LONGEST), "position_tol": _positive(LEAD),
             "orientation_tol": lambda value, name: as_positive(angle(value, name, 0.25), name),
-            "panel": partial(fields, needed={}, optional=PLACED), "parking": partial(fields, needed={}, optional=stand),
+            "panel": partial(fields, needed={}, optional=PLACED), "parking": partial(fields, needed={}, optional=place),
         }  # fmt: skip
         top = fields(content, "", {"task": list_of(anything, 1, MOST_TASKS)}, optional)
         frame = {"xyz": np.zeros(3), "normal": -np.eye(3)[0], "up": np.eye(3)[2], **top.get("panel", {})}

@@ -147,7 +147,7 @@ def best_parking(arm: Arm, panel: Panel, scene: Scene | None = None, progress: P
 
     `reachable` estimates a grid over x, y and yaw at five points of each task. Of this grid, and of a finer one around
     the best, three poses are checked as by `check_panel`. So the report is proven for its base. A better pose may have
-    been missed. Whether the rover itself stands in the panel is not tested: the ranges must exclude it.
+    been missed. Whether the rover itself hits the panel is not tested: the ranges must exclude it.
 
     Args:
         arm: The arm.
@@ -271,13 +271,13 @@ def _grid(panel: Panel, ranges: Array) -> tuple[Array, Array]:
 
 
 def _even(ends: Array, step: float) -> Array:
-    """Values from end to end (2,), at most a step apart."""
+    """Values from end to end (2,), with steps of at most `step`."""
     lower, upper = ends.tolist()
     return np.linspace(lower, upper, int(np.ceil((upper - lower) / step - 1e-9)) + 1)
 
 
 def _estimated(arm: Arm, panel: Panel, places: Array) -> tuple[NDArray[np.bool_], Array]:
-    """Which tasks have their points met from places (p, 3): (tasks, p); and the least margin at these points (p,)."""
+    """Which tasks have all points reached from places (p, 3): (tasks, p); and the least margin at these points (p,)."""
     g = screws.inverse(np.array([panel.base_at(*place) for place in places])) @ panel.pose
     points = [task.checkpoints(panel.clearance) for task in panel.tasks]
     p, d = (np.concatenate(of_tasks)[:, None] for of_tasks in zip(*points, strict=True))

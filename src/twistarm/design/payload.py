@@ -20,7 +20,7 @@ from ..support.errors import InputError, listed
 
 DT = 0.01  # Time between states of a motion [s].
 UNLOADED = 1e-9  # An effort per mass [N m/kg, N/kg] below this is the rounding of 0.
-TOLD = ("inertial-unusable", "mass-missing", "inertia-implausible")  # Findings that make torques wrong.
+MASS_CODES = ("inertial-unusable", "mass-missing", "inertia-implausible")  # Findings that make torques wrong.
 # Samples from which each cost descends, and its steps: they begin at a quarter of the range.
 STARTS, ROUNDS = 4, 24
 
@@ -46,7 +46,7 @@ class Payload(Brief):
     `per_kg`, both (..., r). So `mass` is the exact solution of |own + m per_kg| ≤ `limits` (r,). It is 0 where the arm
     cannot hold itself, and inf where no row carries a payload. It is NaN, unknown, where only rows without a limit
     carry it. `limiting` (...) is the row that limits, or that the arm itself overloads most; −1 for none. `speeds`
-    (..., r) are those of the rows. `notes` tell what the description lacks. `t` (...) [s] are instants of a motion.
+    (..., r) are those of the rows. `notes` say what the description lacks. `t` (...) [s] are instants of a motion.
     """
 
     arm: Arm
@@ -89,7 +89,7 @@ def payload(
     """The greatest mass at the tool in each configuration, along a motion, or anywhere inside the limits.
 
     The payload is a point mass. The limits are the joints' `limits.effort` and those of `arm.actuators`. Motors that
-    share joints have the efforts of least norm. `Arm.torques` tells what the model leaves out.
+    share joints have the efforts of least norm. `Arm.torques` says what the model leaves out.
 
     Without theta it takes random configurations, and descends from their extremes to the least mass and to the
     greatest effort of each joint. It may miss a minimum.
@@ -175,7 +175,7 @@ def _gaps(arm: Arm, unlimited: NDArray[np.bool_]) -> Iterator[str]:
         yield "no link that moves has a mass: the arm's own weight counts as 0, and a real arm holds less"
     if arm.description is not None:
         found = (*arm.findings, *check_inertias(arm.description))
-        yield from (f"{one.place}: {one.what}" for one in found if one.code in TOLD)
+        yield from (f"{one.place}: {one.what}" for one in found if one.code in MASS_CODES)
     if unlimited.any():
         lacking = listed(name for name, lacks in zip(arm.joint_names, unlimited, strict=True) if lacks)
         so = "the payload is unknown" if unlimited.all() else "the payload is an upper bound"

@@ -118,7 +118,7 @@ def sweep(
 
 
 def _identity(source: Any) -> Any:
-    """What tells arms, a file or a function from another, for JSON: a function by its text."""
+    """What identifies arms, a file or a function, for JSON: a function by its text."""
     if isinstance(source, Mapping):
         return [text_of(require_arm(arm)) for arm in source.values()]
     with suppress(OSError, TypeError):

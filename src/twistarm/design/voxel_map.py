@@ -68,7 +68,7 @@ class ReachMap:
     `counts` (nx, ny, nz) are the numbers of `directions` (N, 3) reached. Without directions N = 1 is the position
     alone. `manipulability` is the greatest Yoshikawa measure of the configurations found, as of `arm.manipulability`.
     `margin` [rad, m] is the greatest of their least distances of a joint from its limits, inf without limits. Both are
-    NaN where nothing is reached. `settings` tell how the map was made, and `digest` of which arm it is.
+    NaN where nothing is reached. `settings` say how the map was made, and `digest` identifies its arm.
     """
 
     name: str

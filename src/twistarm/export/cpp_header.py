@@ -106,7 +106,7 @@ def _motors(arm: Arm) -> str:
     """The arm's `twistarm::actuators`, or that it has none."""
     motors = arm.actuators
     if motors is None or not motors.names:
-        return "// No motors are described: with [actuators] in the arm.toml, `actuators` stands here.\n"
+        return "// No motors are described: with [actuators] in the arm.toml, `actuators` is here.\n"
     n, k, determined = arm.n, len(motors.names), not motors.undriven
     return filled(
         TEMPLATES / "actuators.hpp.in",

@@ -10,7 +10,7 @@ import numpy as np
 from ..arm.arm import Arm, require_arm
 from ..arm.loading.arm_builder import builder_of
 from ..checking.doctor.repair import COPY, repaired
-from ..description.bounds import LIMIT_NAMES, WIDE
+from ..description.bounds import LIMIT_NAMES, NO_LIMIT
 from ..description.geometry import read_origin
 from ..description.packages import package_index, resolve_uri
 from ..description.source_text import SourceText
@@ -62,9 +62,9 @@ def lost_meshes(text: str, folder: str | os.PathLike[str]) -> list[str]:
 
 
 def _write_joints(robot: ET.Element, arm: Arm, description: Description) -> None:
-    """Fix the locked joints where they stand, and write the arm's limits.
+    """Fix the locked joints at their values, and write the arm's limits.
 
-    `WIDE` stands for no limit, because 0 would be a standstill. A joint of the URDF that has the same limits stays.
+    `NO_LIMIT` replaces infinity, because 0 would be a standstill. A joint of the URDF that has the same limits stays.
     """
     written = {joint.get("name", ""): joint for joint in robot.findall("joint")}
     # A joint without a master never moves: its value is the offset.
@@ -91,4 +91,6 @@ def _write_joints(robot: ET.Element, arm: Arm, description: Description) -> None
             if not slides(read.type):
                 joint.set("type", "revolute" if np.isfinite(limits[:2]).any() else "continuous")
             limit = ET.SubElement(joint, "limit") if limit is None else limit
-            limit.attrib.update(zip(LIMIT_NAMES, (repr(float(np.clip(x, -WIDE, WIDE))) for x in limits), strict=True))
+            limit.attrib.update(
+                zip(LIMIT_NAMES, (repr(float(np.clip(x, -NO_LIMIT, NO_LIMIT))) for x in limits), strict=True)
+            )

@@ -175,7 +175,7 @@ class Actuators:
 
     @cached_property
     def joint_limits(self) -> JointLimits:
-        """Limits of each joint while the others stand still; ∓inf without limits of the motors.
+        """Limits of each joint while the others are at rest; ∓inf without limits of the motors.
 
         velocity_j = min_i velocity_i / |G_ij|, acceleration alike. effort_j = min_i effort_i / |P_ij| holds a torque at
         joint j and none elsewhere. Positions come only from motors that drive joint j alone. Other bounds would depend

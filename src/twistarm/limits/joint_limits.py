@@ -67,7 +67,7 @@ class JointLimits:
         return type(self), tuple(getattr(self, name) for name in FIELDS)  # pickled arrays would be writeable
 
     def contains(self, theta: ArrayLike, tol: float = 0.0) -> np.ndarray[Any, np.dtype[np.bool_]]:
-        """Tell whether theta (..., n) is inside the position limits, or beyond by at most `tol` [rad, m].
+        """Whether theta (..., n) is inside the position limits, or beyond by at most `tol` [rad, m].
 
         Args:
             theta: Configurations (..., n) [rad, m].
@@ -124,7 +124,7 @@ class JointLimits:
 
 
 def slides(kind: str) -> bool:
-    """Tell whether the coordinate of a joint of this type is a length."""
+    """Whether the coordinate of a joint of this type is a length."""
     return kind in SLIDING
 
 

@@ -32,7 +32,7 @@ LONGEST_NUMBER = 400  # Characters of a written number.
 LARGEST_ARRAY = 10**9  # More along one axis is a mistake.
 # How far a matrix may be from a rotation: as far as three printed decimals bring it. Farther, it is a mistake.
 ORTHONORMAL_TOL = 1e-3
-ROUNDED_TOL = 1e-6  # Beyond this more than single precision was lost, and it is said that a pose was rounded.
+ROUNDED_TOL = 1e-6  # Beyond this more than single precision was lost: a RoundedPoseWarning.
 LAST_ROW_TOL = 1e-6  # How far a pose's last row may be from 0 0 0 1.
 CLEAN_TOL = 1e-14  # Below this a rotation is left as it is: its error is already that of double precision.
 
@@ -247,7 +247,7 @@ def as_rotation(value: ArrayLike, name: str = "rotation") -> Array:
     if off <= CLEAN_TOL:
         return R
     if off > ROUNDED_TOL:
-        what = f"{name} is {off:.1g} away from a rotation, as rounded numbers are: the nearest rotation is taken"
+        what = f"{name} is {off:.1g} away from a rotation, as rounded numbers are: the nearest rotation is used"
         warn(what, RoundedPoseWarning)
     return nearest_rotation(R)[0]
 

@@ -9,7 +9,7 @@ from string import Template
 
 import numpy as np
 
-_TAKEN = """
+_RESERVED = """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t char32_t class
     co_await co_return co_yield compl concept const consteval constexpr constinit const_cast continue decltype default
     delete do double dynamic_cast else enum explicit export extern false float for friend goto i386 if inline int linux
@@ -33,9 +33,9 @@ def filled(template: Path, **values: object) -> str:
 
 
 def identifier_of(name: str, kind: str) -> str:
-    """An identifier for a name: invalid characters become one underscore, a taken one gets `kind` in front."""
+    """An identifier for a name: invalid characters become one underscore; a reserved word gets `kind` in front."""
     identifier = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_") or kind
-    return f"{kind}_{identifier}" if identifier[0].isdigit() or identifier in _TAKEN.split() else identifier
+    return f"{kind}_{identifier}" if identifier[0].isdigit() or identifier in _RESERVED.split() else identifier
 
 
 def c_number(value: float) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from .errors import quote
 
-LONGEST_ROW = 8  # Numbers in a row before the shape alone is told.
+LONGEST_ROW = 8  # A longer row of numbers shows its shape alone.
 ZERO = 1e-12  # Smaller numbers are the rounding of a zero.
 
 

@@ -80,11 +80,11 @@ class MissingExtraError(TwistarmError, ImportError):
 
 
 class RoundedPoseWarning(UserWarning):
-    """A pose or rotation was rounded, as printed numbers are, and the nearest rotation was taken instead."""
+    """A pose or rotation was rounded, as printed numbers are; the nearest rotation is used instead."""
 
 
 class UnitsWarning(UserWarning):
-    """Joint values that are plainly degrees: they were taken as radians."""
+    """Joint values that are plainly degrees, but count as radians."""
 
 
 class ComparisonError(TwistarmError):

@@ -31,7 +31,7 @@ KINDS = {
     rb"\x89PNG|\xff\xd8\xff|GIF8": ("a picture", "put the file there that was meant"),
     rb"%PDF": ("a PDF", "put the file there that was meant"),
 }  # fmt: skip
-LOOKED_AT = 1_000  # Bytes at the beginning of a file that tell its kind.
+LOOKED_AT = 1_000  # Bytes at the beginning of a file that show its kind.
 
 NO_SUCH_FILE, FOLDER = "no such file", "a folder"
 
@@ -49,7 +49,7 @@ def is_file(path: Path) -> bool:
 
 
 def why_no_file(path: Path) -> str:
-    """What stands at `path` instead of a regular file; empty for one."""
+    """What is at `path` instead of a regular file; empty for one."""
     try:
         mode = os.stat(path).st_mode
     except ValueError as error:
@@ -95,7 +95,7 @@ def kind_of(data: bytes, kinds: Mapping[bytes, tuple[str, str]] = KINDS) -> tupl
 def stamp(path: Path) -> tuple[int, ...] | None:
     """The time of change, length and inode of a file, which change with its content; None if there is no file.
 
-    The inode tells if an editor has replaced the file.
+    The inode changes where an editor replaces the file.
     """
     try:
         found = path.stat()
@@ -211,7 +211,7 @@ def writable(path: str | os.PathLike[str], *, over_description: bool = False, fo
     elif exists and not target.is_file():
         why = "it is a folder" if target.is_dir() else "it is not a regular file and cannot be replaced as a whole"
     elif exists and not over_description and _is_description(target):
-        why = "a description stands there and would be lost; give another name"
+        why = "it is a description and would be lost; give another name"
     if why:
         raise InputError(f"cannot write {target}: {why}")
     return target

@@ -41,9 +41,9 @@ def ended_like_ctrl_c() -> Iterator[list[int]]:
     The cursor then comes back, the arm comes to rest, and no part of a file is left. The context
     gives the list of the signals that were sent. The code that handles the interruption ends the process by `end_by`.
 
-    Only signals with their usual effect are taken, and they get it back after the context. An ignored signal stays
+    Only signals with their usual effect are handled, and they get it back after the context. An ignored signal stays
     ignored, as under `nohup`. The handler of a program or of an outer context stays. Outside the main thread nothing
-    is taken.
+    is handled.
     """
     sent: list[int] = []
 
@@ -67,7 +67,7 @@ def end_by(sent: Sequence[int]) -> None:
 def ending_at_once() -> Iterator[None]:
     """Let Ctrl-C, and what acts like it, end the process at once: Python hears of a signal only between calls of C.
 
-    Only a signal that Python handles is taken, and it gets its handler back.
+    Only a signal that Python handles is changed, and it gets its handler back.
     """
     with _handlers(dict.fromkeys(_handled(), signal.SIG_DFL)):
         yield

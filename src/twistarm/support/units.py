@@ -98,7 +98,7 @@ def angle_hint(angles: Array) -> str:
 def theta_hint(theta: Array, units: Sequence[str], lower: Array, upper: Array) -> str:
     """`angles of up to 90 rad look like degrees`, of joints (..., n).
 
-    One stands outside its limits and beyond two turns, and none beyond 360.
+    One is outside its limits and beyond two turns, and none beyond 360.
     """
     if not np.abs(theta).max(initial=0.0) > 2.0 * TURN:
         return ""

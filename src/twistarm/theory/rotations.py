@@ -18,7 +18,7 @@ HALF_TURN_TOL = 5e-16
 """A quaternion's scalar part below this is rounding: a half turn, for which Q and −Q are equally good."""
 
 GIMBAL_LOCK_TOL = 1e-14
-"""Below this the sine that tells the first Euler angle from the third is rounding."""
+"""Below this the sine that separates the first Euler angle from the third is rounding."""
 
 INDEFINITE = 1e-12
 """Where σ₂ ± σ₃ of a matrix scaled to 1 is no more than this, rounding alone decides which rotation is nearest."""

@@ -25,7 +25,7 @@ HEAD = """\
 
 LIMITS = """\
 
-# Limits: rad or m, per second, per second²; N m or N. Where ? stands the description says nothing.
+# Limits: rad or m, per second, per second²; N m or N. ? means that the description gives none.
 [limits]"""
 
 MORE = """

@@ -21,7 +21,6 @@ from ...description.dh import (
     FIXED,
     PARAMETERS,
     TOOL,
-    TYPES,
     UNDECIDED,
     DhTable,
     dh_urdf,
@@ -108,8 +107,8 @@ def to_dh(arm: Arm, convention: str = "standard", parallel: float = PARALLEL) ->
     """The Denavit–Hartenberg table of an arm, with poses of base and tool before and behind it.
 
     Each frame lies on the common normal of two successive axes, the last of them the tool's z axis. Of parallel axes
-    the normal through the frame before is taken. a is never negative. Axes within `parallel` count as parallel, and
-    `residual` tells by how much [m, rad] the table then differs from the arm. Source: Craig, §3.4; Paul, §2.8.
+    the normal goes through the frame before. a is never negative. Axes within `parallel` count as parallel, and
+    `residual` [m, rad] is the difference of the table from the arm. Source: Craig, §3.4; Paul, §2.8.
 
     The common normal of two axes at a small angle is far away: axes 10 µrad and 0.3 m apart give a d of 30 km. Where a
     description has rounded its angles, a greater `parallel` gives a table of usual size.
@@ -137,7 +136,7 @@ def to_dh(arm: Arm, convention: str = "standard", parallel: float = PARALLEL) ->
     points = np.vstack([screws.point, arm.home[:3, 3]])
     frame = np.eye(4)
     frame[:3, :3] = plane_axes(axes[0])
-    frame[:3, 3] = np.zeros(3) if slides[0] else axes[0] * -(axes[0] @ points[0]) + points[0]
+    frame[:3, 3] = np.zeros(3) if slides[0] else points[0] - axes[0] * (axes[0] @ points[0])  # nearest to the base
     base, frames = frame, [frame]
     for i in range(arm.n):
         here = frame[:3, 3]  # a slide's axis may pass through any point
@@ -149,7 +148,7 @@ def to_dh(arm: Arm, convention: str = "standard", parallel: float = PARALLEL) ->
         frames.append(frame)
     steps = [inverse(one) @ other for one, other in pairwise(frames)]
     rows = np.array([_row(T, convention) for T in steps])
-    types = tuple(TYPES[int(slide)] for slide in slides)
+    types = tuple("prismatic" if slide else "revolute" for slide in slides)
     bounds = {name: getattr(arm.limits, name) for name in LIMIT_NAMES}
     limits = {
         joint: {name: float(values[j]) for name, values in bounds.items() if np.isfinite(values[j])}

@@ -39,7 +39,7 @@ def diagnose(source: str | os.PathLike[str] | Arm, **load: Any) -> tuple[Finding
     """All findings about a description: errors, then warnings, then remarks, each with its remedy.
 
     The doctor adds to the findings of `load_arm`: limits that look like degrees, singular configurations, impossible
-    inertias, meshes out of scale, a missing tool frame and idle joints. It also tells what the arm cannot do with its
+    inertias, meshes out of scale, a missing tool frame and idle joints. It also reports what the arm cannot do with its
     tool, which axes are almost exact, and which closed form of inverse kinematics they miss. The errors of a
     description that `load_arm` refuses are findings here, and the rest of it is examined as far as it can be read.
 
@@ -115,5 +115,5 @@ def _of_description(description: Description, arm: Arm | None) -> Iterator[Findi
 
 def _in_order(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """The gravest first, each with a remedy."""
-    complete = (one if one.remedy else replace(one, remedy="correct what stands there") for one in findings)
+    complete = (one if one.remedy else replace(one, remedy="correct what is there") for one in findings)
     return tuple(sorted(complete, key=lambda one: _ORDER.index(one.severity)))

@@ -36,7 +36,7 @@ SINGULAR = 1e3
 POOR = 100.0  # A ready pose worse than this is worth a word, if there is one that is ten times better.
 NO_MOTION = 1e-9  # A column of the Jacobian this small [m/reach, rad] is zero but for rounding.
 ABOUT = 1.0 - 1e-6  # Cosine from which on a rotation is about an axis.
-OUT = 0.1  # How far out [m] the tool of the snippet is, where no shape tells.
+OUT = 0.1  # How far out [m] the tool of the snippet is, if the tip has no shape.
 SIDED = 3.0  # How many times as far as to the other side the shapes of a link reach to the tool.
 # Random configurations, and the share of them in which a pair collides by its drawing and not by the motion.
 SAMPLES, OFTEN = 100, 0.8

@@ -69,7 +69,7 @@ def check_limits(description: Description, arm: Arm | None) -> Iterator[Finding]
             values = ", ".join(f"{name} {factor * bound:.6g}" for name, bound in finite.items())
             yield finding("unit-doubtful", place, f"{limits} look like {other}", f"if so, write {values}")
         elif 0.0 < joint.upper - joint.lower < TINY[unit]:
-            remedy = "angles are in radians and slides in metres; make it a fixed joint if it is meant to stand still"
+            remedy = "angles are in radians and slides in metres; make it a fixed joint if it should not move"
             yield finding("limit-incomplete", place, f"{limits} allow hardly any motion", remedy)
         if joint.mimic is None and FASTEST[unit] < joint.velocity < AS_GOOD_AS_UNBOUNDED:
             what = f"a velocity limit of {joint.velocity:g} {unit}/s, faster than any arm's joint; planning uses it"

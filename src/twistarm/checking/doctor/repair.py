@@ -93,7 +93,7 @@ def _mend_axis(source: SourceText, joint: ET.Element, *_: object) -> Iterator[st
     norm = float(np.linalg.norm(vector))
     if not moving and norm < UNIT:
         source.remove(axis)
-        yield f"{name}: the axis {written!r} of a {kind} joint taken out"
+        yield f"{name}: the axis {written!r} of a {kind} joint removed"
     elif moving and abs(norm - 1.0) > UNIT:
         source.set(axis, xyz=" ".join(repr(float(x)) for x in vector / norm))
         yield f"{name}: axis {written} normalised"
@@ -125,7 +125,7 @@ def _mend_inertial(source: SourceText, link: ET.Element, *_: object) -> Iterator
     for inertial in link.findall("inertial"):
         if problem := inertial_problem(inertial):
             source.remove(inertial)
-            yield f"link {link.get('name')!r}: its <inertial> {problem}; taken out"
+            yield f"link {link.get('name')!r}: its <inertial> {problem}; removed"
 
 
 def _mend_mesh(source: SourceText, mesh: ET.Element, description: Description, folder: Path) -> Iterator[str]:
@@ -189,4 +189,4 @@ def difference(one: Description, other: Description) -> str:
     ours, theirs = one.link_poses(values), other.link_poses(values)
     worst = max(float(np.abs(ours[link] - theirs[link]).max()) for link in ours)
     size = max(float(np.abs(g).max()) for g in ours.values())
-    return "" if worst <= SAME * size else f"its links stand {worst:.2g} off"
+    return "" if worst <= SAME * size else f"its links are {worst:.2g} off"

@@ -211,7 +211,7 @@ def servo(
 
 
 def _inside(arm: Arm, typed: JointValues) -> Array:
-    """The typed theta (n,) where joints may stand."""
+    """The typed theta (n,), inside the limits."""
     theta = typed.of(arm)
     for words in outside(arm, theta, typed.radians):
         raise LimitError(f"--theta: {words}")
@@ -228,9 +228,7 @@ Approach = Annotated[
     bool, switch("Where the arm is elsewhere, move to the start first, straight in joint space.", "--approach")
 ]
 Speed = Annotated[float, quantity("1", "Share of the motion's own speed, above 0 and at most 1.")]
-StartTolerance = Annotated[
-    Any, quantity("rad m", "How far from the start a joint may stand; rad and m without a unit.")
-]
+StartTolerance = Annotated[Any, quantity("rad m", "How far from the start a joint may be; rad and m without a unit.")]
 
 KEYS = "space pauses and resumes, q stops"
 
@@ -252,7 +250,7 @@ def follow(
     start_tolerance: StartTolerance = START_TOLERANCE,
     tolerance: Tolerance = TRACKING_TOLERANCE,
 ) -> int:
-    """Follow a motion on simulated joints (--theta says where they stand), or on a robot by --udp or --serial."""
+    """Follow a motion on simulated joints (--theta places them), or on a robot by --udp or --serial."""
     arm = source.load()
     robot.require_datagrams()
     if theta is not None and not robot.is_simulated:

@@ -97,7 +97,7 @@ def exercises(
 ) -> None:
     """Write the files to fill in: Python for each lesson, and Octave and MATLAB. No file is replaced."""
     written, stayed = write_exercises(folder, _arm(source))
-    left = f", {len(stayed)} that were there left as they are" if stayed else ""
+    left = f"; {len(stayed)} existing files kept" if stayed else ""
     say(f"{folder}: {len(written)} files written{left}")
     say(f"next: open {folder / LESSONS[0]}.py, fill it in, and twistarm guide check {folder / LESSONS[0]}.py")
 
@@ -138,7 +138,7 @@ def _built(source: Source | None, folder: Path, names: Sequence[str] | None = No
         with progress_bar(f"the guide on {typed.name}") as progress:
             built = build(folder, arm, names, progress=progress)
     except DescriptionError as error:
-        words = f"{error}; no page was written: twistarm doctor says all that is wrong with it"
+        words = f"{error}; no page was written: twistarm doctor lists its faults"
         raise DescriptionError(words, error.findings) from error
     for words in built.failed:
         warn(words)

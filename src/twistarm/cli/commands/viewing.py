@@ -64,7 +64,7 @@ class Page:
     ) -> None:
         """Print the page's address on `out`, and open it in a browser if wanted.
 
-        `assumed` tells the limits that were not given. `instead` tells what helps where no browser is found.
+        `assumed` names the limits that were not given. `instead` says what helps where no browser is found.
         """
         if assumed:
             say(f"{assumed} (--velocity, --acceleration)", file=out)

@@ -59,10 +59,10 @@ class Tool:
 class ArmSpecification:
     """A description file to load, with data about it in SI units and radians.
 
-    `source` is the user's name for it: the description, an arm.toml or a name of the catalogue. `other_chain` tells
+    `source` is the user's name for it: the description, an arm.toml or a name of the catalogue. `other_chain` says
     that the caller chose another base or tip, so that the other data need not fit. An arm.toml may come from a
     stranger. So only the caller sets `env_vars`, the variables that the description may read. `mesh_dirs` are the
-    package folders that an arm.toml names outside its tree. They give only meshes. A table `dh` stands in the place of
+    package folders that an arm.toml names outside its tree. They give only meshes. A table `dh` takes the place of
     a description.
     """
 

@@ -74,7 +74,7 @@ def parse_yaml(text: str, file: Path) -> Any:
         def construct_mapping(self, node: Any, deep: bool = False) -> Any:
             keys = Counter(key.value for key, _ in node.value if isinstance(key.value, str))
             if twice := [key for key, count in keys.items() if count > 1]:
-                raise yaml.constructor.ConstructorError(None, None, f"{twice[0]!r} stands twice", node.start_mark)
+                raise yaml.constructor.ConstructorError(None, None, f"{twice[0]!r} is there twice", node.start_mark)
             return super().construct_mapping(node, deep)
 
     def with_unit(loader: Any, tag: str, node: Any) -> float:

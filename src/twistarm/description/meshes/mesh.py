@@ -47,7 +47,7 @@ class Piece(NamedTuple):
 class Part:
     """Triangles of one material for drawing: vertices (N, 3), unit normals (N, 3), faces (F, 3).
 
-    `colour` is None where the file gives none. `exact` tells that the triangles are not simplified.
+    `colour` is None where the file gives none. `exact` means that the triangles are not simplified.
     """
 
     vertices: Array
@@ -105,7 +105,7 @@ class Mesh:
 
 FINEST, COARSEST = 4096, 4  # Cells along the longest side of the mesh.
 FEWEST = 8  # Cells along any other side, so that what is thin does not fall flat.
-# Of the search for the grid, and triangles that it looks at: their number is met to a few percent.
+# Of the search for the grid, and triangles that it looks at: it comes within a few percent of their number.
 STEPS, SAMPLE = 10, 10_000
 # How much a vertex is drawn to the middle of its points where the planes through them say nothing.
 STRAY = 1e-3

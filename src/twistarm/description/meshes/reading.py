@@ -102,7 +102,7 @@ def stl_corners(data: bytes) -> Array:
         return np.array(vertices, dtype=np.bytes_).astype(np.float64).reshape(-1, 3, 3)
     present = (len(data) - HEAD) // FACET
     if promised > MOST_MISSING * present > 0:
-        raise RefusedError("it is no STL")  # the count would tell bytes of another kind of file
+        raise RefusedError("it is no STL")  # the bytes of another kind of file would be a count too
     if promised > present or promised < 0:
         what = f": {promised:,} triangles are announced and {present:,} are there" if promised >= 0 else ""
         raise RefusedError(f"it is cut short{what}")
@@ -120,7 +120,7 @@ MOST_KEPT = 2_000_000  # Triangles of all meshes that are kept: 140 MB.
 # 4.6 is the first with load_scene, which takes an opened file and asks our resolver for what that refers to.
 _TRIMESH = Wheel("trimesh", "trimesh", has="load_scene", oldest="4.6")
 
-SAMPLE = 3_000  # Vertices of a mesh that its outermost points are taken from.
+SAMPLE = 3_000  # Vertices of a mesh among which its outermost points are sought.
 
 _LOCK = threading.RLock()
 _kept: OrderedDict[Path, tuple[Mesh, Stamps]] = OrderedDict()
@@ -145,12 +145,12 @@ def read_mesh(path: Path) -> Mesh:
 def extreme_points(path: Path) -> Array:
     """The outermost points (N, 3) of an STL in some 100 directions, without another library.
 
-    They are taken from `SAMPLE` vertices, evenly spread over the file, in a hundredth of the time for all of them.
+    They are among `SAMPLE` vertices, evenly spread over the file, in a hundredth of the time for all of them.
     Raises UnreadableMeshError for another format, and as `read_mesh`.
     """
     with _named(path):
         if path.suffix.lower() != ".stl":
-            raise RefusedError("its outermost points are taken from STL only")
+            raise RefusedError("its outermost points are read from STL only")
         corners = stl_corners(read_bounded(path, LARGEST_FILE))
         points = corners[:: 1 + 3 * len(corners) // SAMPLE].reshape(-1, 3).astype(np.float64)
         if not len(points) or not np.isfinite(points).all():
@@ -176,7 +176,7 @@ def _read(path: Path, files: Stamps) -> Mesh:
         return Mesh(collada_pieces(data) if kind == "dae" else _by_trimesh(kind, data, path, files))
 
 
-# Meshes by their first bytes, which tell those under another format's name.
+# Meshes by their first bytes: a file may have the name of another format.
 MESHES = {
     rb"ply\s": ("a PLY", "let its name end with .ply"),
     rb"glTF": ("a GLB", "let its name end with .glb"),

@@ -126,7 +126,7 @@ class Mjcf:
                 self._place_includes(element, reading, deep + 1)
 
     def _opened(self, element: ET.Element, main: Reading, *, once: bool) -> tuple[ET.Element, Reading]:
-        """The root of the file that an element names. It stands beside the main file or beside the element's own."""
+        """The root of the file that an element names. It is beside the main file or beside the element's own."""
         name = element.get("file", "").strip()[:200]
         own = next((part.path for part in self.readings if element in part.lines), main.path)
         file = main.path.parent / name

@@ -20,7 +20,7 @@ from .compilation import Compiled, Mjcf, compiled, pose
 
 ROOT = "world"  # MuJoCo's name of the body that carries all others.
 
-TOLD = {
+WORDS_OF = {
     "mjcf-scenery-left-out": ("left out", "describe obstacles in a scene.toml, and tighter limits in an arm.toml"),
     "mjcf-part-not-read": ("not read", "correct it, or write it out as bodies, joints and masses"),
     "mjcf-loop-open": ("not kept", "lock or couple the joints in a URDF copy"),
@@ -48,8 +48,8 @@ def translated(root: ET.Element, reading: Reading) -> tuple[str, Semantics | Non
 
     What URDF has no word for is left out, with findings in `reading`.
 
-    A joint that does not turn about its body's origin, or is not 0 at rest, gets a link between. A ball stands still.
-    Free bodies without joints are left out, and other free bodies stand still. Raises DescriptionError for a file that
+    A joint that does not turn about its body's origin, or is not 0 at rest, gets a link between. A ball is fixed.
+    Free bodies without joints are left out, and other free bodies are fixed. Raises DescriptionError for a file that
     MuJoCo refuses, and MissingExtraError without MuJoCo.
     """
     mjcf = Mjcf(root, [reading])
@@ -59,7 +59,7 @@ def translated(root: ET.Element, reading: Reading) -> tuple[str, Semantics | Non
     writer.couple()
     semantics, gravity = writer.semantics(reading), writer.gravity()
     for code, parts in mjcf.notes.items():
-        what, remedy = TOLD[code]
+        what, remedy = WORDS_OF[code]
         more = f" and {len(parts) - SHOWN} more" if len(parts) > SHOWN else ""
         reading.note(code, None, f"{', '.join([*parts][:SHOWN])}{more}: {what}", remedy)
     return ET.tostring(writer.robot, "unicode"), semantics, gravity
@@ -222,16 +222,17 @@ class _Writer:
         kind = kinds(int(model.geom_type[k])).name.removeprefix("mjGEOM_").lower()
         g, size = pose(model.geom_pos[k], model.geom_quat[k]), np.array(model.geom_size[k])
         rod = {"radius": number_text(size[:1]), "length": number_text([2 * size[1]])}
-        written = {"box": {"size": number_text(2 * size)}, "sphere": {"radius": rod["radius"]}}
-        shape = {**written, "cylinder": rod, "capsule": rod}.get(kind)
+        ball, box = {"radius": rod["radius"]}, {"size": number_text(2 * size)}
+        shape = {"box": box, "sphere": ball, "cylinder": rod, "capsule": rod}.get(kind)
         if kind == "mesh" and (mesh := self.meshes.get(int(model.geom_dataid[k]))):
             g, shape = g @ mesh.frame, {"filename": mesh.path, "scale": number_text(mesh.scale)}
         if shape is None:
             self.mjcf.note("mjcf-scenery-left-out", f"a shape of type {kind}")
             return []
-        made = [ET.Element("visual")] if model.geom_group[k] < HIDDEN else []
-        if made:
+        made = []
+        if model.geom_group[k] < HIDDEN:
             name, rgba = self._colour(k)
+            made.append(ET.Element("visual"))
             ET.SubElement(ET.SubElement(made[0], "material", name=name), "color", rgba=rgba)
         if model.geom_contype[k] or model.geom_conaffinity[k]:
             made.append(ET.Element("collision"))
@@ -248,10 +249,10 @@ class _Writer:
             return name, _single(self.model.mat_rgba[material])
         return f"rgba {_single(rgba)}", _single(rgba)
 
-    # -- what stands beside the bodies -------------------------------------------------------------------------------
+    # -- constraints, drives, keyframes ------------------------------------------------------------------------------
 
     def couple(self) -> None:
-        """Make followers of joints by `equality`, first those that stand still."""
+        """Make followers of joints by `equality`, first those that are fixed."""
         model, names = self.model, self._names("EQUALITY", self.model.neq)
         for i in sorted(map(int, np.flatnonzero(model.eq_active0)), key=lambda i: model.eq_obj2id[i] >= 0):
             kind = self.mujoco.mjtEq(int(model.eq_type[i])).name.removeprefix("mjEQ_").lower()
@@ -259,7 +260,7 @@ class _Writer:
                 self.mjcf.note("mjcf-loop-open", f"<{kind}> {names[i] or i}")
 
     def _couple(self, i: int) -> bool:
-        """Let joint1 follow joint2, q₁ − rest₁ = a₀ + a₁ (q₂ − rest₂), or stand still.
+        """Let joint1 follow joint2, q₁ − rest₁ = a₀ + a₁ (q₂ − rest₂), or be fixed.
 
         False if a joint is not the arm's, the polynomial is not linear, something moves joint1 already, or joint2
         follows joint1.
