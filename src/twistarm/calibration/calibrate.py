@@ -1,4 +1,4 @@
-"""`calibrate`: the arm's true axes and zeros from measurements of its tool."""
+"""`calibrate`: the arm's true axes and zeros from measurements of its tool, or from a camera that sees a tag."""
 
 from __future__ import annotations
 
@@ -11,9 +11,11 @@ import numpy as np
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, as_flag, as_positive, as_theta, require, require_choice
 from ..support.errors import InputError, listed, quote
+from ..support.messages import Argument, Text
 from ..support.units import theta_hint
 from ..theory.rotations import skew
 from .calibration import Calibration
+from .camera import Camera, Mount, refuse_unusable_views
 from .geometry import Geometry
 from .measurements import LITTLE, Bools, Measurements, joined, read_measurements, require_metres
 from .problem import LOUD, Problem, descend, observed, of_joints, started
@@ -44,6 +46,9 @@ def calibrate(
     distance_noise: float = 1e-4,
     scales: bool = False,
     robust: bool = True,
+    camera: Mount | None = None,
+    tag_size: float | None = None,
+    corner_noise: float = 8e-4,
 ) -> Calibration:
     """Fit an arm's axes and joint zeros to measurements of its tool, with base and tool beside them.
 
@@ -52,6 +57,10 @@ def calibrate(
     others is held at 0 and named. Base and tool come first, then zeros, then axes: first what would show most if it
     were out by its usual size. The choice follows from the nominal arm and the rows' configurations. Without positions
     or poses the base is the arm's own.
+
+    Rows of `rvec` and `tvec` are a hand-eye calibration (`Calibration.hand_eye`). The camera is on the tool
+    (eye-in-hand) and its tag beside the arm, or the camera is beside the arm (eye-to-hand) and its tag on the tool.
+    Both poses come with the arm's zeros and axes from one fit of the reprojection error (`camera.Camera`).
 
     Args:
         arm: The nominal arm.
@@ -65,22 +74,33 @@ def calibrate(
         distance_noise: Standard deviation of each of them [m].
         scales: Fit a scale of each joint's drive too.
         robust: Weigh outliers down (Cauchy's loss).
+        camera: "tool" (eye-in-hand) or "base" (eye-to-hand), where the log has rvec and tvec.
+        tag_size: Side of the tag [m], as solvePnP had it.
+        corner_noise: Standard deviation of a corner of the tag in the image, over the focal length [rad]. The default
+            is 0.5 pixels at 600.
 
     Returns:
         The `Calibration`.
 
     Raises:
-        InputError: The log is unusable: too few rows, angles in degrees, positions in millimetres.
+        InputError: The log is unusable: too few rows, angles in degrees, positions in millimetres, a tool
+            that turns about one axis only before a camera.
     """
     require_arm(arm)
     for choice, name in ((base, "base"), (tool, "tool")):
         require_choice(choice, ("fit", "held"), name)
     log, robust = _read(arm, measurements), as_flag(robust, "robust")
+    eye = _camera(log, camera, tag_size, as_positive(corner_noise, "corner_noise"))
     geometry = Geometry(arm, np.eye(4), np.eye(4), as_flag(scales, "scales"))
     noise = as_positive(position_noise, "position_noise"), as_positive(orientation_noise, "orientation_noise")
     known, apart = _distances(distances, log), as_positive(distance_noise, "distance_noise")
+    if eye is not None:
+        if "held" in (base, tool) or distances:
+            raise InputError("a camera's log shows base and tool as camera and tag: fit both, without distances")
+        refuse_unusable_views(log, arm)
+        noise, log = (eye.noise * float(np.median(log.tvec[:, 2])), noise[1]), eye.log(log)
     usual = [0.0] * 12 + [1.0 / USUAL[each.what.split()[0]] for each in geometry.parameters[12:]]
-    problem, start = Problem(geometry, log, noise, np.array(usual), known, apart).placed()
+    problem, start = Problem(geometry, log, noise, np.array(usual), known, apart, camera=eye).placed()
     # Without a measured frame the base may not move, and only poses show how a tool is turned.
     fitted = np.ones(len(start), dtype=bool)
     fitted[:6] = base == "fit" and bool(log.located.any())
@@ -89,6 +109,10 @@ def calibrate(
     odd = refuse_unusable(problem, fitted)
     problem, start = started(problem, bool(fitted[:6].any()), fitted[6:12])
     seen = observed(problem, start, fitted)
+    still = still_joints(problem)
+    if eye is not None and still:  # camera and tag are as good without a corrected arm
+        seen &= ~of_joints(problem)
+        odd = (*odd, f"{listed(still)} hardly moves, so the arm is not corrected; move it by more than 15° or 50 mm")
     first = descend(problem, start, seen & ~of_joints(problem), robust=robust)[0]
     q, weights = descend(problem, first, seen, robust=robust)
     faults = faults_of(problem, q, first)
@@ -109,6 +133,27 @@ def _read(arm: Arm, measurements: Log | Sequence[Log]) -> Measurements:
     for part in parts:
         as_theta(part.theta, arm.n, "theta", arm.joint_names)
     return joined(parts)
+
+
+def _camera(log: Measurements, mount: Mount | None, tag_size: float | None, noise: float) -> Camera | None:
+    """The camera of a log that has rvec and tvec, or None; InputError where log and arguments do not agree."""
+    given = {"camera": mount, "tag_size": tag_size}
+    if not log.sighted.any():
+        for name, value in given.items():
+            if value is not None:
+                raise InputError(
+                    Text("{name} needs a log with rvec and tvec", name=Argument(name))
+                )
+        return None
+    if mount is None or tag_size is None:
+        what = "the log has rvec and tvec of a tag: give {tool} (eye-in-hand) or {base} (eye-to-hand), and {size}"
+        mounts = {name: Argument("camera", name) for name in ("tool", "base")}
+        raise InputError(Text(what, **mounts, size=Argument("tag_size")))
+    require_choice(mount, ("tool", "base"), "camera")
+    size, depth = as_positive(tag_size, "tag_size"), float(np.median(np.abs(log.tvec[log.sighted, 2])))
+    if size > 2.0 * depth:
+        raise InputError(f"a tag of {size:.4g} m is larger than its distance, {depth:.3g} m: is it in mm?")
+    return Camera(mount, size, noise)
 
 
 def _distances(distances: dict[tuple[str, str], float] | None, log: Measurements) -> dict[tuple[str, str], float]:
@@ -178,16 +223,15 @@ def faults_of(problem: Problem, q: Array, first: Array) -> tuple[str, ...]:
 
     `first` (Q,) are the unknowns with base and tool fitted alone.
     """
-    arm, travel = problem.geometry.arm, np.ptp(problem.log.theta, axis=0)
-    least = np.minimum([LITTLE[unit] for unit in arm.units], 0.5 * (arm.limits.upper - arm.limits.lower))
-    still = [name for name, moved, enough in zip(arm.joint_names, travel, least, strict=True) if moved < enough]
-    if still:
+    arm, still = problem.geometry.arm, still_joints(problem)
+    if still and problem.camera is None:
         return (f"{listed(still)} hardly moves: the fit holds near one value only; move it by more than 15° or 50 mm",)
     turned = np.linalg.norm(problem.misses(q)[problem.measured[:, 3], 3:], axis=1)
-    if turned.size and np.median(turned) > TURNED:
+    if problem.camera is None and turned.size and np.median(turned) > TURNED:
         return ("the orientations do not fit: are they qx, qy, qz, qw in this order, of the tool in device axes?",)
-    moved = _moved_base(problem, q) or _moved_base(problem, first)
-    left = float(np.median(np.linalg.norm(problem.misses(q)[:, :3], axis=1)))
+    # Before a camera wrong zeros alone turn the tag enough to look like a base that moved.
+    moved = _moved_base(problem, q) or (() if problem.camera else _moved_base(problem, first))
+    left = float(np.median(problem.errors(q)))
     axes = np.abs(problem.geometry.split(q[: problem.P])[3])
     tilt, shift = float(axes[:, 3:].max()), float(axes[:, :3].max())
     if moved or not (left > 0.03 * arm.reach or tilt > FAR_TILT or shift > FAR_SHIFT * arm.reach):
@@ -196,12 +240,19 @@ def faults_of(problem: Problem, q: Array, first: Array) -> tuple[str, ...]:
     return (f"no arm fits these rows: {far}; are columns swapped, signs reversed, or units mixed?",)
 
 
+def still_joints(problem: Problem) -> list[str]:
+    """The joints that hardly move in the log."""
+    arm, travel = problem.geometry.arm, np.ptp(problem.log.theta, axis=0)
+    least = np.minimum([LITTLE[unit] for unit in arm.units], 0.5 * (arm.limits.upper - arm.limits.lower))
+    return [name for name, moved, enough in zip(arm.joint_names, travel, least, strict=True) if moved < enough]
+
+
 def _moved_base(problem: Problem, q: Array) -> tuple[str, ...]:
     """The row at which a rigid motion of the base explains the residuals best, if it explains much."""
     at = np.flatnonzero(problem.log.located)
     if len(at) < 4 * LEAST_PART:
         return ()
-    r = problem.misses(q)[at, :3]
+    r = (problem.geometry.poses(q[: problem.P], problem.log.theta)[:, :3, 3] - problem.log.position)[at]
     size = np.linalg.norm(r, axis=1)
     r = r * np.minimum(1.0, np.quantile(size, 0.75) / np.maximum(size, 1e-12))[:, None]  # an outlier counts as others
     p = problem.log.position[at] - problem.log.position[at].mean(axis=0)
@@ -219,4 +270,5 @@ def _moved_base(problem: Problem, q: Array) -> tuple[str, ...]:
     if gains[best] / 12 < MOVED * left or gains[best] < 0.3 * (r * r).sum():
         return ()
     near = problem.log.label[at[cuts[best]]]
-    return (f"the base or the tracker seems to have moved near {near}: fit the parts alone",)
+    moved = "the base or the tracker" if problem.camera is None else "the camera or the tag"
+    return (f"{moved} seems to have moved near {near}: fit the parts alone",)

@@ -21,17 +21,19 @@ from ..description.urdf import build_description
 from ..support.checks import Array, as_flag, as_theta, require
 from ..support.display import short_repr
 from ..support.errors import InputError
-from ..theory.rotations import skew, to_rpy
-from ..theory.screws import exp, inverse_of
+from ..theory.rotations import log_of, skew, to_rpy
+from ..theory.screws import adjoint_of, exp, inverse_of
+from .camera import HandEye, poses_of
 from .geometry import Parameter
 from .measurements import Bools
-from .problem import LOUD, Problem
+from .problem import LOUD, Problem, of_joints
 
 # The share of the error of base and tool alone that the corrected arm must stay below, on rows not fitted.
 SURE = 0.95
 ELSEWHERE = 5.0  # An expected error so many times that of rows left out shows that the log is from few places.
 
 CANDIDATES = 1000
+VIEWS = 30  # So many times more random configurations are tried before a camera, which sees its tag in few.
 
 # [m, rad] that the arm of the copy may differ from the corrected one: 16 digits of angles leave less.
 SAME = 1e-9
@@ -123,14 +125,37 @@ class Calibration:
     @cached_property
     def estimates(self) -> tuple[Estimate, ...]:
         """All parameters."""
-        std = np.where(self.seen, np.sqrt(np.maximum(np.diag(self._covariance(self.seen)), 0.0)), np.inf)
+        covariance = self._covariance(self.seen, self.unknowns)
+        std = np.where(self.seen, np.sqrt(np.maximum(np.diag(covariance), 0.0)), np.inf)
         columns = np.where(self.seen, self.unknowns, 0.0).tolist(), std.tolist(), self.seen.tolist()
         return tuple(map(Estimate, self.problem.parameters, *columns))
 
-    def _covariance(self, free: Bools) -> Array:
-        """The covariance (Q, Q) of the `free` unknowns. Noise is at least the stated; a louder log makes it larger."""
-        r = self.problem.residual(self.unknowns, self.weights)
-        A = self.problem.slopes(self.unknowns, self.weights)[:, free]
+    @cached_property
+    def hand_eye(self) -> HandEye | None:
+        """Camera and tag, if the log has a camera: of the corrected arm if rows left out confirm it."""
+        problem, camera, corrected = self.problem, self.problem.camera, self.confirmed_here
+        if camera is None:
+            return None
+        q = self.unknowns if corrected else self.first
+        C = self._covariance(self.seen & (corrected | ~of_joints(problem)), q)
+        geometry, measured = problem.geometry, camera.in_camera(poses_of(problem.log))
+        computed = camera.in_camera(geometry.poses(q[: problem.P], problem.log.theta))
+        shift = np.linalg.norm((computed - measured)[:, :3, 3], axis=1)
+        turn = np.linalg.norm(log_of(np.swapaxes(measured[:, :3, :3], 1, 2) @ computed[:, :3, :3]), axis=1)
+        base, tool = geometry.base @ exp(q[:6]), geometry.arm.tool @ geometry.tool @ exp(q[6:12])
+        Ad = adjoint_of(base)  # the base's deviations are in its axes, those of its inverse in the other's
+        base_std, tool_std = (
+            (float(np.sqrt(np.trace(D[:3, :3]))), float(np.sqrt(np.trace(D[3:, 3:]))))
+            for D in (Ad @ C[:6, :6] @ Ad.T, C[6:12, 6:12])
+        )
+        beside, carried = (inverse_of(base), base_std, geometry.arm.base), (tool, tool_std, geometry.arm.tip_link)
+        first, second = (carried, beside) if camera.mount == "tool" else (beside, carried)
+        return HandEye(*first, *second, (float(np.median(shift)), float(np.median(turn))), corrected)
+
+    def _covariance(self, free: Bools, q: Array) -> Array:
+        """The covariance (Q, Q) of the `free` unknowns at q. Noise is at least the stated; more in a louder log."""
+        r = self.problem.residual(q, self.weights)
+        A = self.problem.slopes(q, self.weights)[:, free]
         louder = max(1.0, float(r @ r) / max(1, len(r) - A.shape[1]))
         covariance, size = np.zeros((len(free), len(free))), np.linalg.norm(A, axis=0)
         inverse = np.linalg.pinv((A / size).T @ (A / size), rcond=1e-12)
@@ -220,27 +245,34 @@ class Calibration:
         Each next one maximises det(I + σ⁻² J C Jᵀ) for the covariance C so far. Candidates are `among` (N, n), by
         default 1,000 random configurations, without those that collide in `scene`.
         """
+        camera, geometry = self.problem.camera, self.problem.geometry
         theta = self.arm.random_theta(0, CANDIDATES) if among is None else as_theta(among, self.arm.n, "among")
+        if camera is not None and among is None:
+            theta = self.arm.random_theta(0, VIEWS * CANDIDATES)
+            theta = theta[camera.visible(geometry.poses(self._p, theta), self.problem.log)][:CANDIDATES]
         if scene is not None:
             theta = theta[~require_scene(scene, self.problem.geometry.arm).collides(theta)]
-        J, C, chosen = self._slopes(theta) / self.problem.noise[0], self._spread, list[int]()
+        J, C, chosen = self._slopes(theta)[:, :3] / self.problem.noise[0], self._spread, list[int]()
+        if camera is not None:
+            J = camera.image(geometry.poses(self._p, theta))[1] @ self._slopes(theta) / camera.noise
+        one = np.eye(J.shape[1])
         for _ in range(min(count, len(theta))):
-            gain = np.linalg.slogdet(np.eye(3) + J @ C @ np.swapaxes(J, 1, 2))[1]
+            gain = np.linalg.slogdet(one + J @ C @ np.swapaxes(J, 1, 2))[1]
             gain[chosen] = -np.inf
             chosen.append(int(gain.argmax()))
             CJ = C @ J[chosen[-1]].T
-            C = C - CJ @ np.linalg.solve(np.eye(3) + J[chosen[-1]] @ CJ, CJ.T)
+            C = C - CJ @ np.linalg.solve(one + J[chosen[-1]] @ CJ, CJ.T)
         return np.asarray(theta[chosen])
 
     @cached_property
     def expected(self) -> float:
         """The error [m] to expect at random configurations: √(mean tr J C Jᵀ), with usual tolerances of what is held.
 
-        Without measured positions a motion of the whole arm does not count.
+        Without measured positions, and before a camera, a motion of the whole arm does not count.
         """
         theta = self.arm.random_theta(1, CANDIDATES // 4)
-        J, p = self._slopes(theta), self.predict(theta)
-        if not self.problem.log.located.any():
+        J, p = self._slopes(theta)[:, :3], self.predict(theta)
+        if self.problem.camera is not None or not self.problem.log.located.any():
             moved = np.concatenate([np.broadcast_to(np.eye(3), (len(p), 3, 3)), -skew(p)], axis=2).reshape(-1, 6)
             Q, flat = np.linalg.qr(moved)[0], J.reshape(len(moved), -1)
             J = (flat - Q @ (Q.T @ flat)).reshape(J.shape)
@@ -249,12 +281,12 @@ class Calibration:
     @cached_property
     def _spread(self) -> Array:
         """The covariance (P, P) of the geometry, also of what is held at 0."""
-        return self._covariance(self.fitted)[: self.problem.P, : self.problem.P]
+        return self._covariance(self.fitted, self.unknowns)[: self.problem.P, : self.problem.P]
 
     def _slopes(self, theta: Array) -> Array:
-        """The derivatives (N, 3, P) of the tool's positions by the parameters."""
+        """The derivatives (N, 6, P) of the tool's positions and turns by the parameters."""
         g, V = self.problem.geometry.twists(self._p, theta)
-        return np.asarray(V[:, :3] - skew(g[:, :3, 3]) @ V[:, 3:])
+        return np.concatenate([V[:, :3] - skew(g[:, :3, 3]) @ V[:, 3:], V[:, 3:]], axis=1)
 
 
 def amount(value: float, unit: str) -> str:

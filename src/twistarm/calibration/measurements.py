@@ -1,4 +1,4 @@
-"""What was measured for a calibration: positions, poses, resting points, planes and wires."""
+"""What was measured for a calibration: positions, poses, tags in a camera, resting points, planes and wires."""
 
 from __future__ import annotations
 
@@ -28,12 +28,13 @@ Rows = NDArray[np.intp]
 BOUNDS = Bounds(bytes=10_000_000, lines=100_000)
 
 POSITION, ROTATION = ("x", "y", "z"), ("qx", "qy", "qz", "qw")
+RVEC, TVEC = ("rx", "ry", "rz"), ("tx", "ty", "tz")
 
 # A logged quaternion is rounded to a few digits; one that is further from length 1 holds something else.
 UNIT_LENGTH_TOL = 0.01
 LITTLE = {"rad": float(np.radians(15.0)), "m": 0.05}  # A joint that moved by less has hardly moved.
 
-NUMBERS = {"position": (3,), "rotation": (3, 3), "length": (), "noise": ()}
+NUMBERS = {"position": (3,), "rotation": (3, 3), "rvec": (3,), "tvec": (3,), "length": (), "noise": ()}
 NAMES = ("point", "plane", "wire")
 
 
@@ -44,6 +45,9 @@ class Measurements(Brief):
     For `check_wiring`, `theta` (K, k) are the counts of the arm's k motors, each in its drive's unit.
 
     `position` (K, 3) [m] and `rotation` (K, 3, 3) are seen from the measuring device. A row of NaN: not measured.
+    `rvec` (K, 3) [rad] and `tvec` (K, 3) [m] are what OpenCV's solvePnP returns: rotation vector and position of a tag
+    in the camera's frame.
+
     `point`, `plane` and `wire` (K,) name a point that the tool rested on, a plane that it touched, or the anchor of a
     wire of `length` (K,) [m]; "": none. Their places are unknown. `noise` (K,) [m] is the standard deviation of each
     row; NaN: the default of `calibrate`. `label` (K,) names the rows in messages. Raises InputError for other shapes,
@@ -53,6 +57,8 @@ class Measurements(Brief):
     theta: Array
     position: Array = field(default_factory=partial(np.empty, 0))
     rotation: Array = field(default_factory=partial(np.empty, 0))
+    rvec: Array = field(default_factory=partial(np.empty, 0))
+    tvec: Array = field(default_factory=partial(np.empty, 0))
     point: Sequence[str] = field(default=(), repr=False)
     plane: Sequence[str] = field(default=(), repr=False)
     wire: Sequence[str] = field(default=(), repr=False)
@@ -78,11 +84,14 @@ class Measurements(Brief):
             if len(names) != K:
                 raise InputError(f"{name} must hold {K} names, one for each row; got {len(names)}")
             object.__setattr__(self, name, names)
-        kinds = np.stack([self.located, *(np.array(getattr(self, name), dtype=bool) for name in NAMES)])
+        kinds = np.stack([self.located, self.sighted, *(np.array(getattr(self, name), dtype=bool) for name in NAMES)])
         unmeasured = kinds[-1] & ~np.isfinite(self.length)
         for odd, why in (
             (unmeasured, "has a wire and needs its length"),
-            (kinds.sum(axis=0) != 1, f"must hold one measurement: x, y, z, or one of {', '.join(NAMES)}"),
+            (
+                kinds.sum(axis=0) != 1,
+                f"must hold one measurement: xyz, rvec and tvec, or {', '.join(NAMES)}",
+            ),
         ):
             if odd.any():
                 raise InputError(f"{self.label[int(odd.argmax())]} {why}")
@@ -91,6 +100,11 @@ class Measurements(Brief):
     def located(self) -> Bools:
         """Whether each row holds a position (K,)."""
         return np.asarray(np.isfinite(self.position).all(axis=1))
+
+    @property
+    def sighted(self) -> Bools:
+        """Whether each row holds a tag in a camera (K,)."""
+        return np.asarray(np.isfinite(np.concatenate([self.rvec, self.tvec], axis=1)).all(axis=1))
 
     @property
     def place(self) -> list[tuple[str, str]]:
@@ -115,9 +129,9 @@ def read_measurements(path: str | os.PathLike[str], arm: Arm, *, counts: bool = 
     """Read measurements from CSV. The first line names the columns, in any order.
 
     The joints' names [rad, m], or with `counts` those of the motors, in each drive's own unit; x, y, z and qx, qy, qz,
-    qw; point, plane, wire and length; noise. A unit may follow in brackets, as `elbow [deg]` or `x [mm]`. An empty cell
-    is not measured. Lines with # are comments. Raises InputError with the line for an unknown, missing or invalid
-    column or cell.
+    qw; rx, ry, rz and tx, ty, tz, the rvec [rad] and tvec [m] of solvePnP; point, plane, wire and length; noise. A unit
+    may follow in brackets, as `elbow [deg]` or `x [mm]`. An empty cell is not measured. Lines with # are comments.
+    Raises InputError with the line for an unknown, missing or invalid column or cell.
     """
     quantities = dict(zip(require_arm(arm).joint_names, arm.units, strict=True))
     if as_flag(counts, "counts"):
@@ -125,6 +139,7 @@ def read_measurements(path: str | os.PathLike[str], arm: Arm, *, counts: bool = 
         quantities = dict(zip(motors.names, motors.units, strict=True))
     commanded = tuple(quantities)
     quantities |= dict.fromkeys((*POSITION, "length", "noise"), "m") | dict.fromkeys((*ROTATION, *NAMES), "1")
+    quantities |= dict.fromkeys(RVEC, "rad") | dict.fromkeys(TVEC, "m")
     file = as_path(path)
     rows = list(csv_rows(csv_lines(file, BOUNDS), str(file)))
     if len(rows) < 2:
@@ -155,6 +170,8 @@ def read_measurements(path: str | os.PathLike[str], arm: Arm, *, counts: bool = 
     parts |= {name: numbers([name])[:, 0] for name in ("length", "noise") if name in at}
     if at.keys() & set(POSITION):
         parts["position"] = numbers(POSITION)
+    if at.keys() & {*RVEC, *TVEC}:
+        parts["rvec"], parts["tvec"] = np.split(numbers((*RVEC, *TVEC)), 2, axis=1)
     if at.keys() & set(ROTATION):
         quaternions = numbers(ROTATION)
         lengths, parts["rotation"] = np.linalg.norm(quaternions, axis=1), np.full((len(rows), 3, 3), np.nan)

@@ -12,6 +12,7 @@ from ..support.checks import Array, nearest_rotation
 from ..support.errors import InputError
 from ..theory.rotations import log_of, skew
 from ..theory.screws import exp
+from .camera import Camera, first_guess, poses_of
 from .geometry import Geometry, Parameter
 from .measurements import Bools, Measurements, Rows
 
@@ -29,6 +30,8 @@ LOUD = 5.0  # Standard deviations from which a row is an outlier: of 10,000 rows
 class Problem:
     """Measurements of a geometry, with known distances {(point, point): m} between resting points.
 
+    With a `camera` all rows are poses that it measured, and their residual is its reprojection error.
+
     `usual` (P,) is one over the standard deviation of each parameter before the log, 0 where nothing is known.
     `contradiction` (k, k) maps readings of motors that share a joint to how far they contradict each other [σ].
 
@@ -44,6 +47,7 @@ class Problem:
     distances: Mapping[tuple[str, str], float] = field(default_factory=dict)
     distance_noise: float = 1.0
     contradiction: Array | None = None
+    camera: Camera | None = None
     places: tuple[tuple[str, str], ...] = ()
     normals: Mapping[str, Array] = field(default_factory=dict)
 
@@ -99,17 +103,24 @@ class Problem:
         return int(self.measured.sum()) + len(self.distances)
 
     def errors(self, q: Array) -> Array:
-        """The distance (K,) [m] between computed and measured."""
+        """The distance (K,) [m] between computed and measured: or of a tag's corners at its depth."""
+        if self.camera is not None:
+            depth = self.camera.in_camera(poses_of(self.log))[:, 2, 3]
+            return np.asarray(np.linalg.norm(self.misses(q), axis=1) / 2 * depth)  # root mean square of four corners
         return np.asarray(np.linalg.norm(self.misses(q)[:, :3], axis=1))
 
     def misses(self, q: Array) -> Array:
-        """Computed minus measured (K, 6) [m, rad], zeros where nothing was measured."""
+        """Computed minus measured (K, 6) [m, rad], zeros where nothing was measured; of a camera, in its image."""
         return self._misses(q, self.geometry.poses(q[: self.P], self.log.theta))[0]
 
     def _misses(self, q: Array, g: Array) -> tuple[Array, Array, Array]:
         """`misses`, and their slopes (K, 6, 6) by the tool's position and turn, and (K, 6, Q − P) by the places."""
         log, p, K = self.log, g[:, :3, 3], len(g)
         r, slope, own = np.zeros((K, 6)), np.zeros((K, 6, 6)), np.zeros((K, 6, len(q) - self.P))
+        if self.camera is not None:
+            u, slope = self.camera.image(g)
+            across = np.swapaxes(self._seen[1], 1, 2)
+            return (across @ (u - self._seen[0])[..., None])[..., 0], across @ slope, own
         at, turned = log.located, self.measured[:, 3]
         r[at, :3], slope[at, :3, :3] = (p - log.position)[at], np.eye(3)
         if turned.any():  # (R_m)ᵀ R: its logarithm in the measured axes. Of no rows it would take a fifth of a fit.
@@ -133,7 +144,14 @@ class Problem:
         return r, slope, own
 
     @cached_property
+    def _seen(self) -> tuple[Array, Array]:
+        assert self.camera is not None
+        return self.camera.measured(self.log)
+
+    @cached_property
     def _scale(self) -> Array:
+        if self.camera is not None:
+            return np.full((len(self.sigma), 6), 1.0 / self.camera.noise)
         return np.repeat(np.stack([1 / self.sigma, np.full(len(self.sigma), 1 / self.noise[1])], axis=1), 3, axis=1)
 
     def _beside(self, q: Array) -> tuple[Array, Array]:
@@ -173,6 +191,8 @@ class Problem:
         """
         g, V = self.geometry.twists(q[: self.P], self.log.theta)
         r, slope, own = self._misses(q, g)
+        # A camera shows turns of the tool too, so a tool that is out shows no turn of the whole arm.
+        resting = resting and self.camera is None
         p = g[:, :3, 3] - resting * (np.swapaxes(slope[:, :3, :3], 1, 2) @ r[:, :3, None])[..., 0]
         V = np.concatenate([V[:, :3] - skew(p) @ V[:, 3:], V[:, 3:]], axis=1)
         J = np.concatenate([slope @ V, own], axis=-1) * (self._scale * np.sqrt(weights)[:, None])[..., None]
@@ -278,9 +298,13 @@ def descend(problem: Problem, q: Array, free: Bools, *, robust: bool = True) -> 
 
 
 def started(problem: Problem, base: bool, tool: Bools) -> tuple[Problem, Array]:
-    """The problem with base and tool fitted alone, and its places: Kabsch's method, then least squares."""
+    """The problem with base and tool fitted alone, and its places: a closed form, then least squares."""
     geometry, located = problem.geometry, problem.log.located
-    if base:
+    if problem.camera is not None:
+        g = problem.geometry.arm.fk(problem.log.theta)
+        base_frame, tool_frame = first_guess(g, poses_of(problem.log), problem.camera.mount)
+        geometry = replace(geometry, base=base_frame, tool=tool_frame)
+    elif base:
         p = geometry.poses(np.zeros(problem.P), problem.log.theta)[located, :3, 3]
         geometry = replace(geometry, base=kabsch(p, problem.log.position[located]) @ geometry.base)
     for _ in range(TRIES):

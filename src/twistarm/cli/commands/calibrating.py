@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -13,7 +13,9 @@ from ...arm.arm import Arm
 from ...calibration import Calibration, Residual, WiringReport, check_wiring, corrected_urdf
 from ...calibration import calibrate as fit
 from ...calibration.calibration import amount
+from ...calibration.camera import HandEye
 from ...support.errors import InputError
+from ...theory.rotations import to_rpy
 from ..numbers import LENGTH, argument, option, quantity, switch, typed_number, whole
 from ..options import ArmArgument, Avoid, Json, answers, avoided
 from ..output import Outputs, entries, plain
@@ -30,12 +32,23 @@ BaseOrientationNoise = Annotated[
     quantity("rad", "Standard deviation of the base's own orientation [°]; 0 if exactly known.", zero=True),
 ]
 Logs = Annotated[
-    list[Path], argument("LOG…", "CSV: a column per joint, then x, y, z, or point, plane, wire and length.")
+    list[Path],
+    argument(
+        "LOG…", "CSV: a column per joint, then x, y, z, or rx … tz of solvePnP, or point, plane, wire and length."
+    ),
 ]
 HeldBase = Annotated[bool, switch("Positions are in the base frame; do not fit it.", "--base-held")]
 HeldTool = Annotated[bool, switch("The measured point is the tip; do not fit it.", "--tool-held")]
 Distance = Annotated[list[str] | None, option("A=B=LENGTH", "A known distance of two points; may be repeated.")]
 DistanceNoise = Annotated[float, quantity("m", "Standard deviation of the known distances.")]
+Mount = Annotated[
+    Literal["tool", "base"] | None,
+    option(None, "Hand-eye calibration: the camera is on the tool (eye-in-hand), or beside the arm (eye-to-hand)."),
+]
+TagSize = Annotated[float | None, quantity("m", "Side of the tag, as solvePnP had it.")]
+CornerNoise = Annotated[
+    float, quantity("rad", "Standard deviation of a tag's corner in the image [°]: pixels over the focal length.")
+]
 Scales = Annotated[bool, switch("Fit a scale of each joint too.", "--scales")]
 Next = Annotated[int, whole(0, 1000, "Name N configurations to measure next.", "--next")]
 Written = Annotated[
@@ -96,6 +109,22 @@ def _motors_table(arm: Arm, report: WiringReport) -> Table:
     return Table(f"{report.arm}: its motors, and what fits the log", columns)
 
 
+def _hand_eye(found: HandEye) -> Iterator[str]:
+    """Camera and tag, how certain they are, and the text to paste."""
+    poses = (
+        ("camera", found.camera, found.parent, found.camera_std),
+        ("tag", found.tag, found.tag_parent, found.tag_std),
+    )
+    for name, pose, parent, (shift, turn) in poses:
+        place, rpy = (", ".join(f"{x:.{n}f}" for x in v + 0.0)
+                      for n, v in ((1, 1e3 * pose[:3, 3]), (2, np.degrees(to_rpy(pose[:3, :3])))))  # fmt: skip
+        yield f"{name} in {parent}: {place} mm; rpy {rpy}° (± {1e3 * shift:.2g} mm, {np.degrees(turn):.2g}°)"
+    whose = "the corrected arm" if found.corrected else "the arm as described"
+    shift, turn = found.residual
+    yield f"residual of the tag in the camera, median: {1e3 * shift:.2g} mm and {np.degrees(turn):.2g}°; with {whose}"
+    yield found.urdf
+
+
 def _residual(residual: Residual) -> str:
     position = f"{1000 * residual.position:.1f} mm"
     return position if residual.rotation is None else f"{position} and {np.degrees(residual.rotation):.2f}°"
@@ -111,11 +140,14 @@ def calibrate(
     tool_held: HeldTool = False,
     distance: Distance = None,
     distance_noise: DistanceNoise = 1e-4,
+    camera: Mount = None,
+    tag_size: TagSize = None,
+    corner_noise: CornerNoise = 0.046,
     scales: Scales = False,
     next_postures: Next = 0,
     avoid: Avoid = None,
 ) -> int:
-    """Fit the arm's axes and zeros to measured positions of its tool, and write the corrected URDF."""
+    """Fit the arm's axes and zeros to measured positions of its tool, or by hand-eye calibration with a camera."""
     arm = source.load()
     apart = any(kind == "toml" for kind, _ in outputs.files)
     found = fit(
@@ -128,11 +160,14 @@ def calibrate(
         distances=dict(_distance(said) for said in distance or ()),
         distance_noise=distance_noise,
         scales=scales,
+        camera=camera,
+        tag_size=tag_size,
+        corner_noise=corner_noise,
     )
     more = found.next_postures(next_postures, scene=avoided(arm, avoid)) if next_postures else np.empty((0, arm.n))
     names = "base tool expected held_out held_out_before confirmed confirmed_here outliers warnings"
     means = {"before": float(found.before.mean()), "after": float(found.after.mean())}
-    data = {"arm": found.arm.name} | means | entries(found, names) | {"next": more}
+    data = {"arm": found.arm.name} | means | entries(found, names) | {"next": more, "hand_eye": _seen(found)}
     replace(outputs, files=()).show(data, *_parts(found, arm, more))
     contents: dict[str, Callable[[], str | bytes]] = {
         "urdf": lambda: corrected_urdf(found, zeros=not apart, here=outputs.force),
@@ -142,7 +177,13 @@ def calibrate(
         ),
     }
     outputs.say(outputs.write(contents))
-    return 0 if found.confirmed else 1
+    # Camera and tag are found without a corrected arm too.
+    return 0 if found.confirmed or (camera and not found.faults) else 1
+
+
+def _seen(found: Calibration) -> dict[str, Any] | None:
+    names = "camera camera_std parent tag tag_std tag_parent residual corrected xyz rpy urdf"
+    return None if found.hand_eye is None else entries(found.hand_eye, names)
 
 
 def _distance(said: str) -> tuple[tuple[str, str], float]:
@@ -176,6 +217,7 @@ def _parts(found: Calibration, arm: Arm, more: Any) -> Iterator[Table | str]:
         errors = {"base and tool alone": before, "corrected": [float(found.after.mean()), found.held_out]}
         means = [Column(name, [1e3 * metres for metres in each], digits=3) for name, each in errors.items()]
         yield Table("mean error [mm]", [Column("", ["all rows", "rows left out"]), *means])
+    yield from _hand_eye(found.hand_eye) if found.hand_eye is not None and sound else ()
     if found.outliers:
         yield f"rows that do not fit: {', '.join(found.problem.log.label[row - 1] for row in found.outliers)}"
     yield from (f"warning: {warning}" for warning in found.warnings if warning not in found.faults)
