@@ -1,4 +1,4 @@
-"""Calibration of a measured arm beside RobotKineCal, on rows that were not fitted.
+"""Calibration of a measured arm beside RobotKineCal, and hand-eye calibration beside OpenCV's on simulated logs.
 
 `--data FOLDER` holds ur5_tracker_grid.csv (README.md says whose it is).
 """
@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from twistarm import load_arm
+from twistarm import calibrate, load_arm, screws
+from twistarm.calibration import Measurements
 
 from .conductor import DEFAULT_FOLDER, NotInstalled, Worker, WorkerError, python_of
 
@@ -113,6 +114,79 @@ def missed(found: Array, exact: Array) -> float:
     return float(1e3 * np.linalg.norm(found - exact, axis=1).mean())
 
 
+ARMS = ("rover_arm", "rover_arm_6dof", "ur5", "panda", "so101")
+POSES = (12, 16, 24, 40)
+WRONG = (1.0, 3.0)  # degrees, of inner joints: of the first and the last no log shows the zero
+
+
+def cameras(environments: Path, logs: int) -> None:
+    """Errors of the camera's pose, by twistarm and by the best method of calibrateHandEye, on simulated logs."""
+    python = python_of("opencv", environments, print)
+    print(
+        f"\nhand-eye calibration, {logs} logs of 12 to 40 poses, corners with 0.5 pixels of noise at 600: error of the"
+    )
+    print("camera, median and worst [mm] and median [°]; OpenCV by its method with the least median")
+    with tempfile.TemporaryDirectory() as folder:
+        command = [str(python), "-m", "benchmarks.calibration_worker", "opencv"]
+        worker = Worker(command, Path(folder) / "opencv.txt", seconds=600.0)
+        for name in ARMS:
+            for mount in ("tool", "base"):
+                for wrong in (False, True):
+                    rng = np.random.default_rng(0)
+                    found = [camera_log(load_arm(name), mount, wrong, k, rng, worker) for k in range(logs)]
+                    print_cameras(f"{name}, camera {mount}, {'wrong' if wrong else 'exact'} zeros", found)
+
+
+def camera_log(arm: Any, mount: Any, wrong: bool, k: int, rng: np.random.Generator, worker: Any) -> dict[str, Array]:
+    """The errors (2,) [mm, °] of one log, by solver."""
+    zeros = np.radians(rng.uniform(*WRONG, arm.n)) * rng.choice([-1, 1], arm.n) * (np.array(arm.units) == "rad") * wrong
+    zeros[: arm.units.index("rad") + 1] = zeros[-1] = 0.0
+    side, count = (0.06, 0.08, 0.1)[k % 3], POSES[k % 4]
+    while True:
+        carried, start = screws.exp(rng.normal(scale=[0.05] * 3 + [1.0] * 3)), arm.random_theta(rng, 1)[0]
+        view = screws.exp(np.r_[np.zeros(3), rng.normal(scale=0.4, size=3)]) @ np.diag([1.0, -1.0, -1.0, 1.0])
+        view[2, 3] = rng.uniform(0.25, 0.5) * np.clip(arm.reach, 0.5, 1.5)
+        theta = np.vstack([arm.random_theta(rng, 20000), start + rng.normal(scale=0.5, size=(20000, arm.n))])
+        g, at = arm.fk(theta + zeros) @ carried, arm.fk(start + zeros) @ carried
+        beside = at @ view if mount == "tool" else at @ screws.inverse(view)
+        tags = screws.inverse(g) @ beside if mount == "tool" else screws.inverse(beside) @ g
+        inside = (np.abs(tags[:, :2, 3]) < [0.45, 0.3] * tags[:, 2:3, 3]).all(axis=1)
+        near = (tags[:, 2, 3] > 0.1) & (tags[:, 2, 3] < 12 * side)
+        facing = -(tags[:, :3, 2] * tags[:, :3, 3]).sum(axis=1) > 0.35 * np.linalg.norm(tags[:, :3, 3], axis=1)
+        rows = rng.permutation(np.flatnonzero(inside & near & facing & (np.abs(theta) < 7.0).all(axis=1)))[:count]
+        if len(rows) == count:
+            break
+    poses = arm.fk(theta[rows])
+    moved = poses if mount == "tool" else screws.inverse(poses)
+    answer = worker.ask("hand_eye", seed=k, side=side, tags=tags[rows].tolist(), g=moved.tolist())
+    log = Measurements(theta[rows], rvec=np.array(answer["rvec"]), tvec=np.array(answer["tvec"]))
+    ours = calibrate(arm, log, camera=mount, tag_size=side).hand_eye
+    assert ours is not None
+    true = arm.tool @ carried if mount == "tool" else beside
+    found = {"twistarm": ours.camera} | {
+        name: arm.tool @ np.array(pose) if mount == "tool" else np.array(pose) for name, pose in answer["found"].items()
+    }
+    return {name: pose_error(pose, true) for name, pose in found.items()}
+
+
+def pose_error(found: Array, true: Array) -> Array:
+    turn = np.linalg.norm(screws.log(screws.inverse(true) @ found)[3:])
+    return np.array([1e3 * np.linalg.norm(found[:3, 3] - true[:3, 3]), np.degrees(turn)])
+
+
+def print_cameras(what: str, found: list[dict[str, Array]]) -> None:
+    names = {name for errors in found for name in errors}
+    failed = np.full(2, np.inf)
+    every = {name: np.array([errors.get(name, failed) for errors in found]) for name in names}
+    ours = every.pop("twistarm")
+    best = min(every, key=lambda name: float(np.median(every[name][:, 0])))
+    texts = [
+        f"{name} {np.median(errors[:, 0]):6.2f} {errors[:, 0].max():7.1f} mm {np.median(errors[:, 1]):6.3f}°"
+        for name, errors in (("twistarm", ours), (best, every[best]))
+    ]
+    print(f"  {what:45s} {'   '.join(texts)}", flush=True)
+
+
 def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.calibration", description=__doc__)
     parser.add_argument(
@@ -121,10 +195,16 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument(
         "--folds", type=int, default=6, help="of the tracker's rows, at most; RobotKineCal takes a minute each"
     )
+    parser.add_argument(
+        "--cameras", type=int, default=0, metavar="N", help="N simulated logs of a camera for each case"
+    )
     parser.add_argument("--environments", type=Path, default=DEFAULT_FOLDER)
     given = parser.parse_args(arguments)
+    if given.cameras:
+        cameras(given.environments, given.cameras)
     if given.data is None:
-        print("nothing to calibrate: give --data FOLDER or TWISTARM_CALIBRATION", file=sys.stderr)
+        if not given.cameras:
+            print("nothing to calibrate: give --data FOLDER, TWISTARM_CALIBRATION or --cameras N", file=sys.stderr)
         return
     told_tracker(Path(given.data) / "ur5_tracker_grid.csv", given.environments, given.folds)
 

@@ -4,9 +4,14 @@ It reads one JSON object per line and answers with one line each, as `worker.py`
 
   {"do": "fit", "arm", "screws", "home", "theta", "positions", "asked"}          {"predicted", "ns"} or {"error"}
 
+  {"do": "hand_eye", "seed", "side", "tags", "g"}                                {"rvec", "tvec", "found"} or {"error"}
+
 `screws` and `home` are the nominal arm with the tool's point as its tip, and `positions` (K, 3) [m] are seen from its
 base: base and tool come from a fit of these rows. `predicted` are the positions at `asked` (N, n). `ns` is processor
 time.
+
+`tags` (K, 4, 4) are true poses of a tag of that `side` [m] in the camera, whose image has 0.5 pixels of noise, and `g`
+(K, 4, 4) the arm's. `rvec` and `tvec` are those of solvePnP, and `found` the pose by every method of calibrateHandEye.
 """
 
 from __future__ import annotations
@@ -60,10 +65,42 @@ def robotkinecal(asked: Asked) -> Callable[[np.ndarray], np.ndarray]:
     return predict
 
 
+METHODS = ("TSAI", "PARK", "HORAUD", "ANDREFF", "DANIILIDIS")
+FOCAL, CENTRE, PIXELS = 600.0, (320.0, 240.0), 0.5
+
+
+def hand_eye(asked: Asked) -> dict[str, Any]:
+    import cv2
+
+    rng, g = np.random.default_rng(asked["seed"]), np.array(asked["g"])
+    lens = np.array([[FOCAL, 0, CENTRE[0]], [0, FOCAL, CENTRE[1]], [0, 0, 1]])
+    corners = np.array([[-1, 1, 0], [1, 1, 0], [1, -1, 0], [-1, -1, 0]]) * asked["side"] / 2
+    flags = cv2.SOLVEPNP_ITERATIVE if asked["seed"] % 2 else cv2.SOLVEPNP_IPPE_SQUARE
+    seen = []
+    for tag in np.array(asked["tags"]):
+        x = corners @ tag[:3, :3].T + tag[:3, 3]
+        image = FOCAL * x[:, :2] / x[:, 2:] + CENTRE + rng.normal(scale=PIXELS, size=(4, 2))
+        seen.append(np.concatenate(cv2.solvePnP(corners, image, lens, None, flags=flags)[1:]).ravel())
+    rvec, tvec = np.split(np.array(seen), 2, axis=1)
+    found: dict[str, Any] = {}
+    for name in METHODS:
+        pose, method = np.eye(4), getattr(cv2, f"CALIB_HAND_EYE_{name}")
+        try:
+            R, t = cv2.calibrateHandEye(list(g[:, :3, :3]), list(g[:, :3, 3]), list(rvec), list(tvec), method=method)
+        except cv2.error:
+            continue
+        pose[:3, :3], pose[:3, 3] = R, t.ravel()
+        if np.isfinite(pose).all():
+            found[name] = pose.tolist()
+    return {"rvec": rvec.tolist(), "tvec": tvec.tolist(), "found": found}
+
+
 FITS = {"twistarm": twistarm, "robotkinecal": robotkinecal}
 
 
 def answer(asked: Asked) -> dict[str, Any]:
+    if asked["do"] == "hand_eye":
+        return hand_eye(asked)
     begin = process_time_ns()
     predict = FITS[sys.argv[1]](asked)
     took = process_time_ns() - begin

@@ -1,12 +1,13 @@
-"""What a log shows of an arm: the wiring of its motors, and its geometry."""
+"""What a log shows of an arm: the wiring of its motors, its geometry, and a camera (hand-eye calibration)."""
 
 from .calibrate import calibrate
 from .calibration import Calibration, Estimate, corrected_urdf
+from .camera import HandEye
 from .geometry import Parameter
 from .measurements import Measurements, read_measurements
 from .wiring_verdicts import MotorVerdict, Residual, WiringReport, check_wiring
 
 __all__ = [
-    "Calibration", "Estimate", "Measurements", "MotorVerdict", "Parameter", "Residual", "WiringReport", "calibrate",
-    "check_wiring", "corrected_urdf", "read_measurements",
+    "Calibration", "Estimate", "HandEye", "Measurements", "MotorVerdict", "Parameter", "Residual", "WiringReport",
+    "calibrate", "check_wiring", "corrected_urdf", "read_measurements",
 ]  # fmt: skip

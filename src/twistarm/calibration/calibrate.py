@@ -141,9 +141,7 @@ def _camera(log: Measurements, mount: Mount | None, tag_size: float | None, nois
     if not log.sighted.any():
         for name, value in given.items():
             if value is not None:
-                raise InputError(
-                    Text("{name} needs a log with rvec and tvec", name=Argument(name))
-                )
+                raise InputError(Text("{name} needs a log with rvec and tvec", name=Argument(name)))
         return None
     if mount is None or tag_size is None:
         what = "the log has rvec and tvec of a tag: give {tool} (eye-in-hand) or {base} (eye-to-hand), and {size}"

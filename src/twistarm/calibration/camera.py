@@ -110,9 +110,7 @@ def refuse_unusable_views(log: Measurements, arm: Arm) -> None:
     turn, far = np.linalg.norm(log.rvec, axis=1), log.tvec[:, 2]
     if (turn > 2 * np.pi).any():
         k = int(turn.argmax())
-        raise InputError(
-            f"{log.label[k]}: rvec has length {turn[k]:.4g} rad: name the unit, as rx [deg]"
-        )
+        raise InputError(f"{log.label[k]}: rvec has length {turn[k]:.4g} rad: name the unit, as rx [deg]")
     if np.median(np.abs(far)) > 20.0 * arm.reach:
         size = float(np.median(np.abs(far)))
         raise InputError(

@@ -88,10 +88,7 @@ class Measurements(Brief):
         unmeasured = kinds[-1] & ~np.isfinite(self.length)
         for odd, why in (
             (unmeasured, "has a wire and needs its length"),
-            (
-                kinds.sum(axis=0) != 1,
-                f"must hold one measurement: xyz, rvec and tvec, or {', '.join(NAMES)}",
-            ),
+            (kinds.sum(axis=0) != 1, f"must hold one measurement: xyz, rvec and tvec, or {', '.join(NAMES)}"),
         ):
             if odd.any():
                 raise InputError(f"{self.label[int(odd.argmax())]} {why}")

@@ -10,10 +10,9 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from ...arm.arm import Arm
-from ...calibration import Calibration, Residual, WiringReport, check_wiring, corrected_urdf
+from ...calibration import Calibration, HandEye, Residual, WiringReport, check_wiring, corrected_urdf
 from ...calibration import calibrate as fit
 from ...calibration.calibration import amount
-from ...calibration.camera import HandEye
 from ...support.errors import InputError
 from ...theory.rotations import to_rpy
 from ..numbers import LENGTH, argument, option, quantity, switch, typed_number, whole
