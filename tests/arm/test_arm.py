@@ -14,7 +14,7 @@ import pytest
 import twistarm
 from twistarm import Arm, JointLimits, arm_from_screws, joints, load_arm, rotations, screws
 from twistarm.control.stream import SimulatedJoints
-from twistarm.support.errors import InputError, TwistarmError, UnknownNameError
+from twistarm.support.errors import InputError, UnknownNameError
 from twistarm.viewer.parts.arm_data import checked_theta
 from urdf_text import joint, robot, two_joints, write
 
@@ -43,22 +43,6 @@ def massive(text: str) -> str:
 @pytest.fixture
 def follower(tmp_path: Path) -> twistarm.Arm:
     return load_arm(write(tmp_path, FOLLOWER))
-
-
-def test_mimic_joints_follow_by_our_own_coupling(follower: twistarm.Arm) -> None:
-    assert follower.joint_names == ("a",)
-    assert follower.coupling.A.tolist() == [[1.0], [0.5], [-1.0]]
-    assert np.allclose(follower.coupling.b, [0.0, 0.1, 0.1], atol=1e-15)
-    # By hand with Pinocchio: each joint at the value the multipliers and offsets give.
-    theta = 0.7
-    model = pin.buildModelFromXML(FOLLOWER)
-    data = model.createData()
-    q = np.zeros(3)
-    for name, value in {"a": theta, "slide": 0.5 * theta + 0.1, "b": -2 * (0.5 * theta + 0.1) + 0.3}.items():
-        q[model.idx_qs[model.getJointId(name)]] = value
-    pin.framesForwardKinematics(model, data, q)
-    expected = data.oMf[model.getFrameId("tool0", pin.FrameType.BODY)].homogeneous
-    assert np.allclose(follower.fk([theta]), expected, atol=ROUNDING)
 
 
 def test_home_is_fk_at_zero_and_the_jacobian_of_a_coupled_arm_is_right(follower: twistarm.Arm) -> None:
@@ -103,25 +87,6 @@ def test_joint_torques_are_the_work_of_the_wrench(rover: twistarm.Arm) -> None:
     rng = np.random.default_rng(2)
     theta, F, rate = rover.random_theta(rng), rng.normal(size=6), rng.normal(size=rover.n)
     assert np.isclose(rover.joint_torques(theta, F) @ rate, F @ (rover.body_jacobian(theta) @ rate))
-
-
-def test_gravity_torques_are_the_gradient_of_the_potential_energy(tmp_path: Path) -> None:
-    """τ_i = ∂E/∂θ_i with E = −Σ m g · c over every body, followers and off-chain fingers included."""
-    finger = joint("f", "tool0", "finger", kind="prismatic", inside='<mimic joint="a" multiplier="0.2"/>')
-    text = massive(FOLLOWER.replace("</robot>", f'<link name="finger"/>{finger}</robot>'))
-    arm = load_arm(write(tmp_path, text), tip="tool0")
-    gravity, payload, com = np.array([1.0, -2.0, -9.0]), 1.5, np.array([0.02, 0.03, 0.1])
-
-    def energy(theta: float) -> float:
-        poses = arm.poses([theta])
-        total = -sum(2.0 * gravity @ (g @ [0.1, 0, 0, 1])[:3] for g in poses.values())
-        return float(total - payload * gravity @ (poses["tool0"] @ [*com, 1])[:3])
-
-    h = 1e-6
-    expected = (energy(0.4 + h) - energy(0.4 - h)) / (2 * h)
-    torque = arm.torques([0.4], gravity=gravity, payload=(payload, com))
-    assert np.isclose(torque[0], expected, atol=1e-7)
-    assert np.isclose(arm.torques([0.4])[0], arm.torques([[0.4], [0.2]])[0, 0])
 
 
 def test_torques_of_followers_do_the_work_that_the_energy_gains(tmp_path: Path) -> None:
@@ -339,19 +304,6 @@ def test_threads_do_not_disturb_each_other(rover: twistarm.Arm) -> None:
     with ThreadPoolExecutor(4) as pool:
         results = list(pool.map(rover.fk, theta))
     assert np.array_equal(np.array(results), expected)
-
-
-def test_an_arm_by_hand_answers_without_a_description() -> None:
-    """MLS example 3.1: the SCARA arm by hand, and from our URDF of it."""
-    scara = load_arm("scara")
-    by_hand = arm_from_screws(scara.screws, scara.home, joints=scara.joint_names, name="scara_by_hand")
-    theta = scara.random_theta(np.random.default_rng(9), 20)
-    assert np.allclose(by_hand.fk(theta), scara.fk(theta), atol=ROUNDING)
-    assert np.allclose(by_hand.body_jacobian(theta), scara.body_jacobian(theta), atol=ROUNDING)
-    assert np.allclose(by_hand.spatial_jacobian(theta), scara.spatial_jacobian(theta), atol=ROUNDING)
-    assert by_hand.joint_types == ("revolute", "revolute", "revolute", "prismatic")
-    with pytest.raises(TwistarmError, match="made from screws, not from a description"):
-        by_hand.torques(theta[0])
 
 
 Z_AXIS = joints.revolute([0, 0, 1], np.zeros(3))

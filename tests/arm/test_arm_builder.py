@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from twistarm import Arm, ArmBuilder, JointLimits, crosscheck, joints, load_arm, poe, save_html
+from twistarm import Arm, ArmBuilder, JointLimits, crosscheck, joints, poe, save_html
 from twistarm.support.errors import DescriptionError, InputError, UnknownNameError
 
 Z, O = [0, 0, 1], [0, 0, 0]  # noqa: E741
@@ -22,22 +22,6 @@ def scara() -> ArmBuilder:
     return builder.revolute("b", Z, [0.4, 0, 0]).revolute("c", Z, [0.6, 0, 0]).prismatic("d", Z).tool(HOME)
 
 
-def test_the_scara_of_the_textbook() -> None:
-    arm = scara().build()
-    a, b, c, d = theta = np.array([0.3, -0.7, 1.1, 0.2])
-    expected = np.array(
-        [
-            [np.cos(a + b + c), -np.sin(a + b + c), 0, 0.4 * np.cos(a) + 0.2 * np.cos(a + b)],
-            [np.sin(a + b + c), np.cos(a + b + c), 0, 0.4 * np.sin(a) + 0.2 * np.sin(a + b)],
-            [0, 0, 1, 0.3 + d],
-            [0, 0, 0, 1],
-        ]
-    )
-    np.testing.assert_allclose(arm.fk(theta), expected, rtol=0, atol=1e-15)
-    assert (arm.name, arm.base, arm.tip, arm.findings) == ("scara", "base", "tool", ())
-    assert arm.joint_types == ("revolute", "continuous", "continuous", "prismatic")
-
-
 def test_it_is_an_arm_like_one_that_was_loaded(tmp_path: Path) -> None:
     arm = scara().build()
     assert arm.proof is not None
@@ -48,18 +32,6 @@ def test_it_is_an_arm_like_one_that_was_loaded(tmp_path: Path) -> None:
     assert arm.frame_names == ("base", "a_link", "b_link", "c_link", "d_link", "tool")
     assert pickle.loads(pickle.dumps(arm)).fk(np.zeros(4)).tolist() == arm.fk(np.zeros(4)).tolist()
     assert save_html(arm, tmp_path / "arm.html").stat().st_size > 0
-
-
-def test_its_urdf_is_a_file_of_the_same_arm(tmp_path: Path) -> None:
-    builder = scara()
-    (tmp_path / "arm.urdf").write_text(builder.urdf())
-    built, loaded = builder.build(), load_arm(tmp_path / "arm.urdf", tip="tool")
-    assert loaded.findings == ()
-    assert loaded.joint_names == built.joint_names
-    for name in ("lower", "upper", "velocity", "effort"):
-        np.testing.assert_array_equal(getattr(loaded.limits, name), getattr(built.limits, name))
-    np.testing.assert_array_equal(loaded.screws, built.screws)
-    np.testing.assert_array_equal(loaded.home, built.home)
 
 
 def test_limits_are_those_given_and_no_others() -> None:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import pickle
-import subprocess
-import sys
 import zlib
 from collections.abc import Callable
 from pathlib import Path
@@ -16,10 +14,8 @@ import pytest
 import twistarm
 from baked_arms import TOL, assert_same, bake, sealed
 from baked_arms import everything as everything
-from catalogue import load
 from twistarm import Arm, ArmBuilder, JointLimits, arm_from_screws, load_arm
 from twistarm.arm.baking import MAX_BYTES
-from twistarm.cli.application import run
 from twistarm.support.errors import DescriptionError, InputError, TwistarmError, UnknownNameError
 from urdf_text import write
 
@@ -138,53 +134,6 @@ def test_what_only_a_description_can_be_asked(rover: Arm, tmp_path: Path) -> Non
 
 # -- without Pinocchio and the description -----------------------------------------------------------------------
 
-ALONE = """
-import sys
-
-class Refusal:
-    def find_spec(self, name, path=None, target=None):
-        if name.partition(".")[0] in ("pinocchio", "xacro", "yaml", "typer", "rich", "scipy", "cmeel", "meshcat"):
-            raise ModuleNotFoundError(f"{name} is not for a baked arm", name=name)
-
-sys.meta_path.insert(0, Refusal())
-import json
-import numpy as np
-import twistarm
-
-arm = twistarm.load_arm(sys.argv[1])
-theta = arm.random_theta(np.random.default_rng(1), 5)
-found = [twistarm.solve_ik(arm, target) for target in arm.fk(theta)]
-try:
-    arm.pinocchio
-except twistarm.TwistarmError as error:
-    lack = str(error)
-print(json.dumps({
-    "fk": arm.fk(theta).tolist(),
-    "body": arm.body_jacobian(theta).tolist(),
-    "answers": [solution.require().tolist() for solution in found],
-    "lack": lack,
-    "needless": sorted({"twistarm.checking.doctor", "twistarm.viewer", "urllib.request"} & set(sys.modules)),
-}))
-"""
-
-
-@pytest.mark.parametrize(("name", "core"), [("rover_arm", False), ("panda", True)], ids=["without the core", "with it"])
-def test_without_pinocchio(name: str, core: bool, tmp_path: Path) -> None:
-    """In a process that cannot import it, nor what reads descriptions; the full arm's Pinocchio judges."""
-    arm = load(name)
-    hidden = "" if core else "import sys; sys.modules['twistarm._core'] = None\n"
-    command = [sys.executable, "-c", hidden + ALONE, str(bake(arm, tmp_path))]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
-    assert done.returncode == 0, done.stderr
-    said = json.loads(done.stdout)
-    g, _, J = arm.by_pinocchio(arm.random_theta(np.random.default_rng(1), 5))
-    assert np.abs(np.array(said["fk"]) - g).max() < TOL
-    assert np.abs(np.array(said["body"]) - J).max() < TOL
-    assert said["needless"] == []
-    assert np.abs(arm.by_pinocchio(said["answers"])[0] - g).max() < 2e-6
-    assert arm.limits.contains(said["answers"]).all()
-    assert f"{name} was baked without its description (load {name!r} for that)" in said["lack"]
-
 
 def test_what_needs_the_description_says_so(rover: Arm, tmp_path: Path) -> None:
     baked = load_arm(bake(rover, tmp_path))
@@ -256,24 +205,3 @@ def test_where_it_may_be_written(rover: Arm, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="it is a description and would be lost"):
         twistarm.bake(rover, link)
     assert description.read_text() == "<robot/>"
-
-
-def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert run(["bake", "rover_arm"]) == 0
-    said = capsys.readouterr().out
-    assert said == "rover_arm.json: rover_arm, 5 joints from base_link to tool0; next: twistarm info rover_arm.json\n"
-    assert run(["bake", "rover_arm"]) == 2
-    error = capsys.readouterr().err
-    assert error == "error: rover_arm.json exists; --force replaces it, another name keeps it\n"
-    assert run(["bake", "rover_arm.json", "-o", "again.json", "--json"]) == 0
-    answer = json.loads(capsys.readouterr().out)
-    assert answer["written"] == ["again.json"]
-    assert answer["digest"] == json.loads((tmp_path / "again.json").read_text("utf-8"))["digest"]
-    assert (tmp_path / "again.json").read_bytes() == (tmp_path / "rover_arm.json").read_bytes()
-    assert run(["bake", "rover_arm", "-o", "again.json", "--force"]) == 0
-    capsys.readouterr()
-    assert run(["fk", "rover_arm.json", "--json"]) == 0
-    g = np.array(json.loads(capsys.readouterr().out)["matrix"])
-    arm = load("rover_arm")
-    assert np.abs(g - arm.by_pinocchio(arm.ready)[0]).max() < TOL

@@ -174,22 +174,6 @@ def test_screws_without_a_table_are_refused(screws: np.ndarray) -> None:
         to_dh(arm_from_screws(screws, np.eye(4)))
 
 
-def test_a_csv_file_has_names_types_and_limits(tmp_path: Path) -> None:
-    path = tmp_path / "scara.csv"
-    path.write_text(
-        "joint, type, a, alpha, d, lower, upper, velocity\n"
-        "one, revolute, 0.3, 0, 0.4, -2, 2, 3\n"
-        "two, revolute, 0.2, 3.141592653589793, 0, , , 3\n"
-        "lift, prismatic, 0, 0, 0.1, 0, 0.2,\n"
-    )
-    arm = arm_from_dh(path, "standard")
-    rows = np.array([[0.3, 0, 0.4, 0], [0.2, np.pi, 0, 0], [0, 0, 0.1, 0]])
-    require_same(arm, DhTable(rows, "standard", types=("revolute", "revolute", "prismatic")))
-    assert arm.joint_names == ("one", "two", "lift")
-    assert arm.limits.lower.tolist() == [-2, -np.inf, 0]
-    assert arm.limits.velocity.tolist() == [3, 3, np.inf]
-
-
 def test_an_arm_toml_may_hold_the_table(tmp_path: Path) -> None:
     path = tmp_path / "arm.toml"
     path.write_text(

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import catalogue
-import twistarm
 from twistarm import Arm, Scene, arm_from_screws, joints, load_arm
 from urdf_text import joint, robot, two_joints, write
 
@@ -207,10 +206,3 @@ def test_a_mimic_and_a_locked_joint(tmp_path: Path) -> None:
     assert arm.n == 1
     assert arm.limits.contains(arm.ready)
     assert load_arm("rover_arm", locked_joints={"shoulder": -0.5}).computed_ready.shape == (4,)
-
-
-def test_the_doctor_recommends_it(tmp_path: Path) -> None:
-    arm = elbow(tmp_path)
-    (said,) = [one for one in twistarm.diagnose(arm) if one.code == "home-singular"]
-    lines = said.remedy.split("[poses.ready]\n")[1].splitlines()
-    assert np.allclose([float(line.split(" = ")[1]) for line in lines], arm.computed_ready, atol=1e-5)

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 import twistarm
-from diagnosing import codes
 from finding_cases import CASES, chain
-from test_finding_codes import lay
+from test_finding_codes import codes, lay
 from twistarm import Approach, Arm, ArmBuilder, InputError, UnknownNameError, diagnose, load_arm, solve_ik
 from twistarm.arm.abilities import abilities_of
 from twistarm.checking.doctor import examine

@@ -9,9 +9,8 @@ import numpy as np
 import pinocchio
 import pytest
 
-from diagnosing import codes, only
 from finding_cases import CASES, chain, triangle, with_body, with_mesh
-from test_finding_codes import found
+from test_finding_codes import codes, found, only
 from twistarm import Arm, diagnose, load_arm
 from urdf_text import joint, robot, two_joints, write
 

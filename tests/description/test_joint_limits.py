@@ -1,4 +1,4 @@
-"""joint_limits.yaml as MoveIt, ros2_control and UR write it, over the description's limits."""
+"""Limits of joints in YAML, as MoveIt, ros2_control and UR write them, over the description's; soft limits."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from twistarm import Arm, DescriptionError, crosscheck, load_arm
+from twistarm.description.companions.data_files import parse_yaml
 from twistarm.description.companions.joint_limits import read_joint_limits
 from urdf_text import two_joints, write
 
@@ -195,3 +197,45 @@ def test_the_narrower_of_soft_and_hard_limits_counts(given: str, kind: str, tmp_
 def test_a_continuous_joint_keeps_none(tmp_path: Path) -> None:
     arm = arm_with(tmp_path, 'soft_lower_limit="-0.5" soft_upper_limit="0.5"', kind="continuous")
     assert np.isinf(arm.limits.upper[0])
+
+
+FILE = Path("limits.yaml")
+
+
+def test_units_and_exponents() -> None:
+    text = "{a: !degrees 180, b: !radians 1.5, d: 1e-3, e: 2E2, f: -1e3, g: 1.5, h: yes, i: x1e3}"
+    read = parse_yaml(text, FILE)
+    assert np.isclose(read.pop("a"), np.pi)
+    assert read == {"b": 1.5, "d": 1e-3, "e": 200.0, "f": -1000.0, "g": 1.5, "h": True, "i": "x1e3"}
+    assert yaml.safe_load("1e3") == "1e3", "the tags and numbers hold for the whole process"
+    assert "!" not in yaml.SafeLoader.yaml_multi_constructors
+
+
+def test_anchors_and_merges() -> None:
+    read = parse_yaml("all: &all {max_velocity: 1.0}\na: *all\nb: {<<: *all, max_jerk: 2.0}", FILE)
+    assert read["a"] == {"max_velocity": 1.0}
+    assert read["b"] == {"max_velocity": 1.0, "max_jerk": 2.0}
+
+
+REFUSED_YAML = {
+    "an object": ("!!python/object/apply:os.system ['true']", 1),
+    "an unknown tag": ("a: 1\nb: !degree 1", 2),
+    "a tab": ("a:\n\tb: 1", 2),
+    "a key twice": ("a:\n  b: 1\n  b: 2", 2),
+    "two documents": ("a: 1\n---\nb: 2", 2),
+    "too deep": ("[" * 5000, None),
+    "an unclosed list": ("{\n", 2),
+    "no number behind a unit": ("a: !degrees x", None),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED_YAML)
+def test_refused_in_one_line_yaml(case: str) -> None:
+    text, line = REFUSED_YAML[case]
+    with pytest.raises(DescriptionError) as caught:
+        parse_yaml(text, FILE)
+    assert "\n" not in str(caught.value)
+    (finding,) = caught.value.findings
+    assert finding.code == "companion-unusable"
+    assert line is None or finding.place.line == line
+    assert (case == "a tab") == ("TAB" in finding.what)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 
-from skeletons import skeleton
 from twistarm import DescriptionError, load_arm
 from twistarm.description.tips import choose_ends, note_choice
 from twistarm.description.tree import Description
 from twistarm.description.urdf import read_description
-from urdf_text import write
+from urdf_text import joint, robot, write
 
 SIX = "base R> l1 R> l2 R> l3 R> l4 R> l5 R> l6"
 WHEELS = "C> front_left_wheel | C> front_right_wheel | C> rear_left_wheel | C> rear_right_wheel"
@@ -167,3 +167,48 @@ def test_the_choice_is_a_finding_with_the_base_and_the_others(tmp_path: Path) ->
 def test_without_a_choice_there_is_no_finding(text: str, tmp_path: Path) -> None:
     description = described(text, tmp_path)
     assert note_choice(description, choose_ends(description)) == ()
+
+
+KINDS = {"R": "revolute", "C": "continuous", "P": "prismatic", "F": "floating", "-": "fixed"}
+SHAPE = '<visual><geometry><box size=".1 .1 .1"/></geometry></visual>'
+
+
+def skeleton(text: str) -> str:
+    """The URDF of a description written as one line."""
+    links: list[str] = []
+    parts: list[str] = []
+    forks: list[list[int]] = []  # the link that branches, and which branch this is
+    on, kind, master = -1, "", ""
+    for token in re.findall(r"[\[\]|]|[RCPF-]m?>|[^\s\[\]|]+", text):
+        if token == "[":
+            forks.append([on, 0])
+        elif token == "|":
+            forks[-1][1] += 1
+            on = forks[-1][0]
+        elif token == "]":
+            on = forks.pop()[0]
+        elif token.endswith(">"):
+            kind = token
+        else:
+            branch = forks[-1][1] if forks and forks[-1][0] == on else None
+            links.append(token)
+            if kind:
+                parts.append(_joint(links[on], token, kind, branch, master))
+                master = master if "m" in kind or kind == "->" else f"to {token.rstrip('*')}"
+            on = len(links) - 1
+    shaped = robot(*parts, links=tuple(link.rstrip("*") for link in links))
+    for link in links:
+        name = f'<link name="{link.rstrip("*")}"'
+        shaped = shaped.replace(f"{name}/>", f"{name}>{SHAPE}</link>") if link.endswith("*") else shaped
+    return shaped
+
+
+def _joint(parent: str, child: str, kind: str, branch: int | None, master: str) -> str:
+    side = 0.0 if branch is None else 0.05 * (-1) ** branch
+    axis = f"0 {1 if branch is None else (-1) ** branch} 0" if kind[0] == "P" or branch is None else "0 0 1"
+    inside = f'<mimic joint="{master}"/>' if "m" in kind else ""
+    inside += "" if KINDS[kind[0]] in ("fixed", "floating") else f'<axis xyz="{axis}"/>'
+    if KINDS[kind[0]] in ("revolute", "prismatic"):
+        inside += '<limit lower="-1" upper="1" velocity="2" effort="3"/>'
+    parent, child = parent.rstrip("*"), child.rstrip("*")
+    return joint(f"to {child}", parent, child, KINDS[kind[0]], inside, xyz=f"0.05 {side} 0.2")

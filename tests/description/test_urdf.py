@@ -79,20 +79,6 @@ def test_a_zero_axis_on_a_fixed_joint_is_ignored(tmp_path: Path) -> None:
     assert arm.findings == ()
 
 
-@pytest.mark.parametrize("encoding", ["utf-8-sig", "latin-1", "utf-16"])
-def test_encodings_line_ends_and_names(encoding: str, tmp_path: Path) -> None:
-    text = robot(
-        joint("Schulter/ä 1", "base_link", "Schulter/ä 1"),
-        joint("b", "Schulter/ä 1", "tool0"),
-        links=("base_link", "Schulter/ä 1", "tool0"),
-    ).replace(">", ">\r\n")
-    path = tmp_path / "arm.urdf"
-    path.write_bytes(text.encode(encoding))
-    arm = load_arm(path)
-    assert arm.joint_names == ("Schulter/ä 1", "b")
-    assert "Schulter/ä 1" in arm.poses(np.zeros(2))
-
-
 def test_every_unusable_joint_is_reported_at_once(tmp_path: Path) -> None:
     text = robot(
         joint("a", "base_link", "upper", inside='<axis xyz="0 0 0"/>'),

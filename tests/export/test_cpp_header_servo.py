@@ -1,4 +1,4 @@
-"""The servo in the C++ header of an arm: the same drive as in Python, motors' limits among it, without heap."""
+"""Servo, motors and closed form in the C++ header of an arm: the same as in Python, without heap."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 
 from catalogue import load
-from test_cpp_header import HEAP, build, compile_one, compiler  # noqa: F401  (a fixture)
-from twistarm import Actuators, Arm, JointLimits, TwistarmError
+from test_cpp_header import HEAP, STRICT, build, compile_one, compiler  # noqa: F401  (a fixture)  # noqa: F401  (a fixture)  # noqa: F401  (a fixture)
+from twistarm import Actuators, Approach, Arm, JointLimits, Pose, TwistarmError
 from twistarm.control.servo import AnyCommand, JogCommand, PoseCommand, ServoState, TwistCommand, servo_step
-from twistarm.export.cpp_header import cpp_header
+from twistarm.export.cpp_header import core_headers, cpp_header
+from twistarm.ik import solve_ik_all
+from twistarm.ik.targets import target_for
 
 PROGRAM = """
 // Reads theta, then each step's command as kind, flags and 24 numbers; writes theta, theta_dot, scale and whose limit.
@@ -121,3 +123,182 @@ def test_more_motors_than_the_core_holds() -> None:
     motors = Actuators(names, arm.joint_names, np.ones((k, 5)), np.zeros(k), ("rad",) * k, np.full(k, np.nan))
     with pytest.raises(TwistarmError, match="the servo drives at most 64 joints or motors; this arm has 65"):
         cpp_header(replace(arm, actuators=motors))
+
+
+PROGRAM_MOTORS = """
+// Reads theta and as many counts as there are motors; writes everything between them, of each arm.
+#include <cstdio>
+#include "wrist.hpp"
+#include "spare.hpp"
+#include "few.hpp"
+template <int Size> void show(const double (&numbers)[Size]) {
+    for (double number : numbers) std::printf("%.17g ", number);
+}
+template <class Drive, int N, int K> void there(const Drive& drive, const double (&theta)[N], double (&motor)[K]) {
+    double counts[K];
+    drive.to_motor(theta, motor);
+    show(motor);
+    drive.to_counts(motor, counts);
+    show(counts);
+    drive.velocity_to_motor(theta, motor);
+    show(motor);
+}
+template <class Drive, int N, int K> void back(const Drive& drive, double (&theta)[N], const double (&counts)[K]) {
+    double motor[K];
+    drive.from_counts(counts, motor);
+    show(motor);
+    drive.to_theta(motor, theta);
+    show(theta);
+    drive.velocity_to_theta(motor, theta);
+    show(theta);
+}
+int main() {
+    double theta[wrist::n], counts[spare::motors], motor[spare::motors], five[wrist::motors], two[few::motors];
+    for (double& angle : theta)
+        if (std::scanf("%lf", &angle) != 1) return 1;
+    for (double& count : counts)
+        if (std::scanf("%lf", &count) != 1) return 1;
+    for (int i = 0; i < wrist::motors; ++i) five[i] = counts[i];
+    there(few::actuators<double>, theta, two);
+    there(spare::actuators<double>, theta, motor);
+    double five_motors[wrist::motors];
+    there(wrist::actuators<double>, theta, five_motors);
+    back(spare::actuators<double>, theta, counts);
+    back(wrist::actuators<double>, theta, five);
+#ifdef UNDRIVEN
+    few::actuators<double>.to_theta(two, theta);
+#endif
+    for (int i = 0; i < wrist::motors; ++i)
+        std::printf("%s,%s,%s ", wrist::motor_names[i], wrist::motor_units[i], wrist::count_units[i]);
+}
+"""
+
+
+def driven(name: str, G: list[list[float]], units: tuple[str, ...]) -> Arm:
+    """The rover arm under another name, with motors."""
+    arm, k = load("rover_arm"), len(G)
+    ticks = np.where(np.array(units) == "tick", 4096.0, np.nan)
+    offset = np.linspace(-0.4, 0.9, k)
+    motors = Actuators(tuple(f"m{i}" for i in range(k)), arm.joint_names, np.array(G), offset, units, ticks)
+    return replace(arm, name=name, actuators=motors)
+
+
+DIFFERENTIAL: list[list[float]] = [[0, 0, 0, 60.0, 60.0], [0, 0, 0, 57.0, -57.0]]
+FIRST: list[list[float]] = [[400.0, 0, 0, 0, 0], [0, -100.0, 0, 0, 0], [0, 12.5, -80.0, 0, 0]]
+
+
+@pytest.fixture(scope="module")
+def arms(compiler: str, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Arm]]:  # noqa: F811
+    """A differential wrist; the same with a second motor at the shoulder; the wrist's two motors alone."""
+    folder = tmp_path_factory.mktemp("motors")
+    made = [
+        driven("few", DIFFERENTIAL, ("tick", "deg")),
+        driven("spare", [*FIRST, *DIFFERENTIAL, [0, 50.0, 0, 0, 0]], ("mm", "rad", "turn", "tick", "deg", "tick")),
+        driven("wrist", [*FIRST, *DIFFERENTIAL], ("mm", "rad", "turn", "tick", "tick")),
+    ]
+    for arm in made:
+        (folder / f"{arm.name}.hpp").write_text(cpp_header(arm))
+    (folder / "motors.cpp").write_text(PROGRAM_MOTORS, encoding="utf-8")
+    return folder, made
+
+
+def command(compiler: str, folder: Path) -> list[str]:  # noqa: F811
+    return [compiler, *STRICT, f"-I{folder}", f"-I{core_headers()}", str(folder / "motors.cpp")]
+
+
+def test_there_and_back(compiler: str, arms: tuple[Path, list[Arm]]) -> None:  # noqa: F811
+    folder, (few, spare, wrist) = arms
+    compile_one([*command(compiler, folder), "-o", str(folder / "motors")])
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        theta, counts = wrist.random_theta(rng), rng.normal(scale=1000.0, size=6)
+        given = " ".join(map(repr, [*theta.tolist(), *counts.tolist()]))
+        done = subprocess.run([folder / "motors"], input=given, capture_output=True, text=True, check=True, timeout=60)
+        words = done.stdout.split()
+        expected = []
+        for arm in (few, spare, wrist):
+            motors = arm.actuators
+            motor = motors.to_motor(theta)
+            expected += [motor, motors.to_counts(motor), motors.velocity_to_motor(theta)]
+        for arm in (spare, wrist):
+            motors = arm.actuators
+            motor = motors.from_counts(counts[: len(motors.names)])
+            expected += [motor, motors.to_theta(motor), motors.velocity_to_theta(motor)]
+        every = np.concatenate(expected)
+        assert np.allclose(np.array(words[: len(every)], float), every, rtol=1e-12, atol=1e-12)
+    assert words[len(every) :] == ["m0,m,mm", "m1,rad,rad", "m2,rad,turn", "m3,rad,tick", "m4,rad,tick"]
+
+
+def test_joints_that_no_motor_determines_do_not_compile(compiler: str, arms: tuple[Path, list[Arm]]) -> None:  # noqa: F811
+    folder, _ = arms
+    done = subprocess.run(
+        [*command(compiler, folder), "-DUNDRIVEN", "-fsyntax-only"], capture_output=True, text=True, check=False
+    )
+    assert "leave a joint undriven" in done.stderr
+    assert done.returncode != 0
+
+
+PROGRAM_CLOSED_FORM = """
+// Reads the numbers of a target; writes how many configurations are inside the limits, and each of them; again.
+#include <cstdio>
+#include "arm.hpp"
+using namespace ARM;
+using T = REAL;
+int main() {
+    const auto limits = ranges<T>();
+    T given[COUNT];
+    for (;;) {
+        for (T& number : given) {
+            double read;
+            if (std::scanf("%lf", &read) != 1) return 0;
+            number = static_cast<T>(read);
+        }
+        const auto found = solve_ik_all(limits, TARGET, poses<T>[0], T(TOLERANCE), T(TOLERANCE));
+        std::printf("%d\\n", found.inside);
+        for (int i = 0; i < found.inside; ++i)
+            for (T value : found.found[i].theta) std::printf("%.17g\\n", static_cast<double>(value));
+    }
+}
+"""
+
+POSE = "twistarm::pose_target(twistarm::frame_from_rows<T>(given))"
+APPROACH = "twistarm::approach_target(given, given + 3, given + 6)"
+
+BUILDS = [
+    pytest.param("rover_arm", "double", "approach", id="rover_arm"),
+    pytest.param("ur5", "float", "pose", id="ur5-float"),
+    pytest.param("panda", "double", "pose", id="panda", marks=pytest.mark.slow),
+]
+
+
+@pytest.mark.parametrize(("name", "real", "kind"), BUILDS)
+def test_as_in_python(name: str, real: str, kind: str, compiler: str, tmp_path: Path) -> None:  # noqa: F811
+    """Of an arm with more joints than a pose determines the last stands where theta0 has it."""
+    arm = load(name)
+    tolerance, close = {"double": (1e-9, 1e-6), "float": (1e-4, 2e-2)}[real]
+    target, count = (POSE, 16) if kind == "pose" else (APPROACH, 9)
+    defines = {"REAL": real, "TARGET": target, "COUNT": count, "TOLERANCE": tolerance}
+    program = build(compiler, arm, tmp_path, "all", PROGRAM_CLOSED_FORM, "-O1" if name == "panda" else "-O0", **defines)
+    assert not any(taboo in program.read_bytes() for taboo in HEAP)
+    theta = np.array(arm.random_theta(3, 10))
+    given = {arm.joint_names[6]: float(arm.ready[6])} if arm.n > 6 else None
+    theta[:, 6:] = arm.ready[6:]
+    poses = arm.fk(theta)
+    along = [Approach(g[:3, 3], g[:3, :3] @ arm.tool_axis) for g in poses]
+    targets = [Pose(g) for g in poses] if kind == "pose" else [target_for(arm, each) for each in along]
+    asked = "\n".join(" ".join(map(repr, target.numbers.ravel().tolist())) for target in targets)
+    done = subprocess.run([program], input=asked, capture_output=True, text=True, timeout=60, check=True)
+    numbers = iter(map(float, done.stdout.split()))
+    for each in targets:
+        found = np.array([[next(numbers) for _ in range(arm.n)] for _ in range(int(next(numbers)))])
+        wanted = solve_ik_all(arm, each, fixed_joints=given)
+        assert len(found) == len(wanted)
+        apart = np.abs(found[:, None] - wanted.theta[None]).max(axis=2)
+        assert (apart.min(axis=0) < close).all()
+        assert (apart.min(axis=1) < close).all()
+
+
+def test_an_arm_without_a_family_says_so() -> None:
+    text = cpp_header(load("rover_arm_6dof"))
+    assert "pose_family" not in text
+    assert "position_family" in text

@@ -1,8 +1,4 @@
-"""Every lesson's program, and what it claims, on many arms.
-
-The claims on a lesson are in `claims`, in a file of its name: asserts below the titles of its sections. They see the
-names of the lesson at the end of their section.
-"""
+"""Every lesson's program, and what it claims, on many arms; every number of the errata, computed anew."""
 
 from __future__ import annotations
 
@@ -11,12 +7,16 @@ import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import pinocchio as pin
 import pytest
+from scipy.linalg import expm
+from scipy.spatial.transform import Rotation
 
-from model_arms import REAL_ARMS
+from small_course import REAL_ARMS
 from twistarm.description.catalog import own_arms
 from twistarm.guide.building.lesson import cells_of
-from twistarm.guide.course import LESSONS, lesson_file
+from twistarm.guide.course import ERRATA, LESSONS, lesson_file
 from twistarm.guide.teaching import output
 from twistarm.guide.teaching.reader import VARIABLE, arm
 
@@ -84,3 +84,101 @@ def test_the_lesson_holds_on_every_arm(
     file = str(request.getfixturevalue("models") / source) if "." in source else source
     monkeypatch.setenv(VARIABLE, json.dumps({"source": file, **options}))
     assert any(arm().name in words for words in run(lesson, tmp_path))
+
+
+def hat(w: object) -> np.ndarray:
+    return np.asarray(pin.skew(np.asarray(w, float)))
+
+
+def motion(*xi: float) -> np.ndarray:
+    return np.asarray(pin.exp6(np.array(xi)).homogeneous)
+
+
+def about(axis: str, degrees: float) -> Rotation:
+    return Rotation.from_euler(axis, degrees, degrees=True)
+
+
+def series_with_slip() -> float:
+    """Which entry is farthest off: the slip changes the factor of ω̂² alone."""
+    w, theta = np.array([0.6, 0.0, 0.8]), 1.2
+    factor = (theta**4 - 1) / 24 - (theta**6 - 1) / 720
+    return float(abs(factor) * np.abs(hat(w) @ hat(w)).max())
+
+
+def chasles() -> float:
+    xi_hat = np.zeros((4, 4))
+    xi_hat[:3, :3], xi_hat[:3, 3] = hat([0, 0, 1]), [0, -0.3, 0.1]
+    return float(np.abs(xi_hat @ expm(xi_hat) - xi_hat).max())
+
+
+def mixed_signs() -> float:
+    """The elbow's mirror image about the line to the target, with the second link left as it was."""
+    l1, l2, r = 0.4, 0.3, np.hypot(0.35, 0.3)
+    beta = np.arccos((r**2 + l1**2 - l2**2) / (2 * l1 * r))
+    inner = np.arccos((l1**2 + l2**2 - r**2) / (2 * l1 * l2))
+    return float(abs(l1 * np.exp(1j * beta) + l2 * np.exp(1j * (beta + np.pi - inner)) - r))
+
+
+def two_orders() -> float:
+    ab, bc = motion(1, 0, 0, 0, 0, 0.5), motion(0, 1, 0, 0.7, 0, 0)
+    return float(np.linalg.norm((ab @ bc - bc @ ab)[:3, 3]))
+
+
+APART = np.degrees((about("z", 40) * about("y", 30) * (about("y", 30) * about("z", 40)).inv()).magnitude())
+LONG = np.linalg.det(np.eye(3) + hat([0, 0, 2]) / 2 + hat([0, 0, 2]) @ hat([0, 0, 2]) * (1 - np.sqrt(3) / 2))
+HOME = pin.exp6(np.array([0.9, 0, 0, 0, 0.3, 0]))
+SPATIAL = np.array([0, -0.4, 0, 0, 0, 1.0])
+BODY = HOME.inverse().action @ SPATIAL
+TURNED = motion(0.5, 0.2, 0, 0, 0, 1)[:3, 3]
+TWO_LINKS = 0.4 * np.cos(0.5) + 0.3 * np.cos(1.3)
+
+STATED = {
+    1: ("{:.3f} m off", 2 * np.sin((1 - np.pi / 180) / 2)),  # a chord of the unit circle
+    2: ("differ by {:.1f}°", APART),
+    3: ("Q^{{-1}} = {:.4f}", 1 / 30),
+    4: ("{:.0f} apart", 2.0),
+    5: ("determinant {:.0f}", 8.0),
+    6: ("one is {:.3f} from it", series_with_slip()),
+    7: ("determinant {:.3f}, no rotation", LONG),
+    8: ("origin {:.3f} m apart", two_orders()),
+    9: ("differ by up to {:.2f}", chasles()),
+    10: ("axis at {:.2f} m/s", 0.1),
+    11: ("They are {:.2f} m/s apart", np.linalg.norm((SPATIAL - BODY)[:3])),
+    12: ("answer is {:.2f} m off", 0.8),
+    13: ("end {:.3f} m apart", np.linalg.norm(TURNED)),
+    14: ("alone: $x = {:.4f}$ m", TWO_LINKS),
+    15: ("mixed ones {:.3f} m", mixed_signs()),
+    16: ("cosine is $-1 - {}$", output.rough(0.7e-9 / 0.12)),  # d/dr of (l₁² + l₂² − r²) / 2 l₁ l₂
+}
+"""What the page says below each number, and the value that belongs there."""
+
+
+@pytest.fixture(scope="module")
+def said() -> dict[int, str]:
+    """What is computed below each title, by its number."""
+    names: dict[str, object] = {}
+    found: dict[int, str] = {}
+    number = 0
+    for cell in cells_of(Path(lesson_file(ERRATA))):
+        number = int(titles[-1]) if (titles := re.findall(r"^## (\d+)\.", cell.source, re.MULTILINE)) else number
+        if cell.code:
+            shown: list[output.Shown] = []
+            with output.installed(shown.append):
+                exec(cell.source, names)
+            found[number] = found.get(number, "") + " ".join(each.plain for each in shown)
+    return found
+
+
+def test_each_slip_has_its_number(said: dict[int, str]) -> None:
+    assert sorted(filter(None, said)) == list(STATED)
+
+
+@pytest.mark.parametrize("number", STATED)
+def test_the_number_is_right(number: int, said: dict[int, str]) -> None:
+    words, value = STATED[number]
+    assert words.format(value) in said[number]
+
+
+def test_the_velocities_of_the_joint_are_told_as_vectors(said: dict[int, str]) -> None:
+    stated = [[float(x) for x in row.split(",")] for row in re.findall(r"v = \(([^)]*)\)", said[11])]
+    assert np.allclose(stated, [SPATIAL[:3], BODY[:3]], atol=5e-3)

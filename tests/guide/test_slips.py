@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from catalogue import load
 from joint_arms import by_hand, random_chain
-from model_arms import REAL_ARMS
+from small_course import REAL_ARMS
 from twistarm import Arm, load_arm, screws
 from twistarm.guide.exercises import LESSONS, every_exercise, exercises_of
 from twistarm.guide.exercises.exercise import Exercise, Slip

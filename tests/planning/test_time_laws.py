@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from reference.phase_plane import least_time
 from twistarm.limits import Actuators, JointLimits
 from twistarm.planning.piecewise import JointPath
 from twistarm.planning.s_curve import double_s, s_curve
@@ -80,26 +79,6 @@ def test_the_quintic_law_on_a_line_is_the_textbook_s() -> None:
     assert fast.duration == pytest.approx(np.sqrt(10 / np.sqrt(3) * 3.0 / 5.0))
 
 
-def test_the_time_optimal_law_on_a_line_is_the_trapezoid() -> None:
-    """Lynch & Park §9.2.2.2: V/A to come to full speed, as long to stop, the rest of the way at V."""
-    line = JointPath([0.0, 0.25, 1.0], np.array([[[3.0, 1.5], [3.0, 1.5]], [[0.0, 1.0], [0.75, 1.375]]]))
-    law = time_optimal(line, PathBounds(limits(2)))
-    short = JointPath([0.0, 1.0], np.array([[[0.1, 0.0]], [[0.0, 0.0]]]))
-    assert time_optimal(short, PathBounds(limits(2))).duration == pytest.approx(2 * np.sqrt(0.1 / 5.0), rel=1e-3)
-    assert law.duration == pytest.approx(3.0 / 2.0 + 2.0 / 5.0, rel=1e-3)
-
-
-def test_the_s_curve_law_has_no_acceleration_at_its_ends_and_costs_a_few_percent() -> None:
-    path, bounds = spline_path(7, 10, 1), PathBounds(limits(7))
-    law = s_curve(path, bounds)
-    motion = motion_of(path, law)
-    ends = motion(np.array([0.0, law.duration]), 2)
-    assert np.abs(ends).max() < 1e-9
-    inner = motion.breakpoints[1:-1]
-    assert np.abs(motion(inner - 1e-9, 2) - motion(inner, 2)).max() < 1e-5
-    assert law.duration < 1.05 * time_optimal(path, bounds).duration
-
-
 @pytest.mark.parametrize(
     ("way", "velocity", "acceleration", "jerk", "duration"),
     [
@@ -136,12 +115,6 @@ def test_double_s_of_joints_that_share_motors_is_straight_and_keeps_the_motors_l
     velocity = coefficients[2] @ bounds.C.T
     assert np.abs(velocity).max() == pytest.approx(15.0)
     assert double_s(np.ones(2), np.ones(2), bounds)[0].tolist() == [0.0, 0.0]
-
-
-def test_the_time_optimal_law_is_as_short_as_a_fine_search_finds() -> None:
-    for seed in range(2):
-        path, bounds = spline_path(3, 6, seed), PathBounds(limits(3))
-        assert time_optimal(path, bounds).duration == pytest.approx(least_time(path, path.length, 2.0, 5.0), rel=3e-3)
 
 
 def test_where_all_joints_turn_back_at_once_the_law_goes_on() -> None:

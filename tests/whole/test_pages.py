@@ -1,10 +1,11 @@
-"""The pages: every block in the README and in docs is executed, in the order in which a reader meets it."""
+"""Every block in the README and in docs is executed, in the order in which a reader meets it, and every example."""
 
 from __future__ import annotations
 
 import inspect
 import os
 import re
+import runpy
 import shlex
 import shutil
 import subprocess
@@ -250,3 +251,19 @@ def test_files_that_rules_and_recipes_name_are_there() -> None:
 
 def test_modules_among_the_public_names_can_be_imported_first():
     subprocess.run([sys.executable, "-c", "from twistarm import stream, viewer"], check=True)
+
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+PROGRAMS = sorted(file for file in EXAMPLES.rglob("[0-9]*.py") if "ros2" not in file.relative_to(EXAMPLES).parts)
+
+
+@pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: str(path.relative_to(EXAMPLES)))
+def test_it_runs_from_any_directory(
+    program: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", [str(program)])
+    monkeypatch.syspath_prepend(program.parent)
+    runpy.run_path(str(program), run_name="__main__")
+    assert capsys.readouterr().out.strip(), "a lesson says what it found"
+    assert list(tmp_path.iterdir()) == []

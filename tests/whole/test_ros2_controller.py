@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -160,13 +159,3 @@ def test_the_class_around_it_fits_what_ros2_control_declares(compiler: str, tmp_
     warnings = [flag for flag in STRICT if flag not in ("-fno-exceptions", "-fno-rtti")]
     source = str(PACKAGE / "src" / "servo_controller.cpp")
     compile_one([compiler, *warnings, "-fsyntax-only", "-DTWISTARM_ARM=rover_arm", *include, source])
-
-
-def test_plugin_and_dependencies_are_those_of_the_build() -> None:
-    (plugin,) = ElementTree.parse(PACKAGE / "twistarm_controller.xml").getroot()
-    source = (PACKAGE / "src" / "servo_controller.cpp").read_text("utf-8")
-    assert f"PLUGINLIB_EXPORT_CLASS({plugin.get('type')}, {plugin.get('base_class_type')})" in source
-    assert plugin.get("name") in (PACKAGE / "config" / "controllers.yaml").read_text("utf-8")
-    build = (PACKAGE / "CMakeLists.txt").read_text("utf-8")
-    depends = {each.text for each in ElementTree.parse(PACKAGE / "package.xml").getroot().iter("depend")}
-    assert depends == set(build.split("set(DEPENDENCIES ")[1].split(")")[0].split())
