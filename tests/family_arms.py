@@ -76,7 +76,7 @@ def one(arm, g, a, b, exact=1e-9):
 def holds(arm, g, theta, found, deeper=3):
     """Whether theta is an answer, or lies in a family that was reported: then a free joint is given theta's value."""
     everything = [*found.theta, *found.outside]
-    near = min(everything, key=lambda each: apart(arm, each, theta), default=None)
+    near = min(everything, key=lambda answer: apart(arm, answer, theta), default=None)
     if near is not None and (apart(arm, near, theta) < 1e-5 or one(arm, g, near, theta)):
         return True
     names = {name for joints in found.free for name in joints}
@@ -90,6 +90,6 @@ def holds(arm, g, theta, found, deeper=3):
 def assert_exact_and_different(arm, g, theta, found, exact=1e-9):
     """Every answer meets the pose g that theta (n,) made, none is there twice, and theta is among them."""
     everything = [*found.theta, *found.outside]
-    assert all(missed(arm, g, each) <= exact for each in everything)
+    assert all(missed(arm, g, answer) <= exact for answer in everything)
     assert not any(one(arm, g, a, b, 0.5 * exact) for i, a in enumerate(everything) for b in everything[:i])
     assert holds(arm, g, theta, found), theta

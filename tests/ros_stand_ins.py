@@ -160,7 +160,7 @@ def install(monkeypatch: Any, spin_once: Callable[[Any], None]) -> None:
         "std_srvs.srv": (SetBool, Trigger),
         "trajectory_msgs.msg": (JointTrajectory, JointTrajectoryPoint),
     }
-    modules = {name: {each.__name__: each for each in content} for name, content in contents.items()}
+    modules = {name: {kind.__name__: kind for kind in content} for name, content in contents.items()}
     modules["rclpy.qos"] = {"QoSProfile": QoSProfile, "ReliabilityPolicy": Policy, "DurabilityPolicy": Policy}
     modules["rclpy.signals"] = {"SignalHandlerOptions": types.SimpleNamespace(NO=0)}
     modules["rclpy"] = {

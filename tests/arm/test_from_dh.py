@@ -61,7 +61,7 @@ def random_table(rng: np.random.Generator, convention: str) -> DhTable:
 @pytest.mark.parametrize("convention", ["standard", "modified"])
 def test_an_arm_moves_as_its_table_says(convention: str) -> None:
     rng = np.random.default_rng(0)
-    for _ in range(15):
+    for _ in range(8):
         table = random_table(rng, convention)
         require_same(arm_from_dh(table), table)
     arm = arm_from_dh(UR5, convention, name="ur5")
@@ -116,7 +116,7 @@ def test_a_file_that_names_its_convention_is_an_arm(tmp_path: Path) -> None:
 def test_an_arm_gives_a_table_that_moves_alike(convention: str, to: str, tmp_path: Path) -> None:
     """Its file too, with base and tool as fixed rows."""
     rng = np.random.default_rng(1)
-    for _ in range(15):
+    for _ in range(8):
         table = random_table(rng, convention)
         arm = arm_from_dh(table)
         again = to_dh(arm, to)

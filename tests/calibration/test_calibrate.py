@@ -21,7 +21,7 @@ NOISE = 5e-5
 def moved(arm, rng, size=1.0):
     """The arm with every screw carried along by a small motion of its own (Okamura & Park), and a moved home."""
     d = rng.normal(scale=[5e-4] * 3 + [2e-3] * 3, size=(arm.screws.shape[1] + 1, 6)) * size
-    screws = np.stack([adjoint(exp(each)) @ xi for each, xi in zip(d, arm.screws.T, strict=False)], axis=1)
+    screws = np.stack([adjoint(exp(motion)) @ xi for motion, xi in zip(d, arm.screws.T, strict=False)], axis=1)
     return screws, exp(d[-1]) @ arm.home
 
 

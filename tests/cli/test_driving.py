@@ -87,22 +87,6 @@ def test_it_runs_in_the_view_and_reports_as_json(capsys: Capture) -> None:
     assert "http://127.0.0.1:" in err
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals for one child")
-def test_ctrl_c_ends_the_program_cleanly() -> None:
-    command = [str(PROGRAM), "servo", "scara", "--no-browser"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        try:
-            assert process.stdout is not None
-            process.stdout.readline()  # it serves its page
-            time.sleep(0.3)
-            process.send_signal(signal.SIGINT)
-            out, err = process.communicate(timeout=30)
-        finally:
-            process.kill()
-    assert (process.returncode, err) == (0, "")
-    assert "at rest" in out
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows kills by force")
 @pytest.mark.usefixtures("hangups")
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
@@ -135,7 +119,7 @@ def test_a_robot_by_udp_starts_where_it_is_and_ends_at_rest(capsys: Capture) -> 
     assert report["ending"] == "DURATION"
     assert robot.heard[0]["joint_names"] == ["joint_1", "joint_2"]
     np.testing.assert_allclose(robot.heard[0]["theta"], [0.3, 0.8], atol=0.01)
-    thetas = np.array([each["theta"] for each in robot.heard])
+    thetas = np.array([sent["theta"] for sent in robot.heard])
     assert np.ptp(thetas[:, 0]) < 1e-9
     assert 0.2 < thetas[-1, 1] - 0.8 < 0.7  # 0.4 rad/s for a second and a timeout
     assert robot.heard[-1]["theta_dot"] == [0.0, 0.0]
@@ -260,6 +244,6 @@ def test_a_motion_that_no_robot_can_follow_is_refused(capsys: Capture, file: Pat
     other.write_text(json.dumps(message))
     assert "joint_2" in error_of(capsys, "follow", "rr_planar", str(other), "--no-browser")
     message["joint_names"][1] = "joint_2"
-    message["points"] = [{key: each[key] for key in ("positions", "time_from_start")} for each in message["points"]]
+    message["points"] = [{key: point[key] for key in ("positions", "time_from_start")} for point in message["points"]]
     other.write_text(json.dumps(message))
     assert "joint_" in error_of(capsys, "follow", "rr_planar", str(other), "--no-browser"), "it jumps"

@@ -26,7 +26,7 @@ def test_the_file_that_init_writes_is_planned(capsys: Capture, tmp_path: Path) -
     arm = load_arm("rover_arm")
     assert np.allclose(planned["waypoints"][-1], arm.ready)
     assert "close gripper" in (tmp_path / "m.csv").read_text("utf-8")
-    longest = max(planned["active_limits"], key=lambda each: each["end"] - each["begin"])
+    longest = max(planned["active_limits"], key=lambda stretch: stretch["end"] - stretch["begin"])
     assert (longest["rate"], longest["name"]) == ("acceleration", "slide")  # 5 cm at 1 m/s²: half of them to brake
     assert answer(capsys, "follow", "rover_arm", str(file), "--no-browser")["duration"] == planned["duration"]
     assert run(["view", "rover_arm", "--play", str(file), "-o", str(tmp_path / "view.html")]) == 0
@@ -76,7 +76,7 @@ def test_a_line_is_planned_to_a_typed_position(capsys: Capture) -> None:
     planned = answer(capsys, "plan", "rover_arm", "--xyz", " ".join(map(str, p)), "--line", "--linear-speed", "0.1")
     np.testing.assert_allclose(arm.fk(planned["waypoints"][-1])[:3, 3], p, atol=1e-6)
     assert planned["duration"] > np.linalg.norm([0.05, 0.05]) / 0.1
-    assert "linear speed" in [each["rate"] for each in planned["active_limits"]]
+    assert "linear speed" in [stretch["rate"] for stretch in planned["active_limits"]]
 
 
 @pytest.mark.parametrize(

@@ -35,20 +35,20 @@ def test_a_cloud_answers_as_boxes_in_place_of_its_voxels(name: str, margin: floa
     cloud.add_points("cloud", points, VOXEL, at)
     for i, cell in enumerate(np.unique(np.floor(points / VOXEL), axis=0)):
         boxes.add_box(f"box {i}", (VOXEL,) * 3, at[:3, :3] @ ((cell + 0.5) * VOXEL))
-    theta = arm.random_theta(2, 200)
+    theta = arm.random_theta(2, 100)
     hit = boxes.collides(theta)
-    assert 10 < hit.sum() < 190
+    assert 10 < hit.sum() < 90
     assert cloud.collides(theta).tolist() == hit.tolist()
-    apart = [x for x in theta[~hit] if boxes.distance(x).metres > 1e-6][:40]
+    apart = [x for x in theta[~hit] if boxes.distance(x).metres > 1e-6][:15]
     assert [cloud.distance(x).metres for x in apart] == pytest.approx(
         [boxes.distance(x).metres for x in apart], abs=1e-9
     )
-    ways = [(x, y) for x, y in zip(theta[~hit][:-1], theta[~hit][1:], strict=True)][:30]
+    ways = [(x, y) for x, y in zip(theta[~hit][:-1], theta[~hit][1:], strict=True)][:15]
     free = [boxes.is_free(*way) for way in ways]
     assert {*free} == {True, False}
     assert [cloud.is_free(*way) for way in ways] == free
     state = ServoState.at(arm, apart[0])
-    for _ in range(60):
+    for _ in range(30):
         state, _ = servo_step(arm, state, TwistCommand([0.2, 0.2, -0.2, 0.0, 0.0, 0.0]), 0.02, scene=cloud)
         assert not boxes.collides(state.theta)
 

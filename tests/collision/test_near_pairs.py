@@ -27,7 +27,7 @@ def test_no_near_pair_is_left_out_and_approaches_are_derivatives(name: str) -> N
         scene.add_box(f"box {k}", (0.05, 0.1, 0.15), at)
     pairs, compared = scene.near_pairs, 0
     theta = arm.random_theta(1)
-    for way in np.random.default_rng(2).normal(scale=0.02, size=(60, arm.n)):
+    for way in np.random.default_rng(2).normal(scale=0.02, size=(25, arm.n)):
         theta = np.clip(theta + way, arm.limits.lower, arm.limits.upper)
         found = pairs.near(theta, reach, 8)
         first = found.closest
@@ -49,12 +49,12 @@ def test_no_near_pair_is_left_out_and_approaches_are_derivatives(name: str) -> N
         differing = np.abs(approach + slopes)[apart].max(axis=1, initial=0.0) > 1e-3
         assert differing.mean() < 0.1
         compared += apart.sum()
-    assert compared > 60
+    assert compared > 25
 
 
 def test_triangles_approach_too() -> None:
-    arm = load_arm("ur5")
-    pairs, theta = Scene(arm, exact=True).near_pairs, np.array([0.3, -1.2, 1.4, -0.5, 0.8, 0.2])
+    arm = load_arm("panda")
+    pairs, theta = Scene(arm, exact=True).near_pairs, arm.ready + 0.1
     kinds = np.array(["BVH" in type(body.shape).__name__ for body in pairs.bodies])
     both = np.flatnonzero([kinds[i] and kinds[j] for i, j in pairs.pairs])
     distances, approach = pairs.measured(theta, both)
@@ -81,7 +81,7 @@ def test_a_scene_without_pairs_bounds_nothing() -> None:
     scene, state = Scene(arm), ServoState.at(arm, arm.ready)
     command = TwistCommand([0.05, 0.0, 0.0, 0.0, 0.0, 0.0])
     assert scene.distance(arm.ready).metres == np.inf
-    free, bound = (servo_step(arm, state, command, 0.01, scene=each)[1] for each in (None, scene))
+    free, bound = (servo_step(arm, state, command, 0.01, scene=around)[1] for around in (None, scene))
     assert bound.theta_dot.tolist() == free.theta_dot.tolist()
 
 

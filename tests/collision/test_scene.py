@@ -242,7 +242,7 @@ def test_a_closed_mesh_is_solid_and_an_open_one_is_told(tmp_path: Path, shape: s
     cube.update_faces(np.arange(len(cube.faces)) > 0)
     cube.export(tmp_path / "open.stl")
     scenes[0].add_mesh("open", tmp_path / "open.stl", [5.0, 0.0, 0.0])
-    assert ["'open'" in each.what for each in scenes[0].findings if each.code == "mesh-open"] == [True]
+    assert ["'open'" in finding.what for finding in scenes[0].findings if finding.code == "mesh-open"] == [True]
 
 
 def test_points_are_inside_a_solid_as_trimesh_says(tmp_path: Path) -> None:
@@ -255,7 +255,7 @@ def test_points_are_inside_a_solid_as_trimesh_says(tmp_path: Path) -> None:
     mixed = faces.copy()
     mixed[::3] = mixed[::3, ::-1]
     ways = [faces, faces[:, ::-1], mixed, np.concatenate([faces, faces[:, ::-1]])]
-    solids = [Solid(points, each) for each in ways]
+    solids = [Solid(points, way) for way in ways]
     solids.append(Solid(points[faces].reshape(-1, 3), np.arange(faces.size).reshape(-1, 3)))
     asked = np.random.default_rng(0).uniform(-0.12, 0.12, (100, 3))
     expected = hollow.contains(asked)
@@ -436,8 +436,8 @@ def test_many_obstacles_are_checked_as_few_are(tmp_path: Path) -> None:
     centres = np.random.default_rng(0).uniform([-2, -0.3, -2], [2, 0.3, 2], (400, 3))
     for i, centre in enumerate(centres):
         scene.add_sphere(f"{i}", 0.001, centre)
-    thetas = scene.arm.random_theta(1, 200)
-    at = np.column_stack([thetas[:, 0], np.zeros(200), thetas[:, 1]])
+    thetas = scene.arm.random_theta(1, 80)
+    at = np.column_stack([thetas[:, 0], np.zeros(80), thetas[:, 1]])
     nearest = np.linalg.norm(at[:, None] - centres, axis=2).min(axis=1)
     assert [scene.collides(theta) for theta in thetas] == (nearest < 0.111).tolist()
 

@@ -82,7 +82,7 @@ REFUSED = {
 
 def test_of_a_bad_number_only_that_state_is_lost_and_named(tmp_path: Path) -> None:
     state = '<group_state name="{}" group="g"><joint name="a" value="{}"/><joint name="b" value="0"/></group_state>\n'
-    text = tiny("".join(state.format(*each) for each in (("home", "0.5"), ("up", "0,5"), ("stowed", "-0.5"))))
+    text = tiny("".join(state.format(*row) for row in (("home", "0.5"), ("up", "0,5"), ("stowed", "-0.5"))))
     arm = load_arm(write(tmp_path, two_joints()), srdf=write(tmp_path, text, "arm.srdf"))
     assert {name: theta.tolist() for name, theta in arm.named_states.items()} == {
         "home": [0.5, 0.0], "stowed": [-0.5, 0.0],

@@ -116,7 +116,7 @@ def test_a_larger_arm_reaches_farther_and_sweeps_the_cube_of_it() -> None:
     assert np.isclose(small.condition, np.median(measured.condition), rtol=0.05)
     assert small.singular == large.singular
     assert np.isnan(small.payload)
-    assert any("no Pinocchio model" in each for each in small.notes)
+    assert any("no Pinocchio model" in note for note in small.notes)
     assert small.name != large.name
 
 
@@ -133,7 +133,7 @@ def test_weaker_and_slower_joints(rover: twistarm.Arm) -> None:
     assert other.duration > strong.duration
     beyond = compare_designs([rover, weak], [Position(near), Position([3.0, 0, 0])])
     assert np.isnan(beyond[0].duration)
-    assert any("no motion: " in each for each in beyond[0].notes)
+    assert any("no motion: " in note for note in beyond[0].notes)
 
 
 @pytest.mark.parametrize("sides", [(0.3, 1.7, 0.9), (1.0, 1.0, 0.2)])
@@ -153,7 +153,7 @@ def test_an_arm_beyond_the_core_has_no_volume() -> None:
     long, _ = compare_designs([arm_from_screws(np.hstack(axes), np.eye(4)), elbow(1.0)])
     assert np.isnan(long.volume)
     assert long.farthest > 0.0
-    assert any("no volume: " in each for each in long.notes)
+    assert any("no volume: " in note for note in long.notes)
 
 
 @pytest.mark.parametrize(

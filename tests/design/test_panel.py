@@ -78,7 +78,7 @@ def test_verdicts_agree_with_inverse_kinematics_along_the_task(name: str, place:
         away = p[0 if task.back else -1] - (urc.clearance + beyond) * directions[0 if task.back else -1]
         asked = [Approach(p[0] - urc.clearance * first, first), *map(Approach, p, directions)]
         asked.append(Approach(away, directions[0 if task.back else -1]))
-        met = all(solve_ik(arm, each, rng=3, restarts=200).converged for each in asked)
+        met = all(solve_ik(arm, target, rng=3, restarts=200).converged for target in asked)
         if result.code == "done":
             assert met, task.name
         else:
@@ -98,7 +98,7 @@ def test_the_tool_obeys_each_screw(rover: twistarm.Arm, urc: Panel) -> None:
     motion = report.motion(limits={"acceleration": 3.0}, kind="time_optimal")
     assert [label for _, label in motion.labels] == asked
     for end, name in motion.labels:
-        task = next(each for each in urc.tasks if each.name == name)
+        task = next(other for other in urc.tasks if other.name == name)
         begin = motion.times[int(np.searchsorted(motion.times, end - 1e-9)) - 1]
         t = np.linspace(begin, end, 400)
         g = rover.fk(motion(t))
@@ -175,10 +175,10 @@ def test_the_parking_pose_that_geometry_asks_for(rover: twistarm.Arm, tmp_path: 
     assert heard[-1] == 1.0
     assert len(check_panel(rover, panel, panel.base_at(0.0, 0.0, 0.0)).done) == 1
     again = check_panel(rover, panel, report.base)
-    assert [each.code for each in again.results] == [each.code for each in report.results]
+    assert [result.code for result in again.results] == [result.code for result in report.results]
     nowhere = best_parking(rover, replace(panel, y=(3.0, 3.0)))
     assert not nowhere.done
-    assert {each.code for each in nowhere.results} == {"blocked_by_limits"}
+    assert {result.code for result in nowhere.results} == {"blocked_by_limits"}
     with pytest.raises(InputError, match="no task of the panel is done"):
         nowhere.motion()
 

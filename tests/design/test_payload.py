@@ -61,12 +61,12 @@ def test_what_the_description_lacks_is_told(tmp_path: Path) -> None:
     found = payload(two_links(tmp_path, effort=(0.0, 0.0)), "zero")
     assert np.isnan(found.mass)
     assert found.limiting == -1
-    assert any("no effort limit of 'a', 'b': the payload is unknown" in each for each in found.notes)
+    assert any("no effort limit of 'a', 'b': the payload is unknown" in note for note in found.notes)
     bound = payload(two_links(tmp_path, effort=(0.0, 12.0)), "zero")
     assert np.isclose(bound.mass, (12.0 - 2.0 * G * 0.2) / (0.4 * G))
-    assert any("no effort limit of 'a': the payload is an upper bound" in each for each in bound.notes)
+    assert any("no effort limit of 'a': the payload is an upper bound" in note for note in bound.notes)
     light = payload(two_links(tmp_path, mass=0.0), "zero")
-    assert any("no link that moves has a mass" in each for each in light.notes)
+    assert any("no link that moves has a mass" in note for note in light.notes)
     assert np.isclose(light.mass, min(30.0 / (0.9 * G), 12.0 / (0.4 * G)))
     level = load("rr_planar")  # gravity is along its axes
     assert payload(level, "ready").mass == np.inf
@@ -96,7 +96,7 @@ def test_two_motors_share_a_joint(rover: twistarm.Arm) -> None:
     assert np.allclose(needs.speed[5:], np.abs(arm.actuators.G @ arm.limits.velocity))
     # Joints without a limit of their own have one through all their motors.
     bare = replace(arm, limits=arm.limits.with_({"effort": {"wrist_pitch": np.inf, "elbow": np.inf}}, arm.joint_names))
-    assert any("no effort limit of 'elbow':" in each for each in payload(bare, "ready").notes)
+    assert any("no effort limit of 'elbow':" in note for note in payload(bare, "ready").notes)
 
 
 @pytest.mark.parametrize("name", ["rover_arm", "panda", "scara"])

@@ -151,7 +151,7 @@ def test_files(around, rover, tmp_path):
     np.savez(headless, head=np.array("null"), counts=np.zeros(3))
     method = whole.index(b"PK\x01\x02") + 10
     unknown = whole[:method] + b"\x63" + whole[method + 1 :]  # a compression that zipfile does not have
-    files = (each.read_bytes() for each in (flat, small, above))
+    files = (file.read_bytes() for file in (flat, small, above))
     for content in (b"", b"PK\x03\x04", whole[:500], other.getvalue(), headless.getvalue(), unknown, *files):
         (tmp_path / "bad.npz").write_bytes(content)
         with pytest.raises(InputError, match="bad.npz"):

@@ -285,13 +285,13 @@ def test_as_in_python(name: str, real: str, kind: str, compiler: str, tmp_path: 
     theta[:, 6:] = arm.ready[6:]
     poses = arm.fk(theta)
     along = [Approach(g[:3, 3], g[:3, :3] @ arm.tool_axis) for g in poses]
-    targets = [Pose(g) for g in poses] if kind == "pose" else [target_for(arm, each) for each in along]
+    targets = [Pose(g) for g in poses] if kind == "pose" else [target_for(arm, approach) for approach in along]
     asked = "\n".join(" ".join(map(repr, target.numbers.ravel().tolist())) for target in targets)
     done = subprocess.run([program], input=asked, capture_output=True, text=True, timeout=60, check=True)
     numbers = iter(map(float, done.stdout.split()))
-    for each in targets:
+    for target in targets:
         found = np.array([[next(numbers) for _ in range(arm.n)] for _ in range(int(next(numbers)))])
-        wanted = solve_ik_all(arm, each, fixed_joints=given)
+        wanted = solve_ik_all(arm, target, fixed_joints=given)
         assert len(found) == len(wanted)
         apart = np.abs(found[:, None] - wanted.theta[None]).max(axis=2)
         assert (apart.min(axis=0) < close).all()

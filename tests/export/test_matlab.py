@@ -46,9 +46,9 @@ def test_against_pinocchio(name: str, tmp_path: Path) -> None:
     done = octave(tmp_path, program)
     assert done.returncode == 0, done.stderr
     numbers, *words = done.stdout.split("|")
-    each = np.array(numbers.split(), float).reshape(len(theta), -1)
+    finding = np.array(numbers.split(), float).reshape(len(theta), -1)
     for k, sizes in enumerate(zip(*reference(arm, theta), strict=True)):
-        assert_allclose(each[k], np.concatenate([matrix.ravel(order="F") for matrix in sizes]), atol=1e-12)
+        assert_allclose(finding[k], np.concatenate([matrix.ravel(order="F") for matrix in sizes]), atol=1e-12)
     assert words == [arm.name, "/".join(arm.joint_names)]
 
 
@@ -93,7 +93,7 @@ def test_limits_are_read_back_as_they_are(tmp_path: Path, monkeypatch: pytest.Mo
     bake(arm, "changed.json")
     assert run(["bake", "changed.json", "-o", "joint_limits.yaml"]) == 0
     read = load_arm("rover_arm", limits="joint_limits.yaml")
-    assert not [each for each in read.findings if each.code.startswith("limits-")]
+    assert not [finding for finding in read.findings if finding.code.startswith("limits-")]
     for field in ("lower", "upper", "velocity", "acceleration", "jerk", "effort"):
         assert np.array_equal(getattr(read.limits, field), getattr(arm.limits, field)), field
     written = yaml.safe_load(Path("joint_limits.yaml").read_text())["joint_limits"]

@@ -59,10 +59,10 @@ def test_an_mjcf_comes_back(path: Path, tmp_path: Path) -> None:
     arm = load_arm(path)
     again = came_back(arm, tmp_path)
     require_same(arm, again)
-    ours, theirs = (each.description.links for each in (arm, again))
+    ours, theirs = (one.description.links for one in (arm, again))
     shapes = ("shape", "size", "mesh", "colour")
     for link in ours:
-        if any(each.shape == "capsule" for each in (*ours[link].visuals, *ours[link].collisions)):
+        if any(shape.shape == "capsule" for shape in (*ours[link].visuals, *ours[link].collisions)):
             continue
         for one, other in zip(ours[link].visuals, theirs[link].visuals, strict=True):
             assert [getattr(one, word) for word in shapes] == [getattr(other, word) for word in shapes]
@@ -105,12 +105,12 @@ def test_a_capsule_is_written_for_readers_that_have_none(tmp_path: Path) -> None
     arm = load_arm(write(tmp_path, two_joints().replace('<link name="tool0"/>', shape)))
     again = came_back(arm, tmp_path)
     require_same(arm, again)
-    (capsule,), parts = (each.description.links["tool0"].collisions for each in (arm, again))
-    assert {each.shape for each in parts} == {"cylinder", "sphere"}
+    (capsule,), parts = (one.description.links["tool0"].collisions for one in (arm, again))
+    assert {shape.shape for shape in parts} == {"cylinder", "sphere"}
     points = np.random.default_rng(0).uniform(-0.2, 0.5, (20_000, 3))
     inside = holds(capsule, points)
     assert 500 < inside.sum() < 5_000
-    np.testing.assert_array_equal(np.any([holds(each, points) for each in parts], axis=0), inside)
+    np.testing.assert_array_equal(np.any([holds(shape, points) for shape in parts], axis=0), inside)
 
 
 def test_screws_come_back(tmp_path: Path) -> None:

@@ -165,7 +165,7 @@ def said() -> dict[int, str]:
             shown: list[output.Shown] = []
             with output.installed(shown.append):
                 exec(cell.source, names)
-            found[number] = found.get(number, "") + " ".join(each.plain for each in shown)
+            found[number] = found.get(number, "") + " ".join(piece.plain for piece in shown)
     return found
 
 

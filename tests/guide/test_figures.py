@@ -27,7 +27,7 @@ def test_colours_follow_the_page_and_names_collide_with_none() -> None:
     assert "var(--blue," in one
     assert "var(--ink," in one
     assert not re.search(r"#000000|<style|<metadata|http://purl|<\?xml", one)
-    named = [set(re.findall(r' id="([^"]+)"', each)) for each in (one, other)]
+    named = [set(re.findall(r' id="([^"]+)"', text)) for text in (one, other)]
     assert named[0]
     assert not named[0] & named[1]
     for names, text in zip(named, (one, other), strict=True):
@@ -70,7 +70,7 @@ def test_a_motion_is_at_its_end_on_paper() -> None:
     places = np.array([[0.0, 0.0, 0.0], [0.2, 0.0, 0.1], [0.5, 0.1, 0.1]])
     guide.plot_motion(guide.plot_point, ax, places, "p")
     assert [np.ravel(line.get_data_3d()).tolist() for line in ax.lines] == [places[-1].tolist()]
-    assert [len(each.split(";")) for each in re.findall(r'data-at="([^"]+)"', svg.of(fig))][-2:] == [3, 3]
+    assert [len(track.split(";")) for track in re.findall(r'data-at="([^"]+)"', svg.of(fig))][-2:] == [3, 3]
 
 
 @pytest.mark.parametrize(

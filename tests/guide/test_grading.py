@@ -91,7 +91,7 @@ def test_a_file_that_does_harm(text: str, code: int, words: str, tmp_path: Path,
 def test_after_one_endless_loop_the_others_are_graded(tmp_path: Path, rover: Arm) -> None:
     text = RIGHT + "import time\ndef zyz(a, b, c):\n    while True: time.sleep(1)\ndef zyz_angle(R):\n    return 1\n"
     report = graded(tmp_path, text, rover, "2_1_1_rotation_matrices.py")
-    assert [each.state for each in report.verdicts] == ["right", "unusable", "unwritten"]
+    assert [verdict.state for verdict in report.verdicts] == ["right", "unusable", "unwritten"]
     assert report.verdicts[1].words.startswith("It was not done after 1.5 s")
     assert report.verdicts[2].words == "there is no function zyz_angles; did you mean it by 'zyz_angle'?"
 
@@ -113,14 +113,14 @@ def test_megabytes_that_are_printed_are_cut(tmp_path: Path, rover: Arm) -> None:
 def test_templates_load_and_are_not_written_yet(tmp_path: Path, rover: Arm) -> None:
     for lesson in dict.fromkeys(exercise.lesson for exercise in every_exercise().values()):
         report = graded(tmp_path, python_text(lesson), rover, f"{lesson}.py")
-        assert {each.state for each in report.verdicts} == {"unwritten"}
+        assert {verdict.state for verdict in report.verdicts} == {"unwritten"}
         assert report.code == 1
 
 
 @pytest.mark.slow
 def test_solutions_are_right_in_a_process_of_their_own(tmp_path: Path, rover: Arm) -> None:
     for lesson in dict.fromkeys(exercise.lesson for exercise in every_exercise().values()):
-        solutions = [each.solution for each in every_exercise().values() if each.lesson == lesson]
+        solutions = [exercise.solution for exercise in every_exercise().values() if exercise.lesson == lesson]
         head = "from __future__ import annotations\nimport numpy as np\n\n"
         (tmp_path / f"{lesson}.py").write_text(head + "\n\n".join(solutions))
         report = check_file(tmp_path / f"{lesson}.py", rover)

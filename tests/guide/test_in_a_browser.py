@@ -89,7 +89,7 @@ def test_every_page_reads_without_a_fault(course: Built, arms: Path, browser: An
         page.evaluate("document.querySelectorAll('details').forEach((each) => { each.open = true; })")
         page.evaluate(AXE.read_text("utf-8"))
         found = page.evaluate("axe.run({ iframes: false, preload: false })")
-        faults = [(each["id"], each["nodes"][0]["html"][:120]) for each in found["violations"]]
+        faults = [(fault["id"], fault["nodes"][0]["html"][:120]) for fault in found["violations"]]
         assert faults == [], file.name
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), f"{file.name} is wider than {width}"
         assert page.evaluate(
@@ -263,7 +263,7 @@ def bench(browser: Any, tmp_path: Path) -> Iterator[Any]:
 
 def numbers(page: Any) -> list[float]:
     text = page.locator("pre.numbers").inner_text().replace("−", "-")
-    return [float(each) for each in re.findall(r"-?\d+\.?\d*", text.translate({ord(x): " " for x in "₁₂"}))]
+    return [float(word) for word in re.findall(r"-?\d+\.?\d*", text.translate({ord(x): " " for x in "₁₂"}))]
 
 
 def slide(page: Any, label: str, value: float) -> None:

@@ -64,7 +64,7 @@ def test_nothing_from_a_name_becomes_html() -> None:
         guide.table([name], [[name]], name)
         guide.figure(guide.axes2()[0], f'"{name}', name)
         guide.predict(name, name)
-    assert not [each.plain for each in shown if "<script" in each.html(None)]
+    assert not [piece.plain for piece in shown if "<script" in piece.html(None)]
 
 
 def test_numbers_in_tex() -> None:

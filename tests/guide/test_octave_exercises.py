@@ -46,7 +46,7 @@ def written(folder: Path, script: str, arm: Arm, **edits: tuple[str, str]) -> Pa
 )
 def test_the_model_solutions_are_right(script: str, tmp_path: Path, rover: Arm) -> None:
     report = check_file(written(tmp_path, script, rover), rover)
-    assert [each.exercise for each in report.verdicts] == list(SCRIPTS[script])
+    assert [verdict.exercise for verdict in report.verdicts] == list(SCRIPTS[script])
     assert report.code == 0, report
 
 
@@ -62,7 +62,7 @@ def test_slips_are_named(tmp_path: Path, rover: Arm) -> None:
         change_frame=("R_st * R_tc * q_c", "undefined_here"),
     )
     report = check_file(results, rover)
-    assert [each.slip for each in report.verdicts] == ["transposed", "fixed for moved axes", "number by number", ""]
+    assert [found.slip for found in report.verdicts] == ["transposed", "fixed for moved axes", "number by number", ""]
     assert "'undefined_here' undefined" in report.verdicts[3].words
     assert report.code == 1
 
@@ -73,7 +73,7 @@ def test_a_template_is_not_written_yet(tmp_path: Path, rover: Arm) -> None:
     for name, text in octave_files(rover):
         (tmp_path / name).write_text(text)
     report = check_file(octave(tmp_path, "rigid_motions"), rover)
-    assert {each.state for each in report.verdicts} == {"unwritten"}
+    assert {verdict.state for verdict in report.verdicts} == {"unwritten"}
 
 
 def test_a_template_says_what_to_do_and_not_how() -> None:

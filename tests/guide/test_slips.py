@@ -174,7 +174,7 @@ def eased(s: Any, a: Any, b: Any) -> Any:
 
 @pytest.mark.filterwarnings("ignore:Gimbal lock")  # of SciPy, which chooses as the task does
 @pytest.mark.parametrize(
-    ("name", "slip", "function"), WRITTEN_OTHERWISE, ids=lambda each: each if isinstance(each, str) else ""
+    ("name", "slip", "function"), WRITTEN_OTHERWISE, ids=lambda value: value if isinstance(value, str) else ""
 )
 def test_a_slip_written_otherwise_is_named(name: str, slip: str, function: Callable[..., Any], rover: Arm) -> None:
     assert verdict_on(function, EXERCISES[name], rover).slip == slip
@@ -210,7 +210,7 @@ RIGHT: list[tuple[str, Callable[..., Any]]] = [
 
 
 @pytest.mark.filterwarnings("ignore:Gimbal lock")  # of SciPy, which chooses as the task does
-@pytest.mark.parametrize(("name", "function"), RIGHT, ids=lambda each: each if isinstance(each, str) else "")
+@pytest.mark.parametrize(("name", "function"), RIGHT, ids=lambda value: value if isinstance(value, str) else "")
 def test_a_right_answer_written_otherwise_is_right(name: str, function: Callable[..., Any], rover: Arm) -> None:
     verdict = verdict_on(function, EXERCISES[name], rover)
     assert verdict.ok, verdict
@@ -261,9 +261,9 @@ def test_instances_hold_numbers_alone_and_the_reader_s_arm(rover: Arm) -> None:
     for exercise in EXERCISES.values():
         for arguments in exercise.instances(np.random.default_rng(0), rover):
             assert len(arguments) == len(exercise.parameters)
-            for each in arguments:
-                assert isinstance(each, (float, str, np.ndarray)), exercise.name
-                if np.shape(each) == S.shape and np.array_equal(each, S):
+            for argument in arguments:
+                assert isinstance(argument, (float, str, np.ndarray)), exercise.name
+                if np.shape(argument) == S.shape and np.array_equal(argument, S):
                     with_it.add(exercise.name)
     assert {"product_of_exponentials", "spatial_jacobian", "body_screws", "cloud", "solve_pose"} <= with_it
 

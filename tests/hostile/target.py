@@ -28,7 +28,7 @@ class Target:
     def head(self, path: str = "", method: str = "GET", host: str = "127.0.0.1", **headers: str) -> bytes:
         """The head of a request, for a path below the token where it does not begin with a slash."""
         full = path if path.startswith("/") else f"/{self.token}/{path}"
-        given = [f"{name.replace('_', '-')}: {each}" for name, each in headers.items()]
+        given = [f"{name.replace('_', '-')}: {value}" for name, value in headers.items()]
         return "\r\n".join([f"{method} {full} HTTP/1.1", f"Host: {host}", *given, "", ""]).encode()
 
     def upgrade(self, receive: int = 0) -> socket.socket:

@@ -41,25 +41,25 @@ def test_a_line_is_bound_by_acceleration_velocity_acceleration(gantry, stop):
     """Lynch & Park §9.2.2.2: V/A to come to full speed, as long to stop, the rest of the way at V."""
     motion = plan_joint(gantry, [[0, 0], [3.0, 1.5]], kind="time_optimal", limits=LIMITS, stop_at_waypoints=stop)
     found = active_limits(gantry, motion, limits=LIMITS)
-    assert [each.describe() for each in found] == [
+    assert [stretch.describe() for stretch in found] == [
         "acceleration of joint 'x'",
         "velocity of joint 'x'",
         "acceleration of joint 'x'",
     ]
-    assert [each.end for each in found] == pytest.approx([0.4, 1.5, 1.9], abs=0.02)
+    assert [stretch.end for stretch in found] == pytest.approx([0.4, 1.5, 1.9], abs=0.02)
     assert found[1].begin == found[0].end
-    assert [each.share for each in found] == pytest.approx([1.0] * 3, abs=1e-3)
+    assert [stretch.share for stretch in found] == pytest.approx([1.0] * 3, abs=1e-3)
 
 
 def test_the_tool_s_speed_a_share_of_speed_and_rest_count(gantry):
     segments = [LineMove.by([1.0, 0, 0], linear_speed=0.1), Dwell(2.0), JointMove([1.0, 3.0], velocity_scaling=0.25)]
     motion = plan(gantry, segments, start=[0, 0], limits=LIMITS, kind="time_optimal")
     found = active_limits(gantry, motion, limits=LIMITS, segments=segments)
-    line = [each for each in found if each.end <= motion.times[1] + 0.01]
-    assert max(line, key=lambda each: each.end - each.begin).describe() == "linear speed"
-    assert not any(each.begin < middle < each.end for each in found for middle in [np.mean(motion.times[1:3])])
-    slow = [each for each in found if each.rate == "velocity"]
-    assert [each.name for each in slow] == ["y"]
+    line = [stretch for stretch in found if stretch.end <= motion.times[1] + 0.01]
+    assert max(line, key=lambda stretch: stretch.end - stretch.begin).describe() == "linear speed"
+    assert not any(stretch.begin < middle < stretch.end for stretch in found for middle in [np.mean(motion.times[1:3])])
+    slow = [stretch for stretch in found if stretch.rate == "velocity"]
+    assert [stretch.name for stretch in slow] == ["y"]
     assert slow[0].share == pytest.approx(1.0, abs=2e-3)
     assert slow[0].end - slow[0].begin == pytest.approx(3.0 / 0.5 - 0.5 / 5.0, abs=0.15)
 
@@ -70,7 +70,7 @@ def test_a_motor_that_is_slower_than_its_joints_is_named(gantry):
     drives = Actuators(("a", "b"), ("x", "y"), G, np.zeros(2), ("rad", "rad"), np.full(2, np.nan), motors)
     arm = replace(gantry, actuators=drives)
     motion = plan_joint(arm, [[0, 0], [1.0, 1.0]], kind="s_curve", limits=LIMITS)
-    longest = max(active_limits(arm, motion, limits=LIMITS), key=lambda each: each.end - each.begin)
+    longest = max(active_limits(arm, motion, limits=LIMITS), key=lambda stretch: stretch.end - stretch.begin)
     assert longest.describe() == "velocity of motor 'a'"
     assert longest.share == pytest.approx(1.0, abs=1e-3)
 
@@ -119,6 +119,6 @@ def test_no_speed_of_the_tool_exceeds_its_bound_and_some_come_near(kind, tmp_pat
         velocity = np.gradient(g[:, :3, 3], s, axis=0)[1:-1]
         turn = rotations.log(np.swapaxes(g[:-1, :3, :3], 1, 2) @ g[1:, :3, :3]) / s[1]
         seen = np.array([np.linalg.norm(velocity, axis=1).max(), np.linalg.norm(turn, axis=1).max()])
-        greatest = np.array([each[0] for each in greatest_tool_speeds(arm, path)])
+        greatest = np.array([speeds[0] for speeds in greatest_tool_speeds(arm, path)])
         assert (seen <= greatest * (1.0 + 1e-5)).all()
         assert (seen >= greatest * (1.0 - 1e-3)).all()

@@ -103,20 +103,6 @@ def test_progress_rises_to_one(kind, stop):
 # -- durations ----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("distance", "velocity", "acceleration"), [(1.0, 0.5, 1.0), (1.0, 1.0, 1.0), (0.1, 1.0, 2.0), (2.0, 0.1, 50.0)]
-)
-def test_a_straight_motion_takes_the_textbooks_time(distance, velocity, acceleration):
-    # Lynch & Park §9.2.2.2: d/v + v/a, or 2 √(d/a) where v²/a > d and the speed limit is not reached.
-    coasts = velocity**2 / acceleration <= distance
-    expected = distance / velocity + velocity / acceleration if coasts else 2 * np.sqrt(distance / acceleration)
-    limits = {"velocity": velocity, "acceleration": acceleration, "jerk": 1e-3}  # which only s_curve heeds
-    motion = plan_joint(ARM, [[0, 0, 0], [0, distance, -distance / 2]], kind="time_optimal", limits=limits)
-    assert motion.duration == pytest.approx(expected, rel=1e-9)
-    assert motion.peak(1)[1] == pytest.approx(min(velocity, np.sqrt(acceleration * distance)), rel=1e-9)
-    assert motion(motion.duration / 2)[1] == pytest.approx(distance / 2)
-
-
 def test_rates_far_apart_are_no_trouble():
     for kind, stop in WAYS:
         for rates in ({"velocity": 1e-3, "acceleration": 1e6}, {"velocity": 1e6, "acceleration": 1e-3}):

@@ -267,7 +267,7 @@ def test_unwrapped_waypoints_are_the_same_places_by_the_shorter_way(bounds: tupl
     assert short.duration < 0.2 * plain.duration
     assert "turns by 6.2 rad; unwrap=True makes that 0.08319 rad" in plain.notes[0]
     assert "'yaw' goes to 3.18319 rad in place of -3.1 rad" in short.notes[0]
-    moves = [JointMove(each) for each in ENDS[1:]]
+    moves = [JointMove(end) for end in ENDS[1:]]
     for unwrap, planned in ((False, plain), (True, short)):
         motion = plan(arm, moves, start=ENDS[0], limits=LIMITS, unwrap=unwrap)
         np.testing.assert_allclose(motion.waypoints, planned.waypoints)

@@ -129,7 +129,7 @@ BAD_CSV = {
     ),
     "beyond": (line(7, lambda text: ",".join([text.split(",")[0], "9", *text.split(",")[2:]])), "joint 'slide' at 9 m"),
     "times in ms": (
-        lambda lines: lines[:1] + [f"{1e3 * float(each.split(',')[0])},{each.partition(',')[2]}" for each in lines[1:]],
+        lambda lines: lines[:1] + [f"{1e3 * float(row.split(',')[0])},{row.partition(',')[2]}" for row in lines[1:]],
         "velocities mean .* times the change of the positions: check the unit of the times",
     ),
     "a limit of 0": (line(2, lambda text: text.rsplit(",", 1)[0] + ",0"), "line 2: wrist_roll.acceleration_limit"),

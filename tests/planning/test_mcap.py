@@ -33,9 +33,12 @@ def read(file):
     with file.open("rb") as opened:
         reader = make_reader(opened, decoder_factories=[DecoderFactory()])
         summary = reader.get_summary()
-        messages = [(each[1].topic, each[2].log_time * 1e-9, each[3]) for each in reader.iter_decoded_messages()]
+        messages = [
+            (channel.topic, stored.log_time * 1e-9, decoded)
+            for _, channel, stored, decoded in reader.iter_decoded_messages()
+        ]
     channels = {channel.topic: channel for channel in summary.channels.values()}
-    return messages, {topic: summary.schemas[each.schema_id].name for topic, each in channels.items()}, channels
+    return messages, {topic: summary.schemas[channel.schema_id].name for topic, channel in channels.items()}, channels
 
 
 def placed(model, data, transform):
@@ -62,10 +65,10 @@ def test_others_read_the_motion_and_where_pinocchio_has_each_link(name, tmp_path
     model = pinocchio.buildModelFromXML(arm.description.repaired)
     data, seen = model.createData(), 0
     samples = motion.sample(0.05)
-    states = [(time, each) for topic, time, each in messages if topic == "/joint_states"]
+    states = [(time, state) for topic, time, state in messages if topic == "/joint_states"]
     np.testing.assert_allclose([time for time, _ in states], samples.t, atol=1e-9)
-    np.testing.assert_array_equal([each.position for _, each in states], samples.theta)
-    np.testing.assert_array_equal([each.velocity for _, each in states], samples.theta_dot)
+    np.testing.assert_array_equal([state.position for _, state in states], samples.theta)
+    np.testing.assert_array_equal([state.velocity for _, state in states], samples.theta_dot)
     for topic, _, message in messages:
         if topic == "/joint_states":
             q = pinocchio.neutral(model)
@@ -74,17 +77,17 @@ def test_others_read_the_motion_and_where_pinocchio_has_each_link(name, tmp_path
                 q[at.idx_q : at.idx_q + at.nq] = value if at.nq == 1 else (np.cos(value), np.sin(value))
             pinocchio.framesForwardKinematics(model, data, q)
         elif topic == "/tf":
-            children = {each.child_frame_id for each in message.transforms}
+            children = {transform.child_frame_id for transform in message.transforms}
             assert children | {arm.description.root} == set(arm.frame_names)
-            for expected, told in (placed(model, data, each) for each in message.transforms):
+            for expected, told in (placed(model, data, transform) for transform in message.transforms):
                 np.testing.assert_allclose(told, expected, atol=1e-12)
                 seen += 1
     assert seen > len(samples.t)
-    (trajectory,) = (each for topic, _, each in messages if topic == "/joint_trajectory")
+    (trajectory,) = (transform for topic, _, transform in messages if topic == "/joint_trajectory")
     assert tuple(trajectory.joint_names) == arm.joint_names
-    np.testing.assert_array_equal([each.accelerations for each in trajectory.points], samples.theta_ddot)
-    assert [(time, each.data) for topic, time, each in messages if topic == "/labels"] == list(motion.labels)
-    (text,) = (each.data for topic, _, each in messages if topic == "/robot_description")
+    np.testing.assert_array_equal([point.accelerations for point in trajectory.points], samples.theta_ddot)
+    assert [(time, point.data) for topic, time, point in messages if topic == "/labels"] == list(motion.labels)
+    (text,) = (point.data for topic, _, point in messages if topic == "/robot_description")
     assert ElementTree.fromstring(text).tag == "robot"
 
 
@@ -94,8 +97,8 @@ def test_an_arm_without_a_description_has_its_tool_alone(tmp_path):
         save_trajectory(plan_joint(arm, [[0.0], [0.5]], limits=RATES), tmp_path / "wheel.mcap", arm=arm, dt=0.1)
     )
     assert "/robot_description" not in kinds
-    last = [each for topic, _, each in messages if topic == "/tf"][-1]
-    ((turned, frame),) = ((each.transform.rotation, each.header.frame_id) for each in last.transforms)
+    last = [point for topic, _, point in messages if topic == "/tf"][-1]
+    ((turned, frame),) = ((transform.transform.rotation, transform.header.frame_id) for transform in last.transforms)
     assert frame == arm.base
     np.testing.assert_allclose((turned.w, turned.z), (np.cos(0.25), np.sin(0.25)), atol=1e-12)
 
@@ -134,7 +137,7 @@ def test_joint_states_of_a_robot_are_its_motion(rover, tmp_path):
     """Joints in another order, a gripper's among them, and messages of the gripper alone."""
     names, gripper = [*reversed(rover.joint_names), "gripper"], joints(["gripper"], [0.3])
     states = [(1000 + k, joints(names, [*(rover.ready[::-1] + 0.02 * k), 0.5])) for k in range(5)]
-    messages = [("/arm/joint_states", STATE, *each) for each in states] + [("/arm/joint_states", STATE, 1002, gripper)]
+    messages = [("/arm/joint_states", STATE, *said) for said in states] + [("/arm/joint_states", STATE, 1002, gripper)]
     motion = load_trajectory(rover, bag(tmp_path / "run", messages))
     np.testing.assert_allclose(motion.times, np.arange(5.0))
     np.testing.assert_allclose(motion([0.0, 2.5, 4.0]), rover.ready + np.array([[0.0], [0.05], [0.08]]), atol=1e-12)

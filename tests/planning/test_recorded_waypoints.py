@@ -116,7 +116,7 @@ def test_the_command_line_smooths_in_degrees(capsys):
     way = [f"0 {a:.0f} {b:.0f} 0 0" for a, b in np.stack([30 * np.sin(u), 20 * u**2], axis=1)]
     durations = []
     for more in ([], ["--smooth", "0.6"]):
-        assert run(["plan", "rover_arm", *(f"--to={each}" for each in way), "--json", *more]) == 0
+        assert run(["plan", "rover_arm", *(f"--to={theta}" for theta in way), "--json", *more]) == 0
         durations.append(json.loads(capsys.readouterr().out)["duration"])
     assert durations[1] < 0.8 * durations[0]
     assert run(["plan", "rover_arm", "--xyz", "0.8 0 0.6", "--smooth", "1"]) == 2

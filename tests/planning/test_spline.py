@@ -148,23 +148,3 @@ def test_no_sample_and_no_root_exceeds_the_extremes(motion):
             assert values[:, s, j].max() >= sampled.max() - ROUNDING * scale[s, j]
             assert values[:, s, j].min() <= sampled.min() + ROUNDING * scale[s, j]
             assert np.allclose(values[:, s, j], np.polyval(polynomial, tau[:, s, j]), atol=ROUNDING * scale[s, j])
-
-
-@pytest.mark.parametrize(
-    ("roots", "name"),
-    [
-        ((0.2, 0.5, 0.9), "three apart"),
-        ((0.5, 0.5, 0.5), "a triple one"),
-        ((0.5, 0.5 + 1e-7, 0.9), "two nearly equal"),
-        ((0.0, 1.0, 0.5), "at the ends"),
-        ((-1.0, 2.0, 3.0), "all outside"),
-        ((0.3, 0.3 + 1e-3j, 0.3 - 1e-3j), "a pair just off the axis"),
-    ],
-)
-def test_hard_stationary_points(roots, name):
-    polynomial = np.polyint(np.real(np.poly(roots)))
-    _, values = extremes(polynomial[:, None, None], np.ones(1))
-    inside = [r.real for r in np.array(roots, dtype=complex) if r.imag == 0 and 0 <= r.real <= 1]
-    expected = np.polyval(polynomial, [0.0, 1.0, *inside])
-    assert values.max() == pytest.approx(expected.max(), abs=ROUNDING)
-    assert values.min() == pytest.approx(expected.min(), abs=ROUNDING)

@@ -77,9 +77,9 @@ def test_a_line_that_is_missed_by_the_rounding_of_an_axis_is_planned_within_tole
     assert beside <= 1e-4
     assert turned <= max(2 * by, np.radians(0.05))
     assert np.abs(np.diff(motion(np.linspace(0, motion.duration, 500)), axis=0)).max() < 0.05  # and without a leap
-    each = [JointMove(move.to, orientation_tol=2 * by) for move in tour]
+    h = [JointMove(move.to, orientation_tol=2 * by) for move in tour]
     assert plan_joint(arm, [move.to for move in tour], limits=RATES, orientation_tol=2 * by).duration > 0
-    assert plan(arm, [each[0], LineMove(tour[1].to, orientation_tol=2 * by)], limits=RATES).duration == motion.duration
+    assert plan(arm, [h[0], LineMove(tour[1].to, orientation_tol=2 * by)], limits=RATES).duration == motion.duration
 
 
 def test_a_line_that_ends_beyond_the_reach_is_followed_within_a_wider_tolerance() -> None:
@@ -150,7 +150,7 @@ def test_rows_are_the_derivatives_of_errors(name):
 
             rows = errors_and_rows(like, g[None], g[None], arm.body_jacobian(theta)[None])[1][0]
             step = 1e-6 * np.eye(arm.n)
-            differences = [(errors(theta + each) - errors(theta - each)) / 2e-6 for each in step]
+            differences = [(errors(theta + h) - errors(theta - h)) / 2e-6 for h in step]
             np.testing.assert_allclose(rows, np.transpose(differences), atol=1e-7)
 
 

@@ -53,7 +53,7 @@ def start(client):
     def started(*arguments, **parameters):
         typed = [f"{name}:={value}" for name, value in ({"description": "rover_arm"} | parameters).items()]
         command = [sys.executable, "-m", "twistarm_servo.node", "--ros-args", *arguments]
-        command += [word for each in typed for word in ("-p", each)]
+        command += [word for pair in typed for word in ("-p", pair)]
         environment = os.environ | {"PYTHONPATH": str(PACKAGE)}
         node = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
         nodes.append(node)

@@ -42,7 +42,7 @@ class Client:
         if not self.statuses:
             return None, "", {}
         last = self.statuses[-1]
-        return last.level, last.message, {each.key: each.value for each in last.values}
+        return last.level, last.message, {entry.key: entry.value for entry in last.values}
 
     def call(self, kind, name, **request):
         client = self.node.create_client(kind, name)

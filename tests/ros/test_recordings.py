@@ -48,8 +48,8 @@ def test_ros_reads_a_motion(rover, tmp_path):
     assert list(told.joint_names) == list(rover.joint_names)
     for name, values in zip(("positions", "velocities", "accelerations"), samples[1:], strict=True):
         np.testing.assert_array_equal([getattr(point, name) for point in told.points], values)
-    np.testing.assert_array_equal([each.position for _, each in messages["/joint_states"]], samples.theta)
-    stamps = [each.header.stamp.sec * 10**9 + each.header.stamp.nanosec for _, each in messages["/joint_states"]]
+    np.testing.assert_array_equal([state.position for _, state in messages["/joint_states"]], samples.theta)
+    stamps = [state.header.stamp.sec * 10**9 + state.header.stamp.nanosec for _, state in messages["/joint_states"]]
     assert stamps == [time for time, _ in messages["/joint_states"]]
     assert messages["/robot_description"][0][1].data == rover.description.text
 
@@ -64,7 +64,7 @@ def test_ros_reads_a_recorded_stream(rover, tmp_path):
         np.testing.assert_array_equal(setpoint.points[0].positions, rover.ready)
         (status,) = diagnosis.status
         assert (status.level, status.hardware_id) == (b"\x01", "rover_arm")
-        assert {each.key: each.value for each in status.values}["status"] == "STALE"
+        assert {entry.key: entry.value for entry in status.values}["status"] == "STALE"
 
 
 def test_joint_states_that_ros_serialised_are_a_motion(rover, tmp_path):

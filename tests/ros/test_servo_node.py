@@ -42,13 +42,13 @@ def test_a_twist_moves_the_tool_as_far_as_its_speed_says(client, robot, stick, r
     moved = end[:3, 3] - begin[:3, 3]
     assert 0.13 <= moved[2] <= 0.165  # 5 s at 0.03 m/s, the start, the time-out and the way to rest
     assert np.abs(moved[:2]).max() < 2e-3
-    theta = np.array([each.points[0].positions for each in robot.told])
+    theta = np.array([message.points[0].positions for message in robot.told])
     heights = rover.fk(theta)[:, 2, 3]
     assert (np.diff(heights) >= -1e-6).all()
-    assert all(not any(each.points[-1].velocities) for each in robot.told)
+    assert all(not any(message.points[-1].velocities) for message in robot.told)
     assert list(robot.told[0].joint_names) == list(rover.joint_names)
     assert robot.told[0].points[0].time_from_start.nanosec == 20_000_000
-    rates = np.array([each.points[0].velocities for each in robot.told])
+    rates = np.array([message.points[0].velocities for message in robot.told])
     assert (np.abs(rates) <= rover.limits.velocity + 1e-9).all()
 
 
@@ -152,7 +152,7 @@ def test_a_signal_brings_a_moving_arm_to_rest_and_ends_the_node(client, robot, s
     client.until(lambda: driven.poll() is not None)
     client.during(0.2)
     assert driven.returncode == 0
-    rates = np.array([each.points[0].velocities for each in robot.told])
+    rates = np.array([message.points[0].velocities for message in robot.told])
     assert not rates[-1].any()
     assert (np.abs(np.diff(rates[-20:], axis=0)) <= rover.limits.acceleration * 0.05).all()
 
@@ -220,7 +220,7 @@ def test_two_nodes_beside_each_other_drive_an_arm_each(client, robot, stick, sta
     stick.linear = UP
     client.until(lambda: robot.moves)
     client.during(0.3)
-    assert not any(any(each.points[0].velocities) for each in other.told)
+    assert not any(any(message.points[0].velocities) for message in other.told)
     stick.linear, left = None, Stick(client, "/left/servo_node/delta_twist_cmds")
     left.linear = UP
     client.until(lambda: other.moves and not robot.moves)

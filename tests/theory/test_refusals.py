@@ -31,8 +31,10 @@ def arguments() -> Iterator[Any]:
     for space in (rotations, screws, joints, poe):
         for name, function in inspect.getmembers(space, inspect.isfunction):
             if function.__module__ == space.__name__ and not name.startswith("_") and name not in UNCHECKED:
-                for each in inspect.signature(function).parameters:
-                    yield pytest.param(function, each, id=f"{space.__name__.rpartition('.')[2]}.{name}-{each}")
+                for parameter in inspect.signature(function).parameters:
+                    yield pytest.param(
+                        function, parameter, id=f"{space.__name__.rpartition('.')[2]}.{name}-{parameter}"
+                    )
 
 
 @pytest.mark.parametrize(("function", "argument"), [*arguments()])
@@ -43,9 +45,9 @@ def test_an_argument_that_cannot_be_is_named(function: Callable[..., Any], argum
     if not isinstance(good[argument], (str, type(None))):
         wrong.append(np.full(np.shape(good[argument]), np.nan))
         wrong += [] if argument in ("theta", "angle") else [np.ones((2, 7))]
-    for each in wrong:
+    for value in wrong:
         with pytest.raises(InputError, match=rf"\b({argument}|{SPOKEN.get(argument, argument)})\b"):
-            function(**good | {argument: each})
+            function(**good | {argument: value})
 
 
 @pytest.mark.parametrize(

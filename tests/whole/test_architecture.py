@@ -168,9 +168,9 @@ def package_imports(file: Path, *, typing: bool = True) -> set[Path]:
         if (node.lineno in for_types and not typing) or not module.startswith("twistarm."):
             continue
         below = [alias.name for alias in node.names] if isinstance(node, ast.ImportFrom) else []
-        for name in [module, *(f"{module}.{each}" for each in below)]:
+        for name in [module, *(f"{module}.{member}" for member in below)]:
             path = PACKAGE.joinpath(*name.split(".")[1:])
-            found |= {each for each in (path.with_suffix(".py"), path / "__init__.py") if each in KNOWN}
+            found |= {file for file in (path.with_suffix(".py"), path / "__init__.py") if file in KNOWN}
     return found - {file}
 
 

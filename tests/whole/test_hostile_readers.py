@@ -100,7 +100,7 @@ def megabytes() -> float:
 
 @pytest.mark.parametrize("reader", READERS)
 @pytest.mark.parametrize(
-    "nasty", [each if each in QUICK else pytest.param(each, marks=pytest.mark.slow) for each in (*NO_FILES, *TEXTS)]
+    "nasty", [case if case in QUICK else pytest.param(case, marks=pytest.mark.slow) for case in (*NO_FILES, *TEXTS)]
 )
 def test_everything_is_refused_in_one_line_or_read_within_the_bounds(
     reader: str, nasty: str, tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

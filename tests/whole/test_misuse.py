@@ -199,8 +199,8 @@ BY_CALL: dict[str, dict[str, Any]] = {
 }
 
 OBJECTS: dict[type, Any] = {
-    type(each): each
-    for each in (
+    type(made): made
+    for made in (
         ARM, DRIVES, BUILDER, STATE, MOTION, SOLUTION, SOLUTIONS, BATCH, ALL, OUTPUT, SIMULATED, SETPOINT, ARM.limits,
         ARM.manipulability(ARM.ready), twistarm.Pose(G), twistarm.Position(G[:3, 3]),
         twistarm.TolerancedPose(G, [0.0] * 6),
@@ -262,21 +262,21 @@ def methods(kind: type) -> Iterator[tuple[str, Callable[..., Any]]]:
 def arguments_of(name: str, call: Callable[..., Any]) -> dict[str, Any]:
     """{argument: a good value}: of this call, of an object of the class, of this name, or its default."""
     found = {}
-    for each, parameter in inspect.signature(call).parameters.items():
+    for argument, parameter in inspect.signature(call).parameters.items():
         if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
             continue
         known = BY_CALL.get(name, {})
-        if each in known:
-            found[each] = known[each]
-        elif inspect.isclass(call) and hasattr(OBJECTS.get(call), each):
-            found[each] = getattr(OBJECTS[call], each)
-        elif each in GOOD:
-            found[each] = GOOD[each]
+        if argument in known:
+            found[argument] = known[argument]
+        elif inspect.isclass(call) and hasattr(OBJECTS.get(call), argument):
+            found[argument] = getattr(OBJECTS[call], argument)
+        elif argument in GOOD:
+            found[argument] = GOOD[argument]
         elif parameter.default is not parameter.empty:
-            found[each] = parameter.default
+            found[argument] = parameter.default
         else:
-            assert inspect.isclass(call), f"{name}: no example of {each!r} in GOOD"
-            found[each] = None
+            assert inspect.isclass(call), f"{name}: no example of {argument!r} in GOOD"
+            found[argument] = None
     return found
 
 
@@ -287,24 +287,24 @@ CALLS = {name: call for name, call in public_calls() if name not in UNCHECKED | 
 def test_nonsense_is_answered_in_our_words(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     arguments = arguments_of(name, CALLS[name])
-    answers = [(each, what, said(CALLS[name], {**arguments, each: value})) for each, value, what in tried(arguments)]
+    answers = [(key, what, said(CALLS[name], {**arguments, key: value})) for key, value, what in tried(arguments)]
     assert [answer for answer in answers if answer[-1] is not None] == []
 
 
 def test_a_view_answers_in_our_words_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     with twistarm.Viewer(ARM, open_browser=False) as viewer:
-        members = [each for of in (viewer.draw, viewer) for each in inspect.getmembers(of, inspect.ismethod)]
+        members = [member for of in (viewer.draw, viewer) for member in inspect.getmembers(of, inspect.ismethod)]
         for name, function in members:
             call = f"{type(function.__self__).__name__}.{name}"
             if not name.startswith("_") and call not in SLOW:
                 arguments = arguments_of(call, function)
-                for each, value, what in tried(arguments):
-                    assert said(function, {**arguments, each: value}) is None, (name, each, what)
+                for key, value, what in tried(arguments):
+                    assert said(function, {**arguments, key: value}) is None, (name, key, what)
 
 
 def tried(arguments: dict[str, Any]) -> Iterator[tuple[str, Any, str]]:
-    for name in (each for each in arguments if not each.startswith("_")):
+    for name in (key for key in arguments if not key.startswith("_")):
         for what, value in NONSENSE.items():
             yield name, value, what
         yield name, (number for number in (1.0, 2.0)), "a generator"

@@ -193,7 +193,7 @@ REFERENCE = {page: page.read_text("utf-8") for page in sorted((DOCS / "api").glo
 def test_every_public_name_has_its_entry_and_an_example(module):
     described = {name: page for page, text in REFERENCE.items() for name in re.findall(r":: (twistarm\.\S+)", text)}
     programs = {page: "\n".join(block.text for block in blocks(page) if block.kind == "python") for page in REFERENCE}
-    for name in public_names(module) - {each.rpartition(".")[2] for each in MODULES}:
+    for name in public_names(module) - {name.rpartition(".")[2] for name in MODULES}:
         full = f"twistarm.{module}.{name}" if module and name not in twistarm.__all__ else f"twistarm.{name}"
         assert full in described, f"{full} has no entry in docs/api"
         used = f"{module}.{name}" if module in ("screws", "joints", "poe", "rotations") else name

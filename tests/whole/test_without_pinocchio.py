@@ -98,7 +98,7 @@ def test_doctor_examines_and_repairs(environment: dict[str, str], tmp_path: Path
     program = ("-c", "from twistarm.cli import main; main()", "doctor", str(file))
     done = run(environment, *program, "--json")
     assert done.returncode == 0, done.stderr
-    codes = {each["code"]: each["remedy"] for each in json.loads(done.stdout)["findings"]}
+    codes = {finding["code"]: finding["remedy"] for finding in json.loads(done.stdout)["findings"]}
     assert "pip install 'pin>=" in codes["not-compared"]
     assert len(codes) > 1
     done = run(environment, *program, "--fix", "-o", str(copy))

@@ -52,4 +52,4 @@ assert answers["`Position`, 3 numbers"].converged
 # ## What solve_ik says when it cannot
 assert far.converged or far.stop.name in ("OUT_OF_REACH", "BLOCKED_BY_LIMITS")
 assert cases[-1][1].converged
-assert all(arm.limits.contains(each.theta) for _, each in cases)
+assert all(arm.limits.contains(answer.theta) for _, answer in cases)
