@@ -46,6 +46,13 @@ def no_columns() -> Iterator[None]:
 
 
 @pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of the test's own, in which it runs."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
 def hangups() -> Iterator[None]:
     """A closed terminal has its usual effect, on what a test starts too: under nohup it would be ignored."""
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)

@@ -69,9 +69,8 @@ def test_an_unknown_name_offers_the_catalogue() -> None:
             load_arm(path)
 
 
-def test_a_local_file_is_never_shadowed_by_the_catalogue(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    write(tmp_path, two_joints(), "panda")
-    monkeypatch.chdir(tmp_path)
+def test_a_local_file_is_never_shadowed_by_the_catalogue(here: Path) -> None:
+    write(here, two_joints(), "panda")
     assert load_arm("panda").name == "tiny"
 
 
@@ -237,11 +236,8 @@ REAL = {
 
 
 @pytest.mark.parametrize("name", REAL)
-def test_real_arms_load_from_any_working_directory(
-    name: str, models: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_real_arms_load_from_any_working_directory(name: str, models: Path, here: Path) -> None:
     file, arguments, tip, n = REAL[name]
-    monkeypatch.chdir(tmp_path)
     arm = load_arm(models / file, xacro_args=arguments, tip=tip)
     assert (arm.n, arm.tip) == (n, tip)
 

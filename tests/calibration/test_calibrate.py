@@ -250,11 +250,10 @@ def test_the_corrected_urdf_is_the_corrected_arm(log, tmp_path):
         corrected_urdf(replace(r, held_out=1.0))
 
 
-def test_the_command_writes_what_it_found(log, tmp_path, monkeypatch, capsys):
+def test_the_command_writes_what_it_found(log, here, capsys):
     arm, theta, positions, _ = log
     if arm.description is None:
         pytest.skip("one arm is enough")
-    monkeypatch.chdir(tmp_path)
     head = ",".join([*arm.joint_names, "x (mm)", "y (mm)", "z (mm)"])
     for name, rows in (("a.csv", slice(0, 75)), ("b.csv", slice(75, 150))):
         table = np.hstack([theta[rows], 1000 * positions[rows]])

@@ -199,29 +199,25 @@ def test_plan_caps_lower_the_arms_limits_and_never_raise_them(capsys: Capture, r
             assert (np.array(content[f"peak_{rate}"]) <= limit + 1e-9).all()
 
 
-def test_check_and_freeze(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    path = write(tmp_path, two_joints())
+def test_check_and_freeze(capsys: Capture, here: Path) -> None:
+    path = write(here, two_joints())
     assert run(["freeze", str(path)]) == 0
     capsys.readouterr()
     check = ["check", str(path), "--samples", "20", "--against", "tiny.golden.json"]
     assert answer(capsys, *check)["unchanged"]
-    write(tmp_path, two_joints(xyz="0.012 0 0.5"))
+    write(here, two_joints(xyz="0.012 0 0.5"))
     content = answer(capsys, *check, code=1)
     assert (content["ok"], content["unchanged"]) == (False, False)
     assert "joint a" in content["changes"][0]
     assert answer(capsys, "check", str(path), "--samples", "20")["ok"]
 
 
-def test_demo_without_a_terminal_writes_both_files(
-    capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_demo_without_a_terminal_writes_both_files(capsys: Capture, here: Path) -> None:
     shown = printed(capsys, "demo", "--no-view")
     for station in ("spatial Jacobian", "all engines agree", "CONVERGED", "demo.html", "demo.csv"):
         assert station in shown
-    assert (tmp_path / "demo.html").stat().st_size > 500_000
-    assert (tmp_path / "demo.csv").read_text().count("\n") > 50
+    assert (here / "demo.html").stat().st_size > 500_000
+    assert (here / "demo.csv").read_text().count("\n") > 50
 
 
 # -- bad input ---------------------------------------------------------------------------------------------------
@@ -291,12 +287,9 @@ BAD = (
 
 
 @pytest.mark.parametrize(("line", "culprit"), BAD)
-def test_bad_input_is_one_line_and_exit_code_2(
-    line: str, culprit: str, capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_bad_input_is_one_line_and_exit_code_2(line: str, culprit: str, capsys: Capture, here: Path) -> None:
     assert culprit in error_of(capsys, *shlex.split(line))
-    assert list(tmp_path.iterdir()) == [], "nothing is written"
+    assert list(here.iterdir()) == [], "nothing is written"
 
 
 def test_planning_without_limits_assumes_the_usual_ones_and_says_so(capsys: Capture, tmp_path: Path) -> None:

@@ -15,11 +15,7 @@ from twistarm import payload
 from twistarm.cli.application import run
 from urdf_text import two_joints, write
 
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("here")
 
 
 def rows_of(name: str) -> list[dict[str, str]]:
@@ -54,9 +50,9 @@ def test_payload_of_a_motion_in_files(capsys: Capture) -> None:
     assert content["needs"][1]["speed"] > 0.1
 
 
-def test_an_unknown_payload_is_no_good_answer(capsys: Capture, folder: Path) -> None:
+def test_an_unknown_payload_is_no_good_answer(capsys: Capture, here: Path) -> None:
     text = two_joints().replace('effort="3"', 'effort="0"').replace('<axis xyz="0 0 1"/>', '<axis xyz="0 1 0"/>')
-    arm = str(write(folder, text))
+    arm = str(write(here, text))
     assert run(["payload", arm, "--json"]) == 1
     out, err = capsys.readouterr()
     content = json.loads(out)
@@ -111,20 +107,20 @@ def test_a_panel_as_table_json_and_files(capsys: Capture, monkeypatch: pytest.Mo
     assert np.isclose(reached + float(place.split()[0]), 0.954, atol=2e-4)
 
 
-def test_the_answer_outlives_a_motion_that_fails(capsys: Capture, folder: Path) -> None:
+def test_the_answer_outlives_a_motion_that_fails(capsys: Capture, here: Path) -> None:
     Path("panel.toml").write_text(PANEL, "utf-8")
     asked = ["panel", "rover_arm", "panel.toml", "--base-pose", "0 0 0", "--dt", "1e-12", "-o", "p.csv", "--json"]
     assert run(asked) == 2
     content = json.loads(capsys.readouterr().out)
     assert (len(content["tasks"]), content["written"]) == (2, [])
-    assert [path.name for path in folder.iterdir()] == ["panel.toml"]
+    assert [path.name for path in here.iterdir()] == ["panel.toml"]
 
 
-def test_reach_as_a_table_with_units_and_every_file(capsys: Capture, folder: Path) -> None:
+def test_reach_as_a_table_with_units_and_every_file(capsys: Capture, here: Path) -> None:
     words = ["reach", "rover_arm", "--voxel", "0.5"]
     shown = printed(capsys, *words, *["-o", "m.npz", "-o", "m.png"])
     m = twistarm.ReachMap.load("m.npz")
-    assert sorted(path.name for path in folder.iterdir()) == ["m.npz", "m.png"]
+    assert sorted(path.name for path in here.iterdir()) == ["m.npz", "m.png"]
     (volume,) = (line.split() for line in shown.splitlines() if line.startswith("volume"))
     assert volume == ["volume", f"{m.volume:g}", "m³"]
     around = answer(capsys, *words, "--directions", "26")

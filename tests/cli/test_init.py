@@ -14,10 +14,9 @@ from urdf_text import joint, robot, two_joints, write
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    write(tmp_path, two_joints())
-    return tmp_path
+def folder(here: Path) -> Path:
+    write(here, two_joints())
+    return here
 
 
 @pytest.fixture

@@ -12,10 +12,7 @@ from test_cli import Capture, answer, error_of
 from twistarm import Scene, load_arm, load_motion, load_trajectory
 from twistarm.cli.application import run
 
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("here")
 
 
 def test_the_file_that_init_writes_is_planned(capsys: Capture, tmp_path: Path) -> None:

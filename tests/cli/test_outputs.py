@@ -34,10 +34,9 @@ STABLE = 500_000  # Bytes that are compared: behind the page's code stand its ow
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    write(tmp_path, two_joints())
-    return tmp_path
+def folder(here: Path) -> Path:
+    write(here, two_joints())
+    return here
 
 
 @pytest.mark.parametrize("case", WRITES)

@@ -68,11 +68,8 @@ def test_positions_without_a_header_take_the_orientation_that_is_typed(tmp_path:
     assert np.allclose(-g[:3, 0], [0, 0, -1], atol=2e-6)
 
 
-def test_answers_are_postures_and_poses_are_targets(
-    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_answers_are_postures_and_poses_are_targets(here: Path, capsys: Capture) -> None:
     arm = load("rover_arm")
-    monkeypatch.chdir(tmp_path)
     theta = arm.random_theta(2, 30)
     np.savetxt("theta.txt", theta)
     assert run(["fk", "rover_arm", "--configurations", "theta.txt", "-o", "poses.csv"]) == 0

@@ -173,17 +173,14 @@ def test_an_octomap_of_a_planning_scene_is_read(tmp_path: Path, binary: bool) ->
         ("columns.csv", {}, "no x, y and z"),
     ],
 )
-def test_what_is_no_cloud_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, points: Any, options: dict[str, Any], culprit: str
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_what_is_no_cloud_is_refused(here: Path, points: Any, options: dict[str, Any], culprit: str) -> None:
     head = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 9\nDATA "
     Path("cut.pcd").write_text(f"{head}binary\nabc")
     Path("packed.pcd").write_text(f"{head}binary_compressed\nabc")
     Path("empty.xyz").write_text("# nothing\n")
     Path("columns.csv").write_text("a,b,c\n1,2,3\n")
     Path("web.ply").write_text("<!DOCTYPE html><html></html>")
-    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
+    scene = Scene(slider(here, SHAPES["sphere"]))
     with pytest.raises(InputError) as error:
         scene.add_points("cloud", points, **options)
     assert culprit in str(error.value)

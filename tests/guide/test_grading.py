@@ -137,8 +137,7 @@ def test_what_is_no_file_to_grade(tmp_path: Path, rover: Arm) -> None:
         check_file(tmp_path / "latin.py", rover)
 
 
-def test_in_a_notebook(tmp_path: Path, rover: Arm, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_in_a_notebook(here: Path, rover: Arm) -> None:
     calls = []
 
     def rotation_z(alpha: float) -> object:
@@ -156,7 +155,7 @@ def test_in_a_notebook(tmp_path: Path, rover: Arm, monkeypatch: pytest.MonkeyPat
     assert report.verdicts[0].slip == "transposed"
     assert "from the copy" in report.printed
     assert not calls  # it ran in a copy of this process
-    assert not list(tmp_path.iterdir())
+    assert not list(here.iterdir())
 
     def rotation_y(alpha: float) -> object:
         return None

@@ -88,13 +88,10 @@ def test_what_cannot_be_used(tmp_path: Path, capsys: Capture) -> None:
         (["check", "a.py", "--tip", "hand"], "give an ARM: the options for loading need one"),
     ],
 )
-def test_what_cannot_be_is_one_sentence(
-    typed: list[str], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_what_cannot_be_is_one_sentence(typed: list[str], words: str, here: Path, capsys: Capture) -> None:
     Path("broken.urdf").write_text("<robot name='r'><link name='a'/><joint")
     assert words in error_of(capsys, "guide", *typed)
-    assert [path.name for path in tmp_path.iterdir()] == ["broken.urdf"]
+    assert [path.name for path in here.iterdir()] == ["broken.urdf"]
 
 
 def test_what_was_built_is_said(built: Built, capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:

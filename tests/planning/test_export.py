@@ -281,11 +281,10 @@ def test_what_cannot_be_a_header(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_command_names_it_after_the_file(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_the_command_names_it_after_the_file(here, capsys):
     arguments = ["plan", "rover_arm", "--to", "zero", "--velocity", "1", "--acceleration", "1"]
     assert run([*arguments, "-o", "wave 2.hpp"]) == 0
-    assert 'include "wave 2.hpp"' in (text := (tmp_path / "wave 2.hpp").read_text())
+    assert 'include "wave 2.hpp"' in (text := (here / "wave 2.hpp").read_text())
     assert "static inline void wave_2_theta(" in text
     capsys.readouterr()
     assert run([*arguments, "-o", "-", "--format", "header"]) == 0

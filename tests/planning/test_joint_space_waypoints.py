@@ -299,10 +299,7 @@ URDF = """<robot name="yaw"><link name="base_link"/><link name="a"/><link name="
 <limit lower="-2" upper="2" velocity="1" effort="1"/></joint></robot>"""
 
 
-def test_a_file_and_the_command_line_ask_for_it(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_a_file_and_the_command_line_ask_for_it(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     Path("arm.urdf").write_text(URDF, "utf-8")
     arm = load_arm("arm.urdf")
     Path("m.toml").write_text("unwrap = true\n[[segment]]\njoint = [-3.1, 0.1]\n", "utf-8")

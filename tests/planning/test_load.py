@@ -227,11 +227,10 @@ def test_files_that_are_none(rover, tmp_path, name):
         load_trajectory(rover, tmp_path / name)
 
 
-def test_counts_on_the_command_line(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_counts_on_the_command_line(here, capsys):
     arguments = ["plan", "rover_arm", "--to", "zero", "--velocity", "1", "--acceleration", "1", "--counts"]
     assert run([*arguments, "-o", "motion.json"]) == 2
     assert "--counts goes with *.csv and *.h: a JointTrajectory is in rad and m" in capsys.readouterr().err
     assert run([*arguments, "-o", "motion.csv"]) == 2
     assert "this trajectory knows no motors" in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []
+    assert list(here.iterdir()) == []

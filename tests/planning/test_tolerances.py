@@ -99,11 +99,10 @@ def test_a_line_that_ends_beyond_the_reach_is_followed_within_a_wider_tolerance(
 
 
 def test_tolerances_stand_in_a_motion_file_and_on_the_command_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.chdir(tmp_path)
     arm = load_arm("rover_arm", limits=RATES)
-    file = tmp_path / "m.toml"
+    file = here / "m.toml"
     text = "degrees = true\nposition_tol = 0.01\n[[segment]]\nline = {{ xyz = {} }}\norientation_tol = 2\n"
     far = (arm.fk(arm.ready)[:3, 3] + [0.05, 0.0, 0.0]).tolist()
     file.write_text(text.format(far), "utf-8")

@@ -60,11 +60,10 @@ def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch, f
     ("path", "culprit"),
     [("missing/a.txt", "missing"), (".", ""), ("/dev/zero", "/dev/zero"), (None, "None"), ("a\0b", "a")],
 )
-def test_what_cannot_be_written_is_named(tmp_path, monkeypatch, path, culprit):
-    monkeypatch.chdir(tmp_path)
+def test_what_cannot_be_written_is_named(here, path, culprit):
     with pytest.raises(InputError, match=culprit):
         write_whole(path, "x")
-    assert os.listdir(tmp_path) == []
+    assert os.listdir(here) == []
 
 
 def test_what_is_no_regular_file_is_never_read(tmp_path):

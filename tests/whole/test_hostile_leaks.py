@@ -76,16 +76,13 @@ def inside(data: bytes) -> bytes:
 
 
 @pytest.mark.parametrize("case", COMMANDS)
-def test_what_is_written_tells_no_place(
-    case: str, arm: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_written_tells_no_place(case: str, arm: Path, here: Path, capfd: pytest.CaptureFixture[str]) -> None:
     """From another folder, with the arm's whole path typed."""
-    monkeypatch.chdir(tmp_path)
     words = [word.replace("OUT", "out").replace("BESIDE", str(arm.parent)) for word in COMMANDS[case].split()]
     code = run([str(arm) if word == "ARM" else word for word in words])
     told = capfd.readouterr()
     assert code in (0, 1), told.err
-    written = [arm.parent / "arm.toml"] if case == "draft" else [tmp_path / w for w in words if w.startswith("out/")]
+    written = [arm.parent / "arm.toml"] if case == "draft" else [here / w for w in words if w.startswith("out/")]
     for data in [path.read_bytes() for path in written] + ([told.out.encode()] if "--json" in words else []):
         assert data
         leak = inside(data).lower()

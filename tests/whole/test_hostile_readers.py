@@ -103,18 +103,17 @@ def megabytes() -> float:
     "nasty", [case if case in QUICK else pytest.param(case, marks=pytest.mark.slow) for case in (*NO_FILES, *TEXTS)]
 )
 def test_everything_is_refused_in_one_line_or_read_within_the_bounds(
-    reader: str, nasty: str, tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    reader: str, nasty: str, here: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.chdir(tmp_path)
-    arm = load_arm(write(tmp_path, two_joints()))
-    write(tmp_path, MOTORS, "motors.toml")
+    arm = load_arm(write(here, two_joints()))
+    write(here, MOTORS, "motors.toml")
     command, name, good = READERS[reader]
     if nasty in NO_FILES:
-        NO_FILES[nasty](tmp_path / name)
+        NO_FILES[nasty](here / name)
     else:
         good = {"BAKED": text_of, "GOLDEN": golden_text}.get(good, lambda arm: good)(arm)
         content = TEXTS[nasty](good)
-        (tmp_path / name).write_bytes(content.encode() if isinstance(content, str) else content)
+        (here / name).write_bytes(content.encode() if isinstance(content, str) else content)
     before = megabytes()
     code = run(command.split())
     said = capfd.readouterr()
@@ -129,4 +128,4 @@ def test_everything_is_refused_in_one_line_or_read_within_the_bounds(
         assert line.startswith("error: ")
         assert name in line
         assert len(line) < 2000
-    (tmp_path / name).unlink() if (tmp_path / name).is_file() else None  # pytest would keep gigabytes
+    (here / name).unlink() if (here / name).is_file() else None  # pytest would keep gigabytes

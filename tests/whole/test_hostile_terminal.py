@@ -97,15 +97,7 @@ CASES = [
 
 
 @pytest.mark.parametrize(("who", "what", "command"), CASES)
-def test_every_name_is_shown(
-    who: str,
-    what: str,
-    command: str,
-    capsys: pytest.CaptureFixture[str],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_every_name_is_shown(who: str, what: str, command: str, capsys: pytest.CaptureFixture[str], here: Path) -> None:
     CARRIERS[who][0](NAMES[what])
     capsys.readouterr()
     code = run(command.split())

@@ -284,15 +284,13 @@ CALLS = {name: call for name, call in public_calls() if name not in UNCHECKED | 
 
 
 @pytest.mark.parametrize("name", sorted(CALLS))
-def test_nonsense_is_answered_in_our_words(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_nonsense_is_answered_in_our_words(name: str, here: Path) -> None:
     arguments = arguments_of(name, CALLS[name])
     answers = [(key, what, said(CALLS[name], {**arguments, key: value})) for key, value, what in tried(arguments)]
     assert [answer for answer in answers if answer[-1] is not None] == []
 
 
-def test_a_view_answers_in_our_words_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_a_view_answers_in_our_words_too(here: Path) -> None:
     with twistarm.Viewer(ARM, open_browser=False) as viewer:
         members = [member for of in (viewer.draw, viewer) for member in inspect.getmembers(of, inspect.ismethod)]
         for name, function in members:

@@ -123,9 +123,8 @@ def compiled(source: str, kind: str, said: str) -> None:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_every_block_does_what_the_page_says(page, tmp_path, monkeypatch, capsys):
-    laid_out(page, tmp_path)
-    monkeypatch.chdir(tmp_path)
+def test_every_block_does_what_the_page_says(page, here, monkeypatch, capsys):
+    laid_out(page, here)
     # A coarse search for a parking pose: tests/design and an example have the whole one.
     monkeypatch.setattr(parking, "POSES", 500)
     monkeypatch.setattr(parking, "CANDIDATES", 1)
@@ -259,11 +258,10 @@ PROGRAMS = sorted(file for file in EXAMPLES.rglob("[0-9]*.py") if "ros2" not in 
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: str(path.relative_to(EXAMPLES)))
 def test_it_runs_from_any_directory(
-    program: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    program: Path, here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "argv", [str(program)])
     monkeypatch.syspath_prepend(program.parent)
     runpy.run_path(str(program), run_name="__main__")
     assert capsys.readouterr().out.strip(), "a lesson says what it found"
-    assert list(tmp_path.iterdir()) == []
+    assert list(here.iterdir()) == []
