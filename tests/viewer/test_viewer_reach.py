@@ -113,7 +113,7 @@ def test_a_map_stays_with_an_arm_that_reaches_the_same(m: ReachMap) -> None:
 
 
 def test_a_map_of_another_arm_is_refused(arm: Arm, viewer: Viewer, m: ReachMap) -> None:
-    with pytest.raises(InputError, match=f"another arm \\(rover_arm\\) than {arm.name}"):
+    with pytest.raises(InputError, match=rf"another arm \(rover_arm\).* {arm.name} "):
         viewer.show_reach(m)
     own = reach_map(arm, 0.3, "position", method="fk", samples=1000)
     viewer.show_reach(own)

@@ -108,7 +108,12 @@ class Keep(Brief):
         return cls(direction=VERTICAL, tool_axis=True, tol=tol)
 
     def at(self, arm: Arm, g: Array) -> Keep:
-        """The same with numbers in place of True and None, for a start at the pose g (4, 4)."""
+        """The same with numbers in place of True and None, for a start.
+
+        Args:
+            arm: The arm.
+            g: The pose (4, 4) of its tool at the start.
+        """
         R, given = g[:3, :3], dict[str, Any]()
         if self.direction is not None:
             axis = arm.tool_axis if self.tool_axis is None else self.tool_axis
