@@ -202,7 +202,7 @@ FOUND = {"asked": True, "places": [], "theta": [], "words": f"x\n2 found, 3 of 6
 
 SAY = {
     "error": f"twistarm.panel.showError('{LONG}')",
-    "notice": f"twistarm.parts.notice.show({json.dumps({'words': LONG, 'wrong': True})})",
+    "notice": f"twistarm.parts.work.notice({json.dumps({'words': LONG, 'wrong': True})})",
     "notes": f"twistarm.parts.progress.learn({json.dumps(NOTES)})",
     "target-words": f"twistarm.parts.target.verdict.show({json.dumps(MET)})",
     "solutions-words": f"twistarm.parts.solutions.show({json.dumps(FOUND)})",

@@ -53,9 +53,7 @@ export class ArmCopy {
   }
 }
 
-export function coloured(name) {
-  return new THREE.Color(styled(name));
-}
+export const coloured = (name) => new THREE.Color(styled(name));
 
 // `solid`: seen only where nothing stands before it, and one surface deep.
 export function faint(color, opacity, solid) {

@@ -52,13 +52,7 @@ export class Beside {
     this.names.forEach((name, i) => { this.values[name] = beside.theta[i]; });
     const joints = [...beside.arm.joints, ...beside.arm.others.map((joint) => ({ ...joint, beside: true }))];
     this.shared = new Map(joints.filter(({ name, unit }) => theirs.some((other) => other.name === name && other.unit === unit)).map((joint) => [joint.name, joint]));
-    for (const joint of joints) {
-      this.rows.set(joint.name, new JointRow(joint, {
-        send: (value) => this.move(joint, value),
-        complain: (text, box) => this.panel.complain(text, box),
-        settle: (box) => this.panel.settle(box),
-      }));
-    }
+    for (const joint of joints) this.rows.set(joint.name, new JointRow(joint, this.panel, (value) => this.move(joint, value)));
     writeName($("beside-name"), beside.arm.name);
     $("beside-joints").replaceChildren(...[...this.rows.values()].map(({ row }) => row));
     $("beside-follow").checked = this.shared.size > 0;
@@ -114,6 +108,4 @@ export class Beside {
   }
 }
 
-function clipped(value, { limits: [lower, upper] }) {
-  return Math.max(lower ?? -Infinity, Math.min(upper ?? Infinity, value));
-}
+const clipped = (value, { limits: [lower, upper] }) => Math.max(lower ?? -Infinity, Math.min(upper ?? Infinity, value));

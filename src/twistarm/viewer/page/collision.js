@@ -82,7 +82,6 @@ export class Collision {
     this.connect(nearest);
   }
 
-  // Red where something collides, else as it was.
   paint() {
     const red = new THREE.Color(RED);
     for (const [name, path] of Object.entries(this.links)) {
@@ -151,10 +150,7 @@ export function matrixOf({ node, matrix }, frame) {
   return carrier ? own.premultiply(new THREE.Matrix4().fromArray(carrier)) : own;
 }
 
-// What must be drawn anew if it changes.
-function keyOf({ kind, size, points }) {
-  return `${kind} ${size.join()} ${points}`;
-}
+const keyOf = ({ kind, size, points }) => `${kind} ${size.join()} ${points}`;
 
 function tint(material, colour) {
   material.userData.plain ??= material.color.clone();

@@ -73,7 +73,6 @@ export class Controls {
     });
   }
 
-  // The hand is off, and what it asked for has arrived.
   release() {
     this.held = null;
     this.write();

@@ -4,9 +4,7 @@ import { $, element } from "./element.js";
 
 const WHILE = 4000; // ms for which it is said
 
-export function copyTheta(theta) {
-  return copyText(`[${theta.join(", ")}]`, "theta", "in rad and m");
-}
+export const copyTheta = (theta) => copyText(`[${theta.join(", ")}]`, "theta", "in rad and m");
 
 // `text`, called `name`; `units` in words.
 export async function copyText(text, name, units) {
@@ -21,7 +19,6 @@ export async function copyText(text, name, units) {
   }
 }
 
-// To be copied by hand.
 function offer(text, name) {
   const field = element("input");
   Object.assign(field, { type: "text", readOnly: true, value: text }); // a line: newlines are dropped

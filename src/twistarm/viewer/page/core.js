@@ -64,7 +64,6 @@ export class Core {
     return { transforms, tool: toolOf(transforms["/frames/tool"]) };
   }
 
-  // The links alone, for a ghost.
   links(theta, others) {
     return Object.fromEntries(Object.entries(this.place(theta, others).transforms).filter(([path]) => path.startsWith("/arm/")));
   }
@@ -153,7 +152,6 @@ export class Core {
     throw new Error(`a configuration of ${this.arm.name} is ${this.n} finite numbers; got ${theta}`);
   }
 
-  // The numbers of a target.
   target({ kind, position, xyzw }) {
     const R = rotation(xyzw);
     if (!KINDS.includes(kind)) throw new Error(`a target is one of ${KINDS.join(", ")}; got ${kind}`);
@@ -165,9 +163,7 @@ export class Core {
   }
 }
 
-function allowed({ position = 0, orientation = 0 }) {
-  return { position: position || DEFAULTS.position, orientation: orientation || DEFAULTS.orientation };
-}
+const allowed = ({ position = 0, orientation = 0 }) => ({ position: position || DEFAULTS.position, orientation: orientation || DEFAULTS.orientation });
 
 // The rows of R of a unit quaternion.
 function rotation(xyzw) {

@@ -21,10 +21,7 @@ export function button(className, text, title, press) {
   return made;
 }
 
-// What is packed in base64.
-export function bytes(text) {
-  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-}
+export const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 
 // What is packed in base64, of gzip as a rule.
 export async function unzipped(text) {
@@ -34,6 +31,4 @@ export async function unzipped(text) {
 }
 
 // A variable of the style sheet, such as a colour.
-export function styled(name) {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-}
+export const styled = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();

@@ -1,7 +1,7 @@
 // A manipulability ellipsoid at the tool: how fast it moves, or turns, in each direction.
 
 import { dispose } from "./disposal.js";
-import { rod } from "./solids.js";
+import { hidden, rod } from "./solids.js";
 import { THREE } from "./view.js";
 
 const FLAT = 0.002; // half a thickness, in sizes of the arm, at which a disc or a line is still seen
@@ -12,9 +12,7 @@ export class Ellipsoid {
 
   constructor(view, color) {
     this.color = color;
-    this.group = new THREE.Group();
-    this.group.visible = false;
-    view.viewer.scene.add(this.group);
+    this.group = hidden(view);
   }
 
   build(axes) {

@@ -9,9 +9,7 @@ export function short(number, digits = 3) {
   return tidy(number.toFixed(Math.max(0, digits - (size < 9.9995 ? 0 : size < 99.995 ? 1 : 2))));
 }
 
-function tidy(text) {
-  return Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−");
-}
+const tidy = (text) => Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−");
 
 // h in m/rad; null is infinite: a slide.
 export function pitchWords(pitch) {
@@ -30,10 +28,7 @@ export function python(value) {
   return `{${Object.entries(value).map(([name, entry]) => `${JSON.stringify(name)}: ${python(entry)}`).join(", ")}}`;
 }
 
-// A matrix, a row a line.
-export function pythonRows(rows) {
-  return `[\n${rows.map((row) => `    ${python(row)},\n`).join("")}]`;
-}
+export const pythonRows = (rows) => `[\n${rows.map((row) => `    ${python(row)},\n`).join("")}]`;
 
 // Names without what they begin with alike: heads of narrow columns.
 export function heads(names) {

@@ -43,6 +43,4 @@ export async function film(view, { width, height, rate, duration }, { begin, sho
   return stopped() ? null : webm(frames, { width, height, duration: 1000 * duration });
 }
 
-function pause() {
-  return new Promise((resolve) => setTimeout(resolve));
-}
+const pause = () => new Promise((resolve) => setTimeout(resolve));

@@ -53,7 +53,6 @@ export class Findings {
     this.buttons.set(key, button);
   }
 
-  // Why this link is the tool, and which others could be meant.
   explain() {
     const key = JSON.stringify(this.tipFinding);
     $("findings").open = true;
@@ -74,7 +73,6 @@ export class Findings {
   }
 }
 
-// "3 warnings, 5 info"
 function counted(counts) {
   const parts = Object.entries(SEVERITIES).filter(([severity]) => counts[severity])
     .map(([severity, [one, several]]) => element("span", severity, `${counts[severity]} ${counts[severity] > 1 ? several : one}`));

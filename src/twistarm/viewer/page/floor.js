@@ -72,7 +72,6 @@ export class Floor {
   }
 }
 
-// The nearest of 1, 2 and 5 times a power of ten.
 function nice(length) {
   const ten = 10 ** Math.floor(Math.log10(length));
   const off = (step) => Math.abs(Math.log((step * ten) / length));
@@ -98,7 +97,6 @@ function grid(cell, reach, { r, g, b }, opacity) {
   return new THREE.LineSegments(geometry, material);
 }
 
-// A floor that shows only the shadows on it.
 function shade(reach) {
   const plane = new THREE.PlaneGeometry(2 * reach, 2 * reach);
   const floor = new THREE.Mesh(plane, new THREE.ShadowMaterial({ opacity: 0.2, depthWrite: false }));

@@ -41,15 +41,8 @@ export class Gamepad {
   }
 }
 
-function pads() {
-  return [...(navigator.getGamepads?.() ?? [])].filter((pad) => pad?.connected);
-}
-
-function pressed(pad, button) {
-  return pad.buttons[button]?.pressed ?? false;
-}
+const pads = () => [...(navigator.getGamepads?.() ?? [])].filter((pad) => pad?.connected);
+const pressed = (pad, button) => pad.buttons[button]?.pressed ?? false;
 
 // 0 in the dead band, from there on straight to ±1.
-function beyond(value) {
-  return (Math.sign(value) * Math.max(0, Math.abs(value) - DEAD_BAND)) / (1 - DEAD_BAND);
-}
+const beyond = (value) => (Math.sign(value) * Math.max(0, Math.abs(value) - DEAD_BAND)) / (1 - DEAD_BAND);

@@ -3,7 +3,7 @@
 import { coloured } from "./arm_copy.js";
 import { Motion } from "./gizmo_motion.js";
 import { REACH, RING, makeHandles, makeTether, stretch } from "./gizmo_shapes.js";
-import { THREE, beforeRender } from "./view.js";
+import { THREE, beforeRender, followHand } from "./view.js";
 
 export class Gizmo {
   // `act` holds begin(), move(pose), end(), cancel(), and snap() whether to round; a pose is {position, quaternion}.
@@ -27,7 +27,8 @@ export class Gizmo {
     view.viewer.scene.add(this.group, this.tether);
     view.gizmos.push(this);
     this.scale();
-    this.listen(view.viewer.dom_element);
+    followHand(view, this);
+    view.viewer.dom_element.addEventListener("pointerleave", () => this.motion || this.light(null));
   }
 
   // With every picture, after the camera: whichever camera it is, and wherever it has gone.
@@ -115,17 +116,6 @@ export class Gizmo {
 
   // by hand ------------------------------------------------------------------------------------------
 
-  listen(pane) {
-    const early = { capture: true }; // before the view takes the pointer for itself
-    pane.addEventListener("pointerdown", (event) => this.grab(event), early);
-    pane.addEventListener("pointermove", (event) => this.follow(event), early);
-    for (const type of ["pointerup", "pointercancel", "lostpointercapture"]) {
-      pane.addEventListener(type, (event) => this.release(event), early);
-    }
-    pane.addEventListener("pointerleave", () => this.motion || this.light(null));
-    addEventListener("keydown", (event) => this.escape(event), early);
-  }
-
   grab(event) {
     const free = this.view.viewer.controls.enabled; // no other handles are held
     const handle = event.button === 0 && event.isPrimary && free && !this.motion ? this.hit(event) : null;
@@ -167,7 +157,6 @@ export class Gizmo {
     this.act.cancel();
   }
 
-  // The hand is off.
   drop() {
     if (!this.motion) return;
     this.motion = null;

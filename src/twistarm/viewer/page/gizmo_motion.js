@@ -22,7 +22,6 @@ export class Motion {
     this.from = ray.intersectPlane(this.plane, new THREE.Vector3());
   }
 
-  // Of the plane in which the pointer is followed.
   normal() {
     const { kind, axis, eye } = this;
     if (kind === "turn" && !this.flat) return axis.clone();
@@ -70,6 +69,4 @@ function inSteps(by, frame, step) {
   return local.set(...local.toArray().map((value) => rounded(value, step))).applyQuaternion(frame);
 }
 
-function rounded(value, step) {
-  return step ? step * Math.round(value / step) : value;
-}
+const rounded = (value, step) => step ? step * Math.round(value / step) : value;

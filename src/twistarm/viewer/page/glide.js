@@ -3,9 +3,7 @@
 const TIME = 500; // ms
 
 // Whether whoever looks wants things to move by themselves.
-export function eases() {
-  return !matchMedia("(prefers-reduced-motion: reduce)").matches;
-}
+export const eases = () => !matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 export class Glide {
   // `place(theta)` is called for every picture until the goal is reached.

@@ -53,7 +53,6 @@ export class Highlight {
     this.follow();
   }
 
-  // Stand where the node stands now.
   follow() {
     if (this.node === null) return;
     const { scene } = this.view.viewer;

@@ -6,16 +6,14 @@ import { types } from "./keys.js";
 const NAMES = { undo: ["Undo", "Ctrl+Z"], redo: ["Redo", "Ctrl+Shift+Z"] };
 
 export class History {
-  // `act` holds undo() and redo().
-  constructor(act) {
-    this.act = act;
+  constructor(ask) {
+    this.ask = ask;
     this.words = { undo: null, redo: null };
     this.messages = { history: (message) => this.show(message) };
-    for (const kind in NAMES) $(kind).addEventListener("click", () => act[kind]());
+    for (const kind in NAMES) $(kind).addEventListener("click", () => ask({ type: kind }));
     addEventListener("keydown", (event) => this.press(event));
   }
 
-  // What each would do, in words; null: nothing.
   show({ undo, redo }) {
     this.words = { undo, redo };
     for (const [kind, [name, keys]] of Object.entries(NAMES)) {
@@ -29,7 +27,7 @@ export class History {
     const kind = meant(event);
     if (!kind || types(document.activeElement)) return;
     event.preventDefault();
-    if (this.words[kind] !== null) this.act[kind]();
+    if (this.words[kind] !== null) this.ask({ type: kind });
   }
 }
 

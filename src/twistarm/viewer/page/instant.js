@@ -1,7 +1,7 @@
 // The instantaneous screw of the tool: its axis, a helix about it where it has a pitch, and the tool's velocity.
 
 import { dispose } from "./disposal.js";
-import { AXIS, Arrow, LINEAR, rod, solid, vector } from "./solids.js";
+import { AXIS, Arrow, LINEAR, hidden, rod, solid, vector } from "./solids.js";
 import { THREE } from "./view.js";
 
 const UP = new THREE.Vector3(0, 1, 0);
@@ -17,9 +17,7 @@ export class Instant {
   /** @type {Arrow} */ velocity;
 
   constructor(view) {
-    this.group = new THREE.Group();
-    this.group.visible = false;
-    view.viewer.scene.add(this.group);
+    this.group = hidden(view);
     this.pitch = NaN;
   }
 

@@ -5,7 +5,7 @@ import { $ } from "./element.js";
 import { Gamepad } from "./gamepad.js";
 import { AXES, inBase, ofHands } from "./jog_axes.js";
 import { JogLine } from "./jog_line.js";
-import { Keys, takesKeys } from "./keys.js";
+import { pressed, takesKeys } from "./keys.js";
 import { Pushes } from "./pushes.js";
 
 const PERIOD = 40; // ms between two messages: some may be late before the process gives up waiting
@@ -17,7 +17,7 @@ export class Jog {
   constructor(act, view) {
     this.act = act;
     this.view = view;
-    this.keys = new Keys();
+    this.keys = new Pushes();
     this.gamepad = new Gamepad();
     this.pushes = new Pushes();
     this.line = new JogLine(this);
@@ -35,7 +35,7 @@ export class Jog {
   listen() {
     addEventListener("keydown", (event) => this.press(event));
     addEventListener("keyup", (event) => {
-      this.keys.lift(event);
+      this.keys.lift(event.code);
       this.update();
     });
     // From here on the page would not see a key go up.
@@ -59,7 +59,6 @@ export class Jog {
     this.report();
   }
 
-  // The process is gone.
   lose() {
     this.show({ jog: false, status: null, joint: null, reason: "", share: null });
   }
@@ -73,7 +72,6 @@ export class Jog {
     this.release();
   }
 
-  // Everything counts as let go, and must be pressed anew.
   release() {
     this.keys.clear();
     this.gamepad.clear();
@@ -84,7 +82,7 @@ export class Jog {
   press(event) {
     if (!this.ready) return;
     if (event.ctrlKey || event.metaKey || event.altKey) return this.release();
-    if (!this.keys.press(event) && !this.choose(event)) return;
+    if (!pressed(event, this.keys) && !this.choose(event)) return;
     event.preventDefault();
     this.update();
   }
@@ -97,13 +95,11 @@ export class Jog {
     return true;
   }
 
-  // Other axes: from here on what is held goes along these.
   take(frame) {
     this.frame = frame;
     this.report();
   }
 
-  // Faster by so many steps.
   pace(steps) {
     this.step = Math.min(Math.max(this.step + steps, 0), SHARES.length - 1);
     this.report();

@@ -6,9 +6,7 @@ export const AXES = ["base", "tool", "view"];
 
 // What keys and sticks push, (ahead, left, up), as components along the axes of `frame`: x, y and z, as for a tool that
 // looks along x; in view axes, which point right, up and towards the viewer, what is ahead, left and up on the screen.
-export function ofHands(push, frame) {
-  return frame === "view" ? halves(push, ([ahead, left, up]) => [-left, up, -ahead]) : push;
-}
+export const ofHands = (push, frame) => frame === "view" ? halves(push, ([ahead, left, up]) => [-left, up, -ahead]) : push;
 
 // A twist along the view's axes, along those of the base: both halves turned by the camera's orientation.
 export function inBase(twist, { viewer: { scene, camera } }) {
@@ -19,6 +17,4 @@ export function inBase(twist, { viewer: { scene, camera } }) {
   return halves(twist, (half) => new THREE.Vector3(...half).applyMatrix4(rotation).toArray());
 }
 
-function halves(twist, turned) {
-  return [...turned(twist.slice(0, 3)), ...turned(twist.slice(3))];
-}
+const halves = (twist, turned) => [...turned(twist.slice(0, 3)), ...turned(twist.slice(3))];

@@ -56,7 +56,6 @@ export class JogLine {
     return late ? [word, "this browser is too slow: make the window smaller"].filter(Boolean).join(" · ") : word;
   }
 
-  // Whether less than all has been done for a while.
   get steady() {
     return performance.now() - this.partial >= STEADY;
   }
@@ -68,9 +67,7 @@ export class JogLine {
   }
 }
 
-export function speedWords([linear, angular]) {
-  return `${signed(linear, 3)} m/s, ${shown(angular, "rad", 0)}/s`;
-}
+export const speedWords = ([linear, angular]) => `${signed(linear, 3)} m/s, ${shown(angular, "rad", 0)}/s`;
 
 // Only what is new: the line is read aloud, and laid out anew, each time it is written.
 function write(element, text) {

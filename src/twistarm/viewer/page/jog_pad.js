@@ -23,7 +23,6 @@ export class JogPad {
     this.ofJoints = [];
   }
 
-  // The joints of an arm, as the process describes them.
   build(joints) {
     this.ofJoints = joints.flatMap(({ name }, joint) => {
       const pair = this.pair({ joint });
@@ -34,7 +33,6 @@ export class JogPad {
       [writeName(element("span", "name"), name), ...this.ofJoints.slice(2 * i, 2 * i + 2)]));
   }
 
-  // Two buttons, there and back.
   pair(what) {
     return [-1, 1].map((sign) => {
       const button = element("button");

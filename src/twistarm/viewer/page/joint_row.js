@@ -10,10 +10,10 @@ const LEAST = { rad: Math.PI / 36, m: 0.01 }; // near a limit in any case: 5°, 
 const ROUNDING = 1e-6; // rad, m: the process lets a value lie this far beyond
 
 export class JointRow {
-  // `act` holds send(value) in rad or m, and complain(text).
-  constructor(joint, act) {
+  // `panel` as for a NumberBox; `send(value)` in rad or m.
+  constructor(joint, panel, send) {
     this.joint = joint;
-    this.act = act;
+    this.send = send;
     this.number = 0;
     this.row = element("div", "joint");
     this.row.setAttribute("role", "group");
@@ -21,7 +21,7 @@ export class JointRow {
     this.nearLimit = element("span", "near-limit");
     this.ends = element("span", "ends");
     this.slider = this.makeSlider();
-    this.box = new NumberBox(joint, { ...act, send: (value) => this.move(value) });
+    this.box = new NumberBox(joint, panel, (value) => this.move(value));
     this.unit = element("span", "unit");
     this.row.append(this.head(), this.slider, this.box.input, this.unit);
     this.label();
@@ -48,10 +48,9 @@ export class JointRow {
 
   move(value) {
     this.show(value);
-    this.act.send(value);
+    this.send(value);
   }
 
-  // The unit on the page is another.
   label() {
     const { limits, range, unit } = this.joint;
     this.ends.textContent = span(range, unit);

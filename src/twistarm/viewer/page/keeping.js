@@ -56,6 +56,4 @@ export class Keeping {
 }
 
 // A key of TOML: bare where that is allowed.
-function key(name) {
-  return /^[\w-]+$/.test(name) ? name : JSON.stringify(name).replaceAll("\u007f", "\\u007f");
-}
+const key = (name) => /^[\w-]+$/.test(name) ? name : JSON.stringify(name).replaceAll("\u007f", "\\u007f");

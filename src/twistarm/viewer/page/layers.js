@@ -24,7 +24,6 @@ export class Layers {
     this.show({});
   }
 
-  // What the program says anew.
   take(reported) {
     const anew = Object.entries(reported).filter(([layer, visible]) => String(visible) !== String(this.reported[layer]));
     this.reported = reported;

@@ -109,6 +109,4 @@ async function refuses() {
   }
 }
 
-function key(request) {
-  return [request.type, request.id ?? request.name ?? request.what].join(":");
-}
+const key = (request) => [request.type, request.id ?? request.name ?? request.what].join(":");

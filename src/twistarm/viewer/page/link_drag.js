@@ -1,7 +1,7 @@
 // A link taken hold of with the mouse: the joint that moves it follows the pointer. A press without a drag selects it.
 
 import { Motion } from "./gizmo_motion.js";
-import { THREE } from "./view.js";
+import { THREE, followHand } from "./view.js";
 
 const STILL = 4; // px that a press may slip
 const END_ON = 0.97; // cosine to the eye from which a slide is seen from its end
@@ -13,14 +13,7 @@ export class LinkDrag {
     this.page = page; // view, panel, names, findings, theory
     this.held = null;
     this.hello = this.offline = () => this.drop();
-    const pane = page.view.viewer.dom_element;
-    const early = { capture: true }; // before the view takes the pointer for itself
-    pane.addEventListener("pointerdown", (event) => this.grab(event), early);
-    pane.addEventListener("pointermove", (event) => this.follow(event), early);
-    for (const type of ["pointerup", "pointercancel", "lostpointercapture"]) {
-      pane.addEventListener(type, (event) => this.release(event), early);
-    }
-    addEventListener("keydown", (event) => this.escape(event), early);
+    followHand(page.view, this);
   }
 
   // A finger turns the view.
@@ -85,7 +78,6 @@ export class LinkDrag {
     if (moved) row.move(from);
   }
 
-  // The hand is off.
   drop() {
     if (!this.held) return;
     for (const controls of [this.held.controls, this.page.view.viewer.controls]) controls.enabled = true;

@@ -80,7 +80,6 @@ export class LinkTree {
     this.apply();
   }
 
-  // What another page needs to show the same.
   remembered() {
     return { opacity: this.opacity, ...Object.fromEntries(NAMES.map((mark) => [mark, [...this.marks[mark]]])) };
   }
@@ -121,9 +120,7 @@ export class LinkTree {
   }
 }
 
-function marksOf(lists) {
-  return Object.fromEntries(NAMES.map((mark) => [mark, new Set(lists[mark] ?? [])]));
-}
+const marksOf = (lists) => Object.fromEntries(NAMES.map((mark) => [mark, new Set(lists[mark] ?? [])]));
 
 function axes(length) {
   const group = new THREE.Group();

@@ -25,7 +25,6 @@ import { Link } from "./link.js";
 import { LinkDrag } from "./link_drag.js";
 import { LinkNames } from "./link_names.js";
 import { LinkTree } from "./link_tree.js";
-import { Notice } from "./notice.js";
 import { restore } from "./page_state.js";
 import { Panel } from "./panel.js";
 import { Path } from "./path.js";
@@ -107,7 +106,6 @@ const parts = {
   links: new LinkTree(view, (on) => layers.lookAtCollisions(on)),
   linkNames: new LinkNames(view),
   beside: new Beside(page),
-  notice: new Notice(),
   jogging: new JogPanel(page),
   target: new Target(page),
   solutions: new Solutions(page, () => parts.target.wanted()),
@@ -115,16 +113,8 @@ const parts = {
   path: new Path(page),
   program: new Program(page),
   keeping: new Keeping(page),
-  player: new Player({
-    play: () => ask({ type: "play" }),
-    pause: () => ask({ type: "pause" }),
-    seek,
-    pace: (speed, loop) => ask({ type: "pace", speed, loop }),
-  }),
-  history: new History({
-    undo: () => ask({ type: "undo" }),
-    redo: () => ask({ type: "redo" }),
-  }),
+  player: new Player(ask),
+  history: new History(ask),
   plots: new Plots(seek),
   theory: new Theory(page),
   collision,
@@ -164,7 +154,6 @@ function unsupported(error) {
   throw error;
 }
 
-// Whether it is asked.
 function ask(request) {
   const wrong = violation(schema.requests, request);
   if (wrong || !QUIET.includes(request.type)) panel.showError(wrong);

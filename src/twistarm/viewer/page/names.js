@@ -16,7 +16,6 @@ export function writeName(root, name, title = name) {
   return root;
 }
 
-// As text, of at most so many letters.
 export function cut(name, longest) {
   const letters = [...name];
   if (letters.length <= longest) return name;

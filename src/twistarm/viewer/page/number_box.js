@@ -12,10 +12,11 @@ const REMEDIES = {
 const NAMES = { "°": "degrees", rad: "radians", m: "metres", 1: "" };
 
 export class NumberBox {
-  // `act` holds send(value) in rad or m, complain(text, box), and settle(box) once there is nothing to complain of.
-  constructor(joint, act) {
+  // `panel` holds complain(text, box), and settle(box) once there is nothing to complain of; `send(value)` in rad or m.
+  constructor(joint, panel, send) {
     this.joint = joint;
-    this.act = act;
+    this.panel = panel;
+    this.accept = send;
     this.number = 0;
     this.text = "";
     this.held = false; // under somebody's hand: not written from outside
@@ -41,7 +42,6 @@ export class NumberBox {
     this.input.addEventListener("keydown", (event) => this.press(event));
   }
 
-  // The unit on the page is another.
   label() {
     const { name, limits, unit } = this.joint;
     const [lower, upper] = limits.map((limit) => (limit === null ? null : figure(limit, unit, 3).replace("−", "-")));
@@ -74,7 +74,7 @@ export class NumberBox {
   mark(nonsense) {
     if (nonsense) return this.input.setAttribute("aria-invalid", "true");
     this.input.removeAttribute("aria-invalid");
-    this.act.settle(this);
+    this.panel.settle(this);
   }
 
   press(event) {
@@ -98,10 +98,10 @@ export class NumberBox {
     if (!this.edited) return;
     const value = typed(this.input.value, this.joint.unit);
     if (value === null) {
-      this.act.complain(`${this.joint.name}: “${this.input.value}” ${this.remedy()}`, this);
+      this.panel.complain(`${this.joint.name}: “${this.input.value}” ${this.remedy()}`, this);
     } else {
       this.held = this.edited = false;
-      this.act.send(value);
+      this.accept(value);
     }
   }
 
@@ -128,18 +128,13 @@ export class NumberBox {
     const [lower, upper] = [limits[0] ?? -Infinity, limits[1] ?? Infinity];
     const from = (this.edited ? typed(this.input.value, unit) : null) ?? this.number;
     this.held = this.edited = false;
-    this.act.send(Math.max(lower, Math.min(upper, from + count * step(unit))));
+    this.accept(Math.max(lower, Math.min(upper, from + count * step(unit))));
   }
 
   // Not for hands, or again; what was typed and not sent is given up.
   disable(disabled) {
     if (this.input.disabled === disabled) return;
     this.input.disabled = disabled;
-    this.abandon();
-  }
-
-  abandon() {
-    this.held = false;
-    this.write();
+    this.restore();
   }
 }

@@ -118,9 +118,7 @@ function jointCell(text, title) {
   return cell;
 }
 
-function headCell(text, scope) {
-  return Object.assign(element("th", "", text), { scope });
-}
+const headCell = (text, scope) => Object.assign(element("th", "", text), { scope });
 
 function set(node, text) {
   if (node.textContent === text) return;

@@ -71,6 +71,4 @@ function steady([roll, pitch, yaw], last) {
   return stays(other) && !stays([roll, pitch, yaw]) ? other : [roll, pitch, yaw];
 }
 
-function wrapped(angle) {
-  return angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
-}
+const wrapped = (angle) => angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));

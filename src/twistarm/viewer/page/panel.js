@@ -37,7 +37,7 @@ export class Panel {
     $("base-and-tip").textContent = `${arm.joints.length} joint${arm.joints.length === 1 ? "" : "s"}, ${base} → ${tip}`;
     $("base-and-tip").title = `${arm.base} → ${arm.tip}`;
     this.buildButtons(Object.keys(arm.poses));
-    for (const row of this.rows.values()) row.box.abandon(); // what is typed is not for the arm that comes
+    for (const row of this.rows.values()) row.box.restore(); // what is typed is not for the arm that comes
     this.rows.clear();
     const rows = arm.joints.map((joint) => this.row(joint));
     if (arm.others.length) rows.push(element("h2", "", "Other joints"));
@@ -48,7 +48,6 @@ export class Panel {
     for (const item of $("legend").children) item.hidden = !arm.screws.includes(item.className);
   }
 
-  // Of named poses, and beside them.
   buildButtons(poses) {
     this.movers = poses.map((name) => named(name, `Go to the pose ${name}`, () => this.act.pose(name)));
     $("poses").replaceChildren(...this.movers);
@@ -61,15 +60,10 @@ export class Panel {
   }
 
   row(joint) {
-    const act = {
-      send: (value) => {
-        this.held = joint.name;
-        this.act.joint(joint.name, value);
-      },
-      complain: (text, box) => this.complain(text, box),
-      settle: (box) => this.settle(box),
-    };
-    const row = new JointRow(joint, act);
+    const row = new JointRow(joint, this, (value) => {
+      this.held = joint.name;
+      this.act.joint(joint.name, value);
+    });
     this.rows.set(joint.name, row);
     return row.row;
   }
@@ -101,13 +95,11 @@ export class Panel {
     if (this.held !== name) this.rows.get(name).show(number);
   }
 
-  // The row of a joint stands out; null: none.
   mark(name) {
     for (const [joint, { row }] of this.rows) row.setAttribute("aria-current", String(joint === name));
     this.rows.get(name)?.row.scrollIntoView({ block: "nearest" });
   }
 
-  // The hand is off, and what it asked for has arrived.
   release() {
     this.held = null;
   }
@@ -154,6 +146,4 @@ export class Panel {
   }
 }
 
-function named(name, title, press) {
-  return Object.assign(writeName(button("", "", title, press), name, title), { ariaLabel: name });
-}
+const named = (name, title, press) => Object.assign(writeName(button("", "", title, press), name, title), { ariaLabel: name });

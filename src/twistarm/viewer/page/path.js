@@ -17,7 +17,6 @@ const STOPPED = 0.3;
 const NOTHING = { points: [], ideal: [], radius: 0, waypoints: [], ids: [], stopped: null };
 
 export class Path {
-  // `links(theta)`: where the links would stand.
   constructor({ view, links }) {
     this.view = view;
     this.links = links;
@@ -79,7 +78,6 @@ export class Path {
     this.view.viewer.set_dirty();
   }
 
-  // Which of the poses collide.
   collide(poses) {
     if (poses.join() === this.hit.join()) return;
     this.hit = poses;
@@ -94,7 +92,6 @@ export class Path {
     return arm;
   }
 
-  // Why it stops, in place.
   mark() {
     const { stopped } = this.data;
     const pin = () => ({ layer: "path", node: "/path", at: new THREE.Vector3(...stopped.position), text: element("span", "", stopped.words), whole: true });
@@ -107,6 +104,4 @@ function tube(points, radius, colour) {
   return new THREE.Mesh(new THREE.TubeGeometry(curve, 2 * points.length, radius, 8), lit(colour));
 }
 
-function lit(color) {
-  return new THREE.MeshLambertMaterial({ color, emissive: color, emissiveIntensity: 0.4 });
-}
+const lit = (color) => new THREE.MeshLambertMaterial({ color, emissive: color, emissiveIntensity: 0.4 });

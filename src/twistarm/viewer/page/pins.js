@@ -27,7 +27,6 @@ export class Pins {
     this.layer.replaceChildren(...pins.map(({ text }) => text));
   }
 
-  // With the drawing, whatever moved: the camera or the arm.
   follow() {
     if (this.layer.hidden || this.pins.length === 0) return;
     const { camera } = this.view.viewer;

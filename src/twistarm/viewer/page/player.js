@@ -3,19 +3,17 @@
 import { $, element } from "./element.js";
 
 export class Player {
-  // `act` holds play(), pause(), seek(time), pace(speed, loop).
-  constructor(act) {
-    this.act = act;
+  constructor(ask) {
+    this.ask = ask;
     this.running = this.driven = false;
     this.time = this.duration = 0; // of the trajectory, s; the scrubber runs from 0 to 1
     this.other = new Option(); // a speed that is none of the list's
     this.pressed = this.sought = false; // the scrubber: under a hand, and ahead of what is on show
     this.messages = { player: (message) => this.show(message), servo: ({ driven }) => this.disable(driven), colliding: ({ band }) => this.mark(band) };
-    $("play").addEventListener("click", () => (this.running ? act.pause() : act.play()));
+    $("play").addEventListener("click", () => ask({ type: this.running ? "pause" : "play" }));
     this.listen();
-    for (const id of ["speed", "loop"]) {
-      $(id).addEventListener("change", () => act.pace(Number($("speed").value), $("loop").checked));
-    }
+    const pace = () => ask({ type: "pace", speed: Number($("speed").value), loop: $("loop").checked });
+    for (const id of ["speed", "loop"]) $(id).addEventListener("change", pace);
   }
 
   listen() {
@@ -26,7 +24,7 @@ export class Player {
 
   seek(scrub) {
     this.sought = true;
-    this.act.seek(Number(scrub.value) * this.duration);
+    this.ask({ type: "seek", time: Number(scrub.value) * this.duration });
   }
 
   // A press where the scrubber stands is no input, and holds the motion there all the same.
@@ -37,13 +35,11 @@ export class Player {
     this.follow();
   }
 
-  // What was sought is on show.
   release() {
     this.sought = false;
     this.follow();
   }
 
-  // The trajectory that is loaded; duration null: none.
   show({ duration, speed, loop }) {
     $("player").hidden = duration === null;
     this.duration = duration ?? 0;
@@ -52,7 +48,6 @@ export class Player {
     this.report();
   }
 
-  // Python may play at any.
   showSpeed(speed) {
     this.other.remove();
     if (![...$("speed").options].some(({ value }) => Number(value) === speed)) {

@@ -41,7 +41,6 @@ export class Plot {
     this.aim(null);
   }
 
-  // The moment that the motion is at.
   follow(time) {
     this.time = time;
     if (this.cursor) place(this.cursor, this.x(time));
@@ -65,7 +64,6 @@ export class Plot {
     this.act.point(this, event, this.at(event));
   }
 
-  // The time under the pointer.
   at({ clientX }) {
     const along = (clientX - this.svg.getBoundingClientRect().left - EDGE.left) / this.inner();
     return this.span * Math.max(0, Math.min(1, along));
@@ -112,12 +110,8 @@ export class Plot {
   }
 }
 
-// A title that there is room for, or its first words.
-function fitting(title, width) {
-  return LETTER * title.length < width ? title : title.split(/[,·]/)[0].trim();
-}
+const fitting = (title, width) => LETTER * title.length < width ? title : title.split(/[,·]/)[0].trim();
 
-// A short piece of a joint's line, for the legend.
 export function swatch(joint) {
   const box = svg("svg", { class: "swatch", viewBox: "0 0 22 6", width: 22, height: 6, "aria-hidden": "true" });
   box.append(svg("line", { ...look(joint), class: "line", x1: 0, x2: 22, y1: 3, y2: 3 }));
@@ -129,9 +123,7 @@ export function reading(rows) {
   return rows.flatMap(({ joint, name, value }) => [swatch(joint), writeName(element("span", "name"), name), element("span", "", value)]);
 }
 
-function look(joint) {
-  return { style: `stroke: var(--plot-${joint % COLOURS})`, "stroke-dasharray": DASHES[joint % DASHES.length] };
-}
+const look = (joint) => ({ style: `stroke: var(--plot-${joint % COLOURS})`, "stroke-dasharray": DASHES[joint % DASHES.length] });
 
 function place(line, x) {
   line.setAttribute("x1", x);

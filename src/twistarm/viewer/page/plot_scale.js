@@ -13,9 +13,7 @@ const STILL = 0.05; // of the largest peak: likewise
 
 // {title, low, high, marks: [{at, label, limit}], lines: [{joint, values}]} of the plots' message for a rate. `chosen`
 // is a joint's place; null: all.
-export function scaled(plots, rate, chosen) {
-  return chosen === null ? shares(plots, rate) : alone(plots, rate, chosen);
-}
+export const scaled = (plots, rate, chosen) => chosen === null ? shares(plots, rate) : alone(plots, rate, chosen);
 
 // The same of the tool: the speed of its origin, and how fast it turns at most.
 export function toolScaled({ tool }) {
@@ -26,10 +24,7 @@ export function toolScaled({ tool }) {
   return { title: "Tool, m/s", low, high, marks, lines };
 }
 
-// A value as people read it, with its unit.
-export function worded(value, { unit }, rate) {
-  return `${figure(value, unit)} ${unitShown(unit)}${PER[rate]}`;
-}
+export const worded = (value, { unit }, rate) => `${figure(value, unit)} ${unitShown(unit)}${PER[rate]}`;
 
 // By what a joint's values are divided, after `middle` is taken off: ±1 are its limits. Without a limit its peak, or a
 // part of the largest among its `others`: what stands still is drawn so.
@@ -80,7 +75,6 @@ function alone(plots, rate, chosen) {
   return { title: `${TITLES[rate]}, ${unitShown(joint.unit)}${PER[rate]}${limitsInWords(joint, rate, limits, exact)}`, low, high, marks, lines };
 }
 
-// What is behind the title: the limits in numbers.
 function limitsInWords(joint, rate, [low, high], digits) {
   const usual = joint.usual.includes(rate) ? "usual limit" : "limit";
   if (rate !== "position") return high === null ? " · no limit" : ` · ${usual} ±${signed(high, digits)}`;
@@ -113,9 +107,7 @@ export function ticks(low, high) {
   return Array.from({ length: Math.max(0, count) }, (_, i) => (Math.ceil(low / step) + i) * step);
 }
 
-export function decimals(span) {
-  return Math.max(0, Math.min(9, -Math.floor(Math.log10(stride(span)))));
-}
+export const decimals = (span) => Math.max(0, Math.min(9, -Math.floor(Math.log10(stride(span)))));
 
 function stride(span) {
   const rough = (span || 1) / 4;

@@ -48,7 +48,6 @@ export class Plots {
     this.draw();
   }
 
-  // The legend: all joints, or one of them alone.
   label() {
     const all = chip("All", "Every joint, as a share of its limits", () => this.choose(null));
     const names = shortened(this.data.joints.map(({ name }) => name));
@@ -92,7 +91,6 @@ export class Plots {
     }
   }
 
-  // Of the tool; `of` chooses among the values.
   speeds(of) {
     const { linear, angular } = this.data.tool;
     return `${figure(of(linear), "m")} m/s, turning ${figure(of(angular), "rad")} ${unitShown("rad")}/s`;
@@ -153,9 +151,7 @@ function shortened(names) {
   return names.length > 1 ? names.map((name) => name.slice(common ?? 0)) : names;
 }
 
-function percent(part) {
-  return `${Math.round(100 * Math.abs(part))} %`;
-}
+const percent = (part) => `${Math.round(100 * Math.abs(part))} %`;
 
 function chip(name, title, press) {
   const made = Object.assign(button("", "", title, press), { ariaLabel: name });

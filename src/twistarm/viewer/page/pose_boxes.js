@@ -10,10 +10,12 @@ export class PoseBoxes {
   /** @type {NumberBox[]} */ boxes = [];
   /** @type {any} as shown: x, y, z and the orientation */ numbers;
 
-  // `tool` holds the read-outs; `act` holds send(pose), complain(text, box) and settle(box).
-  constructor(tool, act) {
+  // `panel.tool` holds the read-outs; `ask(pose)` sends one.
+  constructor(panel, ask) {
+    const { tool } = panel;
+    this.panel = panel;
     this.tool = tool;
-    this.act = act;
+    this.ask = ask;
     this.disabled = [false, false];
     tool.onBuilt.push(() => this.build());
     this.build();
@@ -24,7 +26,7 @@ export class PoseBoxes {
   }
 
   build() {
-    for (const box of this.boxes) box.abandon();
+    for (const box of this.boxes) box.restore();
     this.numbers = null;
     this.typed = null; // an orientation as it is being typed, of any length, until the boxes are left
     this.boxes = Object.entries(this.tool.units).map(([name, unit], i) => this.make(name, unit, i));
@@ -33,11 +35,7 @@ export class PoseBoxes {
   }
 
   make(name, unit, i) {
-    const box = new NumberBox({ name: `tool ${name}`, unit, limits: [null, null] }, {
-      send: (value) => this.send(i, value),
-      complain: (text, wrong) => this.act.complain(text, wrong),
-      settle: (wrong) => this.act.settle(wrong),
-    });
+    const box = new NumberBox({ name: `tool ${name}`, unit, limits: [null, null] }, this.panel, (value) => this.send(i, value));
     const entry = element("dd", "entry");
     entry.append(box.input);
     this.tool.cells[i].after(entry);
@@ -49,14 +47,13 @@ export class PoseBoxes {
     const numbers = this.typed ? [...this.numbers.slice(0, 3), ...this.typed] : this.numbers;
     const [x, y, z, ...turned] = numbers.with(i, value);
     const quaternion = read(way, turned);
-    if (!quaternion) return this.act.complain(ZERO[way], this.boxes[i]);
+    if (!quaternion) return this.panel.complain(ZERO[way], this.boxes[i]);
     this.numbers = [x, y, z, ...turned];
     this.tool.last = turned;
     if (way !== "rpy" && i >= 3) this.typed = turned;
-    return this.act.send({ position: new THREE.Vector3(x, y, z), quaternion });
+    return this.ask({ position: new THREE.Vector3(x, y, z), quaternion });
   }
 
-  // The unit on the page is another.
   label() {
     for (const box of this.boxes) box.label();
     this.show(this.pose);

@@ -39,6 +39,4 @@ function checked(file, pose, i) {
   return { name, theta, by };
 }
 
-function names(joints) {
-  return Array.isArray(joints) && joints.every((joint) => typeof joint === "string");
-}
+const names = (joints) => Array.isArray(joints) && joints.every((joint) => typeof joint === "string");

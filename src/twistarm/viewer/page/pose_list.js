@@ -71,7 +71,6 @@ export class PoseList {
     this.act.reorder(id, place);
   }
 
-  // The arm has moved.
   mark(theta) {
     for (const { id, theta: pose } of this.poses) {
       const here = pose.every((value, i) => Math.abs(value - theta[i]) < SAME);

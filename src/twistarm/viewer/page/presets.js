@@ -19,7 +19,6 @@ export class Presets {
     view.viewer.dom_element.addEventListener("wheel", () => this.stop(), { capture: true, passive: true });
   }
 
-  // Look from the side of that name.
   go(name) {
     this.stop();
     const { camera, controls } = this.view.viewer;
@@ -50,11 +49,5 @@ export class Presets {
   }
 }
 
-function seen(position, target) {
-  return new THREE.Spherical().setFromVector3(position.clone().sub(target));
-}
-
-// The same turn, half a circle at most.
-function nearest(angle) {
-  return angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
-}
+const seen = (position, target) => new THREE.Spherical().setFromVector3(position.clone().sub(target));
+const nearest = (angle) => angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));

@@ -132,7 +132,6 @@ export class Process {
     };
   }
 
-  // What has changed since the last time.
   publish() {
     for (const message of this.messages()) {
       const text = JSON.stringify(message);
@@ -159,12 +158,10 @@ export class Process {
 
   // where the arm stands -----------------------------------------------------------------------------
 
-  // Where it stands, or is on its way to.
   get goal() {
     return this.glide.goal ?? this.theta;
   }
 
-  // It is here now; null: it has not moved.
   stand(theta) {
     this.theta = theta ?? this.theta;
     this.publish();
@@ -252,7 +249,6 @@ export class Process {
 
   // the target ---------------------------------------------------------------------------------------
 
-  // The page's own answer to a target.
   take({ stage, theta, met, words, ghost, ...given }) {
     if (this.core.solves) this.core.target(given); // which refuses what is none
     this.go(this.checked(theta));
@@ -269,7 +265,6 @@ export class Process {
     this.tolerances = { type: "tolerances", ...tolerances };
   }
 
-  // All configurations of a target, from the closed form.
   find(target) {
     const where = this.goal;
     const found = this.core.configurations(target, where, this.tolerances);
@@ -339,9 +334,7 @@ function withhold(byType) {
   }
 }
 
-function near(one, other, within) {
-  return one.every((value, i) => Math.abs(value - other[i]) <= within);
-}
+const near = (one, other, within) => one.every((value, i) => Math.abs(value - other[i]) <= within);
 
 // The objects in one buffer, each after its length.
 function parts(buffer) {

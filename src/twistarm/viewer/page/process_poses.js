@@ -116,9 +116,7 @@ export class Poses {
 }
 
 // What a plan depends on: the poses in order, and the move to each.
-function listed(poses) {
-  return JSON.stringify(poses.map(({ id, by }, i) => [id, i > 0 && by]));
-}
+const listed = (poses) => JSON.stringify(poses.map(({ id, by }, i) => [id, i > 0 && by]));
 
 // The name, made up if empty, with a number if another pose has it.
 function free(name, others) {

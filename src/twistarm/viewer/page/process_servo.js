@@ -65,7 +65,6 @@ export class Drive {
     this.onUnreachable = onUnreachable;
   }
 
-  // {twist, frame}, {rates}, or null to stop.
   take(command) {
     if (!this.driven) throw new Error("Turn on Drive in the Jog panel first.");
     this.command = command;

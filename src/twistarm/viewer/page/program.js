@@ -77,7 +77,6 @@ export class Program {
     this.report();
   }
 
-  // What the boxes ask for.
   get settings() {
     const [corner, linear_speed] = ["plan-corner", "plan-linear-speed"].map((id) => typed($(id).value.replace(/\/s\s*$/, "") || "0", "m"));
     const torques = $("plan-torques").checked;

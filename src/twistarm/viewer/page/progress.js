@@ -31,7 +31,6 @@ export class Progress {
     this.show();
   }
 
-  // An object of this many bytes has been drawn.
   add(bytes) {
     this.drawn += 1;
     this.bytes += bytes;

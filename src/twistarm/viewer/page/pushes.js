@@ -1,4 +1,4 @@
-// Buttons that are held, each by a pointer or a key, as a twist along the chosen axes and as rates of joints.
+// What is held by pointers and keys, as a twist along the chosen axes and as rates of joints.
 
 export class Pushes {
   constructor() {
@@ -22,12 +22,11 @@ export class Pushes {
     return [...this.held.values()].includes(push);
   }
 
-  // Six numbers, -1, 0 or 1 for each button.
+  // Six numbers, the sum of -1 or 1 for each that is held.
   twist() {
     return this.sum("axis", 6);
   }
 
-  // A number per joint, -1, 0 or 1.
   rates(count) {
     return this.sum("joint", count).map((value) => Math.sign(value));
   }

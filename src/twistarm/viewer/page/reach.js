@@ -67,7 +67,6 @@ export class Reach {
     this.view.viewer.set_dirty();
   }
 
-  // The tool is here now.
   follow(position) {
     if (this.tool.equals(position)) return;
     this.tool.copy(position);

@@ -58,9 +58,11 @@ export class ScenePanel {
     const list = obstacles.map(({ name }) => name).join("\n");
     const other = this.obstacles.map(({ name }) => name).join("\n") !== list;
     this.obstacles = obstacles;
-    if (other) $("obstacle-list").replaceChildren(...obstacles.map((obstacle) => this.row(obstacle)));
-    if (other) this.choose(this.chosen);
-    if (other) this.page.view.settle();
+    if (other) {
+      $("obstacle-list").replaceChildren(...obstacles.map((obstacle) => this.row(obstacle)));
+      this.choose(this.chosen);
+      this.page.view.settle();
+    }
     $("save-scene").hidden = file === null;
     $("save-scene").disabled = saved;
     $("save-scene").title = saved ? `${file} is up to date` : `Write ${file}`;
@@ -112,13 +114,8 @@ export class ScenePanel {
   }
 
   box(label, unit, i) {
-    const box = new NumberBox({ name: `${this.chosen}, ${label}`, label, limits: [null, null], unit }, {
-      send: (value) => this.type(i, value),
-      complain: (text, wrong) => this.page.panel.complain(text, wrong),
-      settle: (wrong) => this.page.panel.settle(wrong),
-    });
-    box.label();
-    return box;
+    const joint = { name: `${this.chosen}, ${label}`, label, limits: [null, null], unit };
+    return new NumberBox(joint, this.page.panel, (value) => this.type(i, value));
   }
 
   find() {
@@ -133,7 +130,6 @@ export class ScenePanel {
     });
   }
 
-  // In the arm's base frame.
   pose() {
     return poseOf(matrixOf(this.find(), this.page.state.frame).toArray());
   }
@@ -170,13 +166,8 @@ export class ScenePanel {
     this.put(turned([...numbers.slice(sizes), ...turns]), sizes > 0 ? numbers.slice(0, sizes) : undefined);
   }
 
-  put(pose, size = this.find().size) {
-    const { name, kind } = this.find();
-    this.ask(name, kind, size, pose);
-  }
-
-  ask(name, kind, size, { position, quaternion }) {
-    return this.page.ask({ type: "obstacle", name, kind, size, position: position.toArray(), xyzw: quaternion.toArray() });
+  put({ position, quaternion }, size = this.find().size, { name, kind } = this.find()) {
+    this.page.ask({ type: "obstacle", name, kind, size, position: position.toArray(), xyzw: quaternion.toArray() });
   }
 
   // A place beside the tool, in the picture: somebody may have turned the view, which then stays.
@@ -197,6 +188,7 @@ export class ScenePanel {
     const position = this.beside(poseOf(this.page.state.frame.transforms["/frames/tool"]).position, ASIDE * radius);
     this.chosen = name;
     $("obstacle-name").value = "";
-    this.ask(name, kind, ADDED[kind].map((share) => rounded(share * LARGE * radius)), { position, quaternion: new THREE.Quaternion() });
+    const size = ADDED[kind].map((share) => rounded(share * LARGE * radius));
+    this.put({ position, quaternion: new THREE.Quaternion() }, size, { name, kind });
   }
 }

@@ -111,7 +111,6 @@ export class Share {
     }
   }
 
-  // The motion from its start to its end, at its own speed.
   async record(width, height, rate, report) {
     const { duration } = this;
     const made = await film(this.view, { width, height, rate, duration }, {
@@ -137,7 +136,6 @@ export class Share {
     if (points.length > 0) view.fit(points);
   }
 
-  // Bring a moment of the motion on show.
   async reach(time) {
     if (this.time === time && this.awaited) return;
     await new Promise((resolve, reject) => {

@@ -9,6 +9,13 @@ export const LINEAR = 0x7c5cff; // what is linear, and what is angular
 export const ANGULAR = 0xf0642f;
 export const AXIS = 0x2f86e0;
 
+// Of what a layer shows.
+export function hidden(view) {
+  const group = Object.assign(new THREE.Group(), { visible: false });
+  view.viewer.scene.add(group);
+  return group;
+}
+
 // A mesh, and its copy that is seen through everything.
 export function solid(geometry, color) {
   const look = { color, emissive: color, emissiveIntensity: 0.35 };
@@ -19,9 +26,7 @@ export function solid(geometry, color) {
 }
 
 // A rod along y, of length and radius 1, to be scaled.
-export function rod(color) {
-  return solid(new THREE.CylinderGeometry(1, 1, 1, 16), color);
-}
+export const rod = (color) => solid(new THREE.CylinderGeometry(1, 1, 1, 16), color);
 
 // An arrow from a point, `radius` thick.
 export class Arrow {
@@ -48,11 +53,7 @@ export class Arrow {
   }
 }
 
-export function vector(numbers) {
-  return new THREE.Vector3(...numbers);
-}
+export const vector = (numbers) => new THREE.Vector3(...numbers);
 
 // Column `i` of a matrix given by rows, from row `first` on.
-export function column(rows, i, first = 0) {
-  return new THREE.Vector3(rows[first][i], rows[first + 1][i], rows[first + 2][i]);
-}
+export const column = (rows, i, first = 0) => new THREE.Vector3(rows[first][i], rows[first + 1][i], rows[first + 2][i]);

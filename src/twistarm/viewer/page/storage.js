@@ -19,6 +19,4 @@ export function keep(name, text, { session = false } = {}) {
 }
 
 // The saved pages of a folder share one storage. A live page has another address at each start.
-function here(name) {
-  return document.getElementById("data") ? `${name} ${location.pathname}` : name;
-}
+const here = (name) => document.getElementById("data") ? `${name} ${location.pathname}` : name;

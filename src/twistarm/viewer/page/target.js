@@ -45,11 +45,7 @@ export class Target {
       snap: () => $("target-snap").checked,
     });
     page.view.handles = this.gizmo;
-    this.boxes = new PoseBoxes(page.panel.tool, {
-      send: (pose) => this.solve(pose),
-      complain: (text, box) => page.panel.complain(text, box),
-      settle: (box) => page.panel.settle(box),
-    });
+    this.boxes = new PoseBoxes(page.panel, (pose) => this.solve(pose));
     this.verdict = new Verdict();
     this.tolerances = new Tolerances(page, () => this.again());
     this.messages = {
@@ -78,7 +74,6 @@ export class Target {
     if (event.code === "KeyG" && bare(event) && !$("drag-tool").disabled) $("drag-tool").click();
   }
 
-  // An arm that is new to the page.
   hello({ arm }) {
     $("target-kind").value = KINDS.filter(([least]) => arm.joints.length >= least)[0][1];
     this.begun = this.kind;
@@ -98,7 +93,6 @@ export class Target {
     else this.arrange();
   }
 
-  // Whether the tool is not for hands: nobody knows where it stands, a servo drives it, or too many joints move it.
   get shut() {
     return this.driven || !this.page.state.frame || !this.page.core.solves;
   }
@@ -142,7 +136,6 @@ export class Target {
     this.arrange();
   }
 
-  // Back to where it was.
   cancel() {
     const moved = this.held !== null;
     const { theta, reported } = this.start;
@@ -162,7 +155,6 @@ export class Target {
     this.arrange();
   }
 
-  // The target that is given, asked for once more.
   again() {
     if (this.given && !this.shut) this.solve(startPose(this.given, this.tool));
   }
@@ -182,7 +174,6 @@ export class Target {
     return this.send(found.theta, { given, met: found.met, words, ghost: found.unlimited });
   }
 
-  // Nothing moves where nobody is asked.
   send(theta, { given, met, words, ghost }) {
     const stage = this.page.state.hello.number;
     const asked = this.page.ask({ type: "target", stage, ...given, theta, met, words, ghost: ghost ?? [] });
@@ -190,7 +181,6 @@ export class Target {
     else this.gizmo.drop();
   }
 
-  // Everything where it belongs, and only what can be used.
   arrange() {
     const { shut } = this;
     for (const id of ["drag-tool", "target-kind", "target-axes", "target-snap"]) $(id).disabled = shut;

@@ -21,10 +21,5 @@ export function startPose(given, tool) {
 }
 
 // Roll, pitch and yaw about fixed axes are yaw, pitch and roll about the turned ones.
-export function numbersOf({ position, quaternion }, last) {
-  return [...position.toArray(), ...written("rpy", quaternion, last?.slice(-3))];
-}
-
-export function turned(numbers) {
-  return { position: new THREE.Vector3(...numbers.slice(0, 3)), quaternion: read("rpy", numbers.slice(3)) };
-}
+export const numbersOf = ({ position, quaternion }, last) => [...position.toArray(), ...written("rpy", quaternion, last?.slice(-3))];
+export const turned = (numbers) => ({ position: new THREE.Vector3(...numbers.slice(0, 3)), quaternion: read("rpy", numbers.slice(3)) });

@@ -72,17 +72,11 @@ function carried(g, xi) {
   return [...plus(v, cross(p, w)), ...w];
 }
 
-function bracket([va, wa], [vb, wb]) {
-  return [...plus(cross(wa, vb), cross(wb, va), -1), ...cross(wa, wb)];
-}
-
+const bracket = ([va, wa], [vb, wb]) => [...plus(cross(wa, vb), cross(wb, va), -1), ...cross(wa, wb)];
 const parts = (g) => [0, 4, 8, 12].map((first) => g.slice(first, first + 3)); // the axes and the origin
 const halves = (xi) => [xi.slice(0, 3), xi.slice(3)];
 const cross = ([a, b, c], [x, y, z]) => [b * z - c * y, c * x - a * z, a * y - b * x];
-
-function rows(columns, count = 6) {
-  return Array.from({ length: count }, (_, r) => columns.map((column) => column[r]));
-}
+const rows = (columns, count = 6) => Array.from({ length: count }, (_, r) => columns.map((column) => column[r]));
 
 // The rank, and the directions, in tool axes, of singular values under `below`.
 function inWords({ values, axes, rank }, below) {
@@ -103,7 +97,6 @@ function directionInWords(xi) {
   return norm(v) < SLIGHT ? `turn about ${about}` : `move along ${along} while it turns about ${about}`;
 }
 
-// The line of a unit vector.
 function axisInWords(axis) {
   const sizes = axis.map(Math.abs);
   const largest = sizes.indexOf(Math.max(...sizes));

@@ -1,6 +1,7 @@
 // Where the tool has been since the trace was switched on, on this page.
 
 import { dispose } from "./disposal.js";
+import { hidden } from "./solids.js";
 import { THREE } from "./view.js";
 
 const STEP = 0.006; // of the arm's size, between points
@@ -12,10 +13,8 @@ const COLOR = 0x7aa61c;
 export class Trace {
   constructor(view) {
     this.view = view;
-    this.group = new THREE.Group();
-    this.group.visible = false;
+    this.group = hidden(view);
     this.holder = new THREE.Group(); // of the last piece
-    view.viewer.scene.add(this.group);
     this.pieces = []; // lists of points, each with a mesh in the group once it has two
     this.piece = []; // the last of them
   }
@@ -32,7 +31,6 @@ export class Trace {
     this.view.viewer.set_dirty();
   }
 
-  // The tool is here now.
   follow(position) {
     if (!this.group.visible) return;
     const last = this.piece[this.piece.length - 1];

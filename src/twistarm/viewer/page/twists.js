@@ -1,16 +1,14 @@
 // The columns of a Jacobian, each as two arrows: v and w, at the origin of the frame they are written in.
 
 import { dispose } from "./disposal.js";
-import { ANGULAR, Arrow, LINEAR, column } from "./solids.js";
+import { ANGULAR, Arrow, LINEAR, column, hidden } from "./solids.js";
 import { THREE } from "./view.js";
 
 const THICK = 0.006; // of the arm's size
 
 export class Twists {
   constructor(view) {
-    this.group = new THREE.Group();
-    this.group.visible = false;
-    view.viewer.scene.add(this.group);
+    this.group = hidden(view);
     this.arrows = [];
   }
 
@@ -23,7 +21,6 @@ export class Twists {
     for (const arrow of this.arrows.flat()) this.group.add(arrow.group);
   }
 
-  // Of the matrix, six rows, the columns `shown`.
   show(matrix, shown) {
     const { linear, angular, length } = this.axes;
     const origin = new THREE.Vector3();
@@ -35,7 +32,6 @@ export class Twists {
     });
   }
 
-  // Stand where the frame stands.
   stand(frame) {
     this.group.position.copy(frame.position);
     this.group.quaternion.copy(frame.quaternion);

@@ -10,9 +10,7 @@ const WRITTEN = { m: { m: 1, cm: 100, mm: 1000, in: 1 / 0.0254 }, rad: { rad: 1,
 
 let radians = kept(KEPT) === "true";
 
-export function inRadians() {
-  return radians;
-}
+export const inRadians = () => radians;
 
 export function setRadians(on) {
   radians = on;
@@ -20,9 +18,7 @@ export function setRadians(on) {
 }
 
 // The unit on the page of what is in rad or m.
-export function unitShown(unit) {
-  return unit === "rad" && !radians ? "°" : unit;
-}
+export const unitShown = (unit) => unit === "rad" && !radians ? "°" : unit;
 
 export function signed(number, digits) {
   const text = number.toFixed(digits);
@@ -30,13 +26,8 @@ export function signed(number, digits) {
 }
 
 // `digits` are those of degrees; metres and radians have two more.
-export function figure(value, unit, digits = 1) {
-  return signed(value * scale(unit), unitShown(unit) === "°" ? digits : digits + 2);
-}
-
-export function shown(value, unit, digits) {
-  return figure(value, unit, digits) + mark(unit);
-}
+export const figure = (value, unit, digits = 1) => signed(value * scale(unit), unitShown(unit) === "°" ? digits : digits + 2);
+export const shown = (value, unit, digits) => figure(value, unit, digits) + mark(unit);
 
 export function span([low, high], unit) {
   const whole = [low, high].every((end) => Number(figure(end, unit, 0).replace("−", "-")) === Number(figure(end, unit, 1).replace("−", "-")));
@@ -45,9 +36,7 @@ export function span([low, high], unit) {
 }
 
 // Decimals of a limit beside others of `digits`: radians tell little without two.
-export function limitDigits(unit, digits) {
-  return unitShown(unit) === "°" ? digits : Math.max(2, digits);
-}
+export const limitDigits = (unit, digits) => unitShown(unit) === "°" ? digits : Math.max(2, digits);
 
 // What was typed, in rad or m; null where it is no number. `bare`: how many of a number without a unit are 1 rad or m,
 // those of the page unless given; angles with pi are radians.
@@ -56,20 +45,7 @@ export function typed(text, unit, bare = scale(unit)) {
   return Number.isFinite(value) ? value : null;
 }
 
-// What an arrow key adds, rad or m.
-export function step(unit) {
-  return STEPS[unitShown(unit)] / scale(unit);
-}
-
-// The same in words.
-export function stride(unit) {
-  return `${STEPS[unitShown(unit)]}${mark(unit)}`;
-}
-
-function scale(unit) {
-  return unitShown(unit) === "°" ? DEGREES : 1;
-}
-
-function mark(unit) {
-  return { "°": "°", 1: "" }[unitShown(unit)] ?? ` ${unit}`;
-}
+export const step = (unit) => STEPS[unitShown(unit)] / scale(unit);
+export const stride = (unit) => `${STEPS[unitShown(unit)]}${mark(unit)}`;
+const scale = (unit) => unitShown(unit) === "°" ? DEGREES : 1;
+const mark = (unit) => ({ "°": "°", 1: "" }[unitShown(unit)] ?? ` ${unit}`);

@@ -72,7 +72,6 @@ function prevented(core, given, theta) {
   return rest > NEGLIGIBLE ? [`${angle(rest)} of the rotation are prevented by limits or reach`] : [];
 }
 
-// The rotation error at theta [rad].
 function turn(core, given, theta) {
   if (given.kind === "position") return 0;
   const { g } = core.kinematics(theta);
@@ -102,9 +101,7 @@ function named(axis) {
   return i === undefined ? `(${axis.map((value) => value.toFixed(2)).join(", ")}) in its axes` : `its ${"xyz"[i]} axis`;
 }
 
-function length(metres) {
-  return Math.abs(metres) >= 0.1 ? `${metres.toFixed(3)} m` : `${Number((1e3 * metres).toPrecision(3))} mm`;
-}
+const length = (metres) => Math.abs(metres) >= 0.1 ? `${metres.toFixed(3)} m` : `${Number((1e3 * metres).toPrecision(3))} mm`;
 
 function angle(radians) {
   const degrees = DEGREES * radians;

@@ -22,6 +22,15 @@ export function beforeRender({ viewer: { scene } }, act) {
   };
 }
 
+// Tell `hand`, which has grab, follow, release and escape, of the pointer before the view takes it for itself.
+export function followHand({ viewer: { dom_element: pane } }, hand) {
+  const listen = (target, type, act) => target.addEventListener(type, (event) => hand[act](event), { capture: true });
+  listen(pane, "pointerdown", "grab");
+  listen(pane, "pointermove", "follow");
+  for (const type of ["pointerup", "pointercancel", "lostpointercapture"]) listen(pane, type, "release");
+  listen(window, "keydown", "escape");
+}
+
 export class View {
   /** @type {any} of all that is shown [m]; undefined until it is known */ radius;
   /** @type {InstanceType<typeof THREE.DirectionalLight>} */ sun;
@@ -146,7 +155,6 @@ export class View {
     return this.segments.get(path);
   }
 
-  // Call `act` with every picture.
   afterRender(act) {
     const { scene } = this.viewer;
     const before = scene.onAfterRender;
@@ -275,7 +283,6 @@ export class View {
     }
   }
 
-  // Floor and grid, in the colours of the page.
   furnish() {
     const wanted = `${this.radius} ${this.ground} ${this.dark.matches}`;
     if (this.radius === undefined || wanted === this.furnished) return;

@@ -49,6 +49,4 @@ function whole(number) {
   return bytes;
 }
 
-function size(parts) {
-  return parts.reduce((sum, { byteLength }) => sum + byteLength, 0);
-}
+const size = (parts) => parts.reduce((sum, { byteLength }) => sum + byteLength, 0);

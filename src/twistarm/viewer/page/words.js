@@ -29,7 +29,6 @@ export function report(place, text, details = []) {
   room.observe(head);
 }
 
-// Show the fold only if something is in it.
 function fit(head) {
   const fold = head.closest("details");
   if (!fold || fold.open) return;

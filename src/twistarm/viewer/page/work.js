@@ -1,12 +1,19 @@
-// What the process is busy with: a line and a bar for each job.
+// What the process says of the arm as a whole, and what it is busy with: a line and a bar for each job.
 
 import { $, element } from "./element.js";
+import { report } from "./words.js";
 
 const WORDS = { plan: "planning", reach: "mapping the reach", collision: "preparing collision checks", band: "checking the motion" };
 
 export class Work {
   constructor() {
-    this.messages = { work: (message) => this.show(message) };
+    this.messages = { work: (message) => this.show(message), notice: (message) => this.notice(message) };
+  }
+
+  notice({ words, wrong }) {
+    report($("notice"), words);
+    $("notice").hidden = words === "";
+    $("notice").classList.toggle("wrong", wrong);
   }
 
   show({ jobs }) {
