@@ -191,3 +191,19 @@ def test_a_file_has_what_is_kept(tmp_path: Path) -> None:
         file.write_text(f"[[segment]]\n{wrong}\n", "utf-8")
         with pytest.raises(InputError, match=words):
             load_motion(file, ARM)
+
+
+def test_a_corner_rounded_before_it_keeps_too() -> None:
+    """The free move before it keeps nothing, and its corner reaches into the next one."""
+    keep = Keep(direction=DOWN, tol=TOL)
+    moves = [FreeMove(START, blend=0.05), FreeMove(GOAL, keep=keep)]
+    motion = plan(ARM, moves, start=ARM.ready, scene=beside_a_post())
+    g = ARM.by_pinocchio(motion(np.linspace(motion.times[1], motion.duration, 5001)))[0]
+    assert angles(g, np.array([0.0, 0.0, 1.0]), DOWN).max() <= TOL + 1e-8
+
+
+def test_a_start_that_collides_is_named_where_no_way_is_found() -> None:
+    scene = Scene(ARM)
+    scene.add_box("wall", (2.0, 0.02, 4.0), (0.0, 0.05, 0.0))
+    with pytest.raises(PathError, match=r"no way.*the start collides: .*wall"):
+        plan(ARM, FreeMove(GOAL, keep=Keep(direction=DOWN, tol=TOL)), start=START, scene=scene, max_time=0.3)

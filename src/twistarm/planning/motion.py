@@ -141,9 +141,16 @@ def plan(
         def timed(parts: list[PathPart]) -> Trajectory:
             return _in_time(ranged, first, parts, rates, kind, told)
 
-        return (timed(parts), None) if around is None else _checked(around, timed, parts, moves, router.kept)
+        return (timed(parts), None) if around is None else _checked(around, timed, parts, router.kept)
 
-    motion = _free(planned, moves)
+    try:
+        motion = _free(planned, moves)
+    except PathError as error:
+        if scene is None or around is scene or error.reason != "collision":
+            raise
+        make, (why, *known) = error.__reduce__()
+        contact = scene.contacts(origin)[0]
+        raise make(Text("{why}; the start collides: {contact}", why=why, contact=contact), *known) from error
     if scene is not None and around is not scene and (contacts := scene.contacts(motion.waypoints[-1])):
         raise PathError(f"the motion ends in collision, as it began: {contacts[0]}", reason="collision")
     tell(1.0)
@@ -209,26 +216,28 @@ def _free(planned: Callable[[bool], tuple[Trajectory, Hit | None]], moves: list[
 
 
 def _checked(
-    around: Scene, timed: Callable[[list[PathPart]], Trajectory], parts: list[PathPart], moves: list[Segment],
-    kept: Mapping[int, Kept],
+    around: Scene, timed: Callable[[list[PathPart]], Trajectory], parts: list[PathPart], kept: Mapping[int, Kept]
 ) -> tuple[Trajectory, Hit | None]:  # fmt: skip
     """The motion along the parts, or the one with sharp corners on the ways of free moves, and its first collision.
 
-    It stops at the end of a free move where a rounded corner would not keep what the move keeps.
+    It stops at an end of a free move where a rounded corner would not keep what the move keeps.
     """
     from .free_moves import first_collision
 
-    motion = timed(parts)
-    left = [k for k, held in kept.items() if not _keeps(held, motion, *motion.times[k : k + 2])]
-    if left:
-        parts = [replace(part, blend=0.0) if part.index in left else part for part in parts]
-        motion = timed(parts)
-        note = f"stops at {', '.join(place(k, moves[k]) for k in left)}: a rounded corner would not keep what it keeps"
-        motion = replace(motion, notes=(*motion.notes, note))
+    motion, stops = timed(parts), list[str]()
+    for before in (0, 1):  # the corner at the end of such a move, then that at its beginning
+        left = {k - before for k, held in kept.items() if not _keeps(held, motion, *motion.times[k : k + 2])}
+        sharp = [part for part in parts if part.last and part.blend and part.index in left]
+        if sharp:
+            parts = [replace(part, blend=0.0) if part in sharp else part for part in parts]
+            motion, stops = timed(parts), [*stops, *(place(part.index, part.segment) for part in sharp)]
     hit = first_collision(around, motion)
-    if hit is not None and any(isinstance(move, FreeMove) for move in moves):
+    if hit is not None and any(isinstance(part.segment, FreeMove) for part in parts):
         motion = timed([part if part.last else replace(part, blend=0.0) for part in parts])
         hit = first_collision(around, motion)
+    if stops:
+        note = f"stops at {', '.join(stops)}: a rounded corner would not keep what a free move keeps"
+        motion = replace(motion, notes=(*motion.notes, note))
     return motion, hit
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -54,7 +55,7 @@ class PathError(TwistarmError):
         self.detail, self.share, self.theta, self.reason = message, share, theta, reason
         self.joint, self.start, self.segment, self.place = joint, start, segment, place
 
-    def __reduce__(self) -> tuple[type[PathError], tuple[object, ...]]:
+    def __reduce__(self) -> tuple[type[PathError], tuple[Any, ...]]:
         known = self.share, self.theta, self.reason, self.joint, self.start, self.segment, self.place
         return type(self), (self.detail, *known)
 

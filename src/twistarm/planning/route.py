@@ -15,7 +15,7 @@ from ..ik.solution import in_one_line
 from ..ik.solve import solve_ik
 from ..ik.targets import KINDS, target_for
 from ..support.checks import Array
-from ..support.errors import InputError, NotConvergedError
+from ..support.errors import InputError, NotConvergedError, TwistarmError
 from ..support.messages import Argument, Text, joined
 from .configurations import branches
 from .curves import MovingTarget
@@ -134,7 +134,7 @@ class Router:
     def _unwrapped_goal(self, i: int, segment: JointMove, theta: Array) -> Array:
         end = self.goals.configuration(segment, theta, self._place(i))
         end, notes = unwrapped(self.arm, end, theta, self._place(i), self.goals.unwrap)
-        self.notes.extend(notes)
+        self.notes.extend(note for note in notes if note not in self.notes)  # a goal may be asked for again
         return end
 
     def _around(self, i: int, segment: FreeMove, theta: Array) -> list[PathPart]:
@@ -168,12 +168,12 @@ class Router:
             whole = keep.at(self.arm, self.arm.fk(theta))
         except InputError as error:
             raise InputError(joined(": ", [self._place(i), error.message])) from error
-        wanted, errors = [whole, *(whole.weaker(self.arm) if self.arm.n < 6 else ())], list[PathError]()
+        wanted, errors = [whole, *(whole.weaker(self.arm) if self.arm.n < 6 else ())], list[TwistarmError]()
         for candidate in wanted:
             kept = Kept(self.arm, candidate)
             try:
                 path = self._kept_path(i, segment, kept, theta, 1.0 / len(wanted))
-            except PathError as error:
+            except (PathError, NotConvergedError) as error:  # the whole may have no configuration at the goal
                 errors.append(error)
                 continue
             if errors:
