@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -162,7 +162,7 @@ def octomap_points(message: Mapping[str, Any]) -> tuple[Array, float]:
     if name == "ColorOcTree" and not message["binary"]:
         raise InputError("a ColorOcTree is read in its binary form only: publish octomap_binary")
     data = (np.array(message["data"], dtype=np.int64) % 256).astype(np.uint8).tobytes()
-    cells = [*(_binary_leaves(data) if message["binary"] else _full_leaves(data))]
+    cells = [*_leaves(_binary_nodes(data) if message["binary"] else _full_nodes(data))] if data else []
     sides = [1 << (DEPTH - level) for _, level in cells]
     if (count := sum(side**3 for side in sides)) > MOST_OCCUPIED:
         raise InputError(f"its cells have {count:,} occupied voxels of {voxel:g} m; at most {MOST_OCCUPIED:,} are read")
@@ -184,35 +184,37 @@ def _child(corner: tuple[int, int, int], level: int, i: int) -> Leaf:
     return (x + half * (i & 1), y + half * (i >> 1 & 1), z + half * (i >> 2 & 1)), level + 1
 
 
-def _binary_leaves(data: bytes) -> Iterator[Leaf]:
-    """Two bits a child: 1 for free, 2 for occupied, 3 for one with children of its own, depth first."""
-    waiting: list[Leaf] = [((0, 0, 0), 0)] if data else []
-    for at in range(0, len(data) - 1, 2):
+Node = tuple[bool, int, int]
+"""Whether a node is an occupied leaf; eight bits for its occupied children, and for those that are nodes too."""
+
+
+def _leaves(nodes: Iterable[Node]) -> Iterator[Leaf]:
+    """The occupied cells of nodes that come depth first."""
+    waiting: list[Leaf] = [((0, 0, 0), 0)]
+    for is_leaf, occupied, inner in nodes:
         if not waiting:
-            break
+            return
         corner, level = waiting.pop()
-        bits = int.from_bytes(data[at : at + 2], "little")
-        kinds = [bits >> 2 * i & 3 for i in range(8)]
-        if level >= DEPTH:
+        if level >= DEPTH and occupied | inner:
             raise InputError("its cells are nested too deeply")
-        yield from (_child(corner, level, i) for i, kind in enumerate(kinds) if kind == 2)
-        waiting += [_child(corner, level, i) for i in reversed(range(8)) if kinds[i] == 3]
+        if is_leaf:
+            yield corner, level
+        yield from (_child(corner, level, i) for i in range(8) if occupied >> i & 1)
+        waiting += [_child(corner, level, i) for i in reversed(range(8)) if inner >> i & 1]
     if waiting:
         raise InputError("its data is cut short")
 
 
-def _full_leaves(data: bytes) -> Iterator[Leaf]:
-    """For each node its log-odds as float32, occupied from 0 on, and a bit for each child, depth first."""
-    waiting: list[Leaf] = [((0, 0, 0), 0)] if data else []
+def _binary_nodes(data: bytes) -> Iterator[Node]:
+    """Two bits a child: 1 for free, 2 for occupied, 3 for a node."""
+    for row in np.frombuffer(data, "<u2", len(data) // 2).tolist():
+        kinds = [row >> 2 * i & 3 for i in range(8)]
+        occupied, inner = (sum(1 << i for i, kind in enumerate(kinds) if kind == wanted) for wanted in (2, 3))
+        yield False, occupied, inner
+
+
+def _full_nodes(data: bytes) -> Iterator[Node]:
+    """For each node its log-odds as float32, occupied from 0 on, and a bit for each child."""
     rows = np.frombuffer(data, np.dtype([("odds", "<f4"), ("children", "u1")]), len(data) // 5)
     for odds, children in zip(rows["odds"].tolist(), rows["children"].tolist(), strict=True):
-        if not waiting:
-            break
-        corner, level = waiting.pop()
-        if children and level >= DEPTH:
-            raise InputError("its cells are nested too deeply")
-        if not children and odds >= 0.0:
-            yield corner, level
-        waiting += [_child(corner, level, i) for i in reversed(range(8)) if children >> i & 1]
-    if waiting:
-        raise InputError("its data is cut short")
+        yield not children and odds >= 0.0, 0, children

@@ -93,8 +93,8 @@ class NearPairs(Checker):
 
     def _cover(self, most: Array) -> None:
         """Take speeds that hold while |theta| is at most `most` (n,)."""
-        self._most = most
         self.speeds = pair_speeds(self._model, self.bodies, self.pairs, most)[self._owner]
+        self._most = most  # last: another thread may then use the speeds
 
     def _motion(self, first: Indices, second: Indices) -> tuple[Array, Array, Array]:
         """Each joint's twist (m, 6) in its own frame, which bodies of pairs it carries (k, m), and dq/dtheta (m, n)."""

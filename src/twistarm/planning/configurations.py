@@ -113,18 +113,19 @@ def projected(arm: Arm, like: AnyTarget, ideal: Array, theta: Array, within: Tol
             e, J = errors_and_rows(like, ideal, arm.fk(theta), arm.body_jacobian(theta))
         e, J = e * weights, J * weights[:, None]
         damping = (DAMPING * least + LEAST_DAMPING * more)[:, None, None] * np.eye(e.shape[1])
-        step = _shortest(e, J, damping)
+        step = shortest(e, J, damping)
         held = ((theta <= lower + LIMIT) & (step < 0.0)) | ((theta >= upper - LIMIT) & (step > 0.0))
         if held.any():
-            step = _shortest(e, J * ~held[:, None], damping)
+            step = shortest(e, J * ~held[:, None], damping)
         theta = np.where(exact[:, None], theta, np.clip(theta + step, lower, upper))
     position, angle = errors_from(like, ideal, arm.fk(theta))
     return theta, (position <= within.position) & (angle <= within.orientation)
 
 
-def _shortest(e: Array, J: Array, damping: Array) -> Array:
+def shortest(e: Array, J: Array, damping: Array) -> Array:
+    """The shortest steps (k, n) with J @ step = −e for errors (k, r) and rows (k, r, n), damped (r, r)."""
     across = np.swapaxes(J, 1, 2)
-    return -(across @ np.linalg.solve(J @ across + damping, e[..., None]))[..., 0]
+    return np.asarray(-(across @ np.linalg.solve(J @ across + damping, e[..., None]))[..., 0])
 
 
 def errors_and_rows(like: AnyTarget, ideal: Array, g: Array, J_b: Array) -> tuple[Array, Array]:

@@ -19,6 +19,7 @@ from ..support.display import Brief
 from ..support.errors import InputError, quote
 from ..support.messages import Quantity, Text, joined
 from ..theory.rotations import skew
+from .configurations import shortest
 from .piecewise import bernstein, shifted
 
 Flags = NDArray[np.bool_]
@@ -273,14 +274,14 @@ class Kept:
             open_, e, rows = open_[~done], e[~done], rows[~done]
             if not len(open_) or step == STEPS:
                 break
-            by = np.clip(_shortest(e, rows), -LONGEST_STEP, LONGEST_STEP)
-            theta[open_] = np.clip(theta[open_] - by, lower, upper)
+            by = np.clip(shortest(e, rows, DAMPING * np.eye(e.shape[1])), -LONGEST_STEP, LONGEST_STEP)
+            theta[open_] = np.clip(theta[open_] + by, lower, upper)
         return theta, met
 
     def tangent(self, theta: Array, way: Array, share: float) -> Array:
         """The way (n,) without what would lead out of a share of the tolerances at theta (n,), or farther out."""
         _, rows = self._pull(self.arm.fk(theta)[None], self.arm.body_jacobian(theta)[None], share)
-        return np.asarray(way - _shortest((rows[0] @ way)[None], rows)[0])
+        return np.asarray(way + shortest((rows[0] @ way)[None], rows, DAMPING * np.eye(rows.shape[1]))[0])
 
     def _pull(self, g: Array, J: Array, share: float) -> tuple[Array, Array]:
         """Errors (m, k) beyond a share of the tolerances, a little less to end there, and their rows (m, k, n)."""
@@ -330,13 +331,6 @@ class Kept:
 
 
 AIM = 0.95  # Which share of the distance from the middle a projection aims at, so that it ends inside.
-
-
-def _shortest(e: Array, rows: Array) -> Array:
-    """The shortest steps (m, n) with rows @ step = e, damped."""
-    across = np.swapaxes(rows, 1, 2)
-    y = np.linalg.solve(rows @ across + DAMPING * np.eye(e.shape[1]), e[..., None])
-    return np.asarray((across @ y)[..., 0])
 
 
 def _turn(w: Array, cosine: Array) -> tuple[Array, Array]:
