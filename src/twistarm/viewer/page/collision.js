@@ -43,9 +43,7 @@ export class Collision {
     this.report({ links: [], words: [], nearest: null });
   }
 
-  layered({ collision }) {
-    $("show-collision").checked = collision;
-  }
+  layered({ collision }) { $("show-collision").checked = collision; }
 
   // Bodies are made again only if others come, not if they have moved.
   draw(kind, layer, bodies) {
@@ -60,15 +58,11 @@ export class Collision {
       dispose(mesh);
     }
     hang(this.view, this[kind], layer);
-    this.place();
+    this.placed();
     this.paint();
   }
 
   placed() {
-    this.place();
-  }
-
-  place() {
     stand([...this.shapes, ...this.obstacles], this.page.state.frame);
     this.view.viewer.set_dirty();
   }
@@ -171,7 +165,6 @@ function geometryOf({ kind, size, points, faces }, side) {
   return flat;
 }
 
-// Of a capsule along y, from its lower end to its upper one.
 function profile(radius, length) {
   const quarter = Array.from({ length: 13 }, (_, i) => (Math.PI * i) / 24);
   const end = quarter.map((angle) => new THREE.Vector2(radius * Math.cos(angle), radius * Math.sin(angle) + 0.5 * length));

@@ -177,7 +177,6 @@ function rotation(xyzw) {
   ];
 }
 
-// Kind, flags and numbers of a command.
 function commanded(command) {
   if (!command) return [0, 0, []];
   const { rates, twist, frame = "tool", hold = [], goal, velocity = [0, 0, 0, 0, 0, 0], speeds = [0.25, 1] } = command;

@@ -30,5 +30,4 @@ export async function unzipped(text) {
   return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
 }
 
-// A variable of the style sheet, such as a colour.
 export const styled = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();

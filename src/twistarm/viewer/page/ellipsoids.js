@@ -42,7 +42,5 @@ export class Ellipsoid {
     });
   }
 
-  stand({ position }) {
-    this.group.position.copy(position);
-  }
+  stand({ position }) { this.group.position.copy(position); }
 }

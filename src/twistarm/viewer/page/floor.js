@@ -78,7 +78,6 @@ function nice(length) {
   return Number((ten * [1, 2, 5, 10].reduce((best, step) => (off(step) < off(best) ? step : best))).toPrecision(1));
 }
 
-// Lines every `cell` metres that fade away towards `reach`.
 function grid(cell, reach, { r, g, b }, opacity) {
   const count = Math.floor(reach / cell);
   const steps = Array.from({ length: 2 * count + 1 }, (_, i) => (i - count) * cell);

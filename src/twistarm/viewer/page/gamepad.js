@@ -7,14 +7,10 @@ const [DOWN, UP] = [6, 7]; // the triggers
 const [ROLL_LEFT, ROLL_RIGHT] = [14, 15]; // of the cross
 
 export class Gamepad {
-  constructor() {
-    this.clear();
-  }
+  armed = false;
 
   // Nothing moves before the shoulder buttons were seen let go: one held since before stands for nothing.
-  clear() {
-    this.armed = false;
-  }
+  clear() { this.armed = false; }
 
   // Six numbers in -1 … 1. A stick to the left and forward is y and x, for an arm that looks along x; the right one
   // forward turns its tool up.
@@ -33,7 +29,6 @@ export class Gamepad {
     return pads().find((pad) => pad?.mapping === "standard");
   }
 
-  // What a person must know about the gamepad, "" where there is nothing to say.
   note() {
     if (!navigator.getGamepads) return "gamepad: only on https or localhost";
     if (pads().length === 0) return "";
@@ -43,6 +38,4 @@ export class Gamepad {
 
 const pads = () => [...(navigator.getGamepads?.() ?? [])].filter((pad) => pad?.connected);
 const pressed = (pad, button) => pad.buttons[button]?.pressed ?? false;
-
-// 0 in the dead band, from there on straight to ±1.
 const beyond = (value) => (Math.sign(value) * Math.max(0, Math.abs(value) - DEAD_BAND)) / (1 - DEAD_BAND);

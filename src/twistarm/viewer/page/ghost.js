@@ -86,7 +86,6 @@ function resize(axis, scale) {
   axis.updateMatrixWorld(true);
 }
 
-// The length of a rod that Meshcat has drawn.
 function longest(axis) {
   let length = 1;
   axis.traverse(({ geometry }) => { length = geometry?.parameters?.height ?? length; });

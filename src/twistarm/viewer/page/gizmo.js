@@ -69,7 +69,6 @@ export class Gizmo {
     this.group.updateMatrixWorld(true);
   }
 
-  // Towards the camera, in base axes.
   eye(camera) {
     const { scene } = this.view.viewer;
     return scene.worldToLocal(camera.getWorldPosition(new THREE.Vector3())).sub(this.pose.position).normalize();
@@ -106,9 +105,7 @@ export class Gizmo {
     this.lit?.light(true);
   }
 
-  frame() {
-    return this.axes === "tool" ? this.pose.quaternion.clone() : new THREE.Quaternion();
-  }
+  frame() { return this.axes === "tool" ? this.pose.quaternion.clone() : new THREE.Quaternion(); }
 
   direction({ axis }) {
     return axis === null ? null : new THREE.Vector3().setComponent(axis, 1).applyQuaternion(this.frame());
@@ -185,7 +182,6 @@ export class Gizmo {
     return found.includes(ball) ? ball : (found[0] ?? (this.within(this.caster.ray) ? ball : null));
   }
 
-  // Whether a ray passes through the gizmo within its rings.
   within(ray) {
     const { scene } = this.view.viewer;
     return ray.distanceToPoint(scene.localToWorld(this.pose.position.clone())) < RING.radius * this.unit;

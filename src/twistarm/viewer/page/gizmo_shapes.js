@@ -88,14 +88,12 @@ function turned(geometry, axis, from) {
   return geometry.applyQuaternion(new THREE.Quaternion().setFromUnitVectors(from, to));
 }
 
-// From the target to the tool that does not meet it.
 export function makeTether() {
   const material = new THREE.MeshBasicMaterial({ transparent: true, opacity: 0.9, depthTest: false, depthWrite: false });
   const made = new THREE.Mesh(new THREE.CylinderGeometry(1, 1, 1, 8), material);
   return Object.assign(made, { renderOrder: ON_TOP - 1, visible: false });
 }
 
-// `unit`: metres of a pixel.
 export function stretch(tether, from, to, unit) {
   const along = new THREE.Vector3().subVectors(to, from);
   tether.scale.set(unit, Math.max(along.length(), 1e-9), unit);

@@ -110,7 +110,6 @@ function extent(node) {
   return box.isEmpty() ? new THREE.Box3(new THREE.Vector3(), new THREE.Vector3()) : box;
 }
 
-// Down from its origin, `length` long.
 function arrow(length) {
   const made = new THREE.Group();
   const shaft = new THREE.CylinderGeometry(0.035 * length, 0.035 * length, 0.7 * length).rotateX(Math.PI / 2);

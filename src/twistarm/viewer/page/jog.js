@@ -49,7 +49,6 @@ export class Jog {
     $("pane").addEventListener("pointerdown", () => /** @type {HTMLElement} */ (document.activeElement)?.blur());
   }
 
-  // What the process says of its servo: whether it takes commands, status, joint, reason.
   show(servo) {
     const begins = servo.jog && !this.accepts;
     this.accepts = servo.jog;
@@ -59,9 +58,7 @@ export class Jog {
     this.report();
   }
 
-  lose() {
-    this.show({ jog: false, status: null, joint: null, reason: "", share: null });
-  }
+  lose() { this.show({ jog: false, status: null, joint: null, reason: "", share: null }); }
 
   get ready() {
     return this.accepts && this.focused && !document.hidden && !takesKeys(document.activeElement);
@@ -178,9 +175,7 @@ export class Jog {
     return FULL.map((speed) => SHARES[this.step] * speed);
   }
 
-  get ends() {
-    return { slowest: this.step === 0, fastest: this.step === SHARES.length - 1 };
-  }
+  get ends() { return { slowest: this.step === 0, fastest: this.step === SHARES.length - 1 }; }
 
   report() {
     this.line.report();

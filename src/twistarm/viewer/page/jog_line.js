@@ -32,7 +32,6 @@ export class JogLine {
     }
   }
 
-  // Whether this page itself let its last word grow old.
   spoke(spoken) {
     const now = performance.now();
     if (now - this.spoken > SLOW) this.slowed = now;
@@ -56,11 +55,8 @@ export class JogLine {
     return late ? [word, "this browser is too slow: make the window smaller"].filter(Boolean).join(" · ") : word;
   }
 
-  get steady() {
-    return performance.now() - this.partial >= STEADY;
-  }
+  get steady() { return performance.now() - this.partial >= STEADY; }
 
-  // How much of the command is done, where it is not all of it, and not nothing, which the reason says.
   done() {
     const percent = Math.round(100 * this.servo.share);
     return this.steady && percent > 0 ? `${percent} % of the command` : "";

@@ -13,7 +13,6 @@ const WORDS = {
 const HOLDING = ["Space", "Enter", "NumpadEnter"];
 
 export class JogPad {
-  // Twelve buttons in `pad`, and those of the joints in `joints`.
   constructor(jog, pad, joints) {
     this.jog = jog;
     this.joints = joints;
@@ -67,7 +66,6 @@ export class JogPad {
     button.addEventListener("blur", () => HOLDING.forEach((code) => jog.lift(code)));
   }
 
-  // Words and state: what the axes are called, what is held, whether it moves anything.
   show({ frame, accepts, pushes }) {
     for (const button of [...this.tool, ...this.ofJoints]) {
       button.disabled = !accepts;

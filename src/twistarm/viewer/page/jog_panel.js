@@ -77,7 +77,5 @@ export class JogPanel {
     if ($("jog-pace").textContent !== words) $("jog-pace").textContent = words;
   }
 
-  offline() {
-    this.showDrive({ on: false, driven: false });
-  }
+  offline() { this.showDrive({ on: false, driven: false }); }
 }

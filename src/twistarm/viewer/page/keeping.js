@@ -37,13 +37,8 @@ export class Keeping {
     return this.poses.find(({ id }) => String(id) === $("keep-which").value);
   }
 
-  get name() {
-    return $("keep-name").value.trim() || this.chosen?.name || "kept";
-  }
-
-  get theta() {
-    return this.chosen?.theta ?? this.page.state.frame.theta;
-  }
+  get name() { return $("keep-name").value.trim() || this.chosen?.name || "kept"; }
+  get theta() { return this.chosen?.theta ?? this.page.state.frame.theta; }
 
   get text() {
     const { joints } = this.page.state.hello.arm;
@@ -55,5 +50,4 @@ export class Keeping {
   }
 }
 
-// A key of TOML: bare where that is allowed.
 const key = (name) => /^[\w-]+$/.test(name) ? name : JSON.stringify(name).replaceAll("\u007f", "\\u007f");

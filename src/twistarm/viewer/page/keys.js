@@ -16,7 +16,5 @@ export function pressed({ code, repeat }, pushes) {
 
 // Whether `element` holds a text that is written in it.
 export const types = (element) => element?.matches("input:is([type=text], :not([type])), textarea, [contenteditable]") ?? false;
-
-// Whether a key is pressed alone, anew, and for no field.
 export const bare = ({ repeat, ctrlKey, metaKey, altKey }) => !(repeat || ctrlKey || metaKey || altKey || takesKeys(document.activeElement));
 export const takesKeys = (element) => element?.matches("input:not([type=checkbox]), select, textarea, [contenteditable]") ?? false;

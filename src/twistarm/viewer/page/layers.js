@@ -11,7 +11,7 @@ export class Layers {
   constructor(view, act) {
     this.view = view;
     this.act = act;
-    this.looked = false; // at collisions, beside what the layers need
+    this.looked = false;
     this.needed = "";
     this.on = FIRST;
     this.reported = {}; // by the program: [on, how often it has switched it]
@@ -38,12 +38,9 @@ export class Layers {
     this.ask();
   }
 
-  lookAtCollisions(on) {
-    this.looked = on;
-    this.ask();
-  }
-
-  ask() {
+  // `looked`: at collisions, beside what the layers need.
+  ask(looked = this.looked) {
+    this.looked = looked;
     const { on } = this;
     const needed = { collision: this.looked || on.collision, reach: on.reach };
     if (JSON.stringify(needed) === this.needed) return;
@@ -51,11 +48,6 @@ export class Layers {
     this.act.need(needed);
   }
 
-  remembered() {
-    return this.on;
-  }
-
-  recall(on) {
-    this.show(on);
-  }
+  remembered() { return this.on; }
+  recall(on) { this.show(on); }
 }

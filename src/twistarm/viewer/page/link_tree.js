@@ -26,7 +26,7 @@ export class LinkTree {
     this.opacity = 1;
     this.shapes = [];
     this.bodies = [];
-    this.messages = { shapes: ({ bodies }) => this.take(bodies) };
+    this.messages = { shapes: ({ bodies }) => this.fade(this.opacity, bodies) };
     $("opacity").min = FAINTEST;
     $("opacity").addEventListener("input", () => this.fade(Number($("opacity").value)));
     $("all-links").addEventListener("click", () => this.recall({ opacity: 1 }));
@@ -65,18 +65,13 @@ export class LinkTree {
     return press;
   }
 
-  take(shapes) {
-    this.shapes = shapes;
-    this.apply();
-  }
-
   placed(frame) {
     this.frame = frame;
     stand(this.bodies, frame);
   }
 
-  fade(opacity) {
-    this.opacity = opacity;
+  fade(opacity, shapes = this.shapes) {
+    Object.assign(this, { opacity, shapes });
     this.apply();
   }
 

@@ -64,6 +64,7 @@ let refusal = ""; // of a motion, while the mark stands where it stops
 /** @type {any} */
 let ahead = null; // of a frame, what the page has asked for: it stays until the process has answered
 
+const seek = (time) => ask({ type: "seek", time });
 const panel = new Panel({
   joint: moveJoint,
   pose: (name) => ask({ type: "pose", name, ease: eases() }),
@@ -103,7 +104,7 @@ const collision = new Collision(page);
 const parts = {
   tabs: new Tabs(),
   sight: new Sight((on) => ask({ type: "exact", on })),
-  links: new LinkTree(view, (on) => layers.lookAtCollisions(on)),
+  links: new LinkTree(view, (on) => layers.ask(on)),
   linkNames: new LinkNames(view),
   beside: new Beside(page),
   jogging: new JogPanel(page),
@@ -161,10 +162,6 @@ function ask(request) {
   const sent = link.send(request);
   if (!sent) takeBack();
   return sent;
-}
-
-function seek(time) {
-  return ask({ type: "seek", time });
 }
 
 // Show at once what was asked for: theta or others, and the target that the arm is moved to.

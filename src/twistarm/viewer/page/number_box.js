@@ -105,7 +105,6 @@ export class NumberBox {
     }
   }
 
-  // What is wrong with the text, and what to write.
   remedy() {
     const pointed = this.input.value.replace(",", ".");
     const comma = pointed !== this.input.value && typed(pointed, this.joint.unit) !== null;
@@ -122,7 +121,6 @@ export class NumberBox {
     if (document.activeElement !== this.input) this.restore();
   }
 
-  // No further than to a limit.
   step(count) {
     const { limits, unit } = this.joint;
     const [lower, upper] = [limits[0] ?? -Infinity, limits[1] ?? Infinity];

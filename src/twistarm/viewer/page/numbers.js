@@ -10,10 +10,7 @@ const MANY = 6; // columns as wide as the panel
 const UNITS = "in SI units and radians";
 
 export class Numbers {
-  constructor() {
-    this.root = $("theory-numbers");
-    this.tables = [];
-  }
+  tables = [];
 
   // `axes` of the moving joints, `names` of the coordinates.
   build(axes, names, arm) {
@@ -34,7 +31,7 @@ export class Numbers {
       new Values("instantaneous screw", "Instantaneous screw", "Joint or motion", (all, i) => instant(this.names, all, i),
         (all, i) => one(this.names, all, i)),
     ];
-    this.root.replaceChildren(this.rankText, ...this.tables.map((table) => table.section));
+    $("theory-numbers").replaceChildren(this.rankText, ...this.tables.map((table) => table.section));
   }
 
   // `chosen`: the coordinate whose screw is shown; null: the whole motion.
@@ -111,7 +108,6 @@ function section(title, meaning, content, copy) {
   return made;
 }
 
-// Of at most two lines; `title` is the whole of it.
 function jointCell(text, title) {
   const cell = Object.assign(headCell("", "col"), { title });
   cell.append(element("span", "", text));

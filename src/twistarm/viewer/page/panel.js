@@ -74,9 +74,7 @@ export class Panel {
     if (this.frame) this.show(this.frame);
   }
 
-  remembered() {
-    return { radians: inRadians(), orientation: this.tool.way };
-  }
+  remembered() { return { radians: inRadians(), orientation: this.tool.way }; }
 
   recall({ radians, orientation }) {
     this.tool.choose(orientation);
@@ -100,9 +98,7 @@ export class Panel {
     this.rows.get(name)?.row.scrollIntoView({ block: "nearest" });
   }
 
-  release() {
-    this.held = null;
-  }
+  release() { this.held = null; }
 
   // While a servo drives, the arm's joints are not for hands; those beside it still are.
   showDriven(driven) {
@@ -117,9 +113,7 @@ export class Panel {
     $("legend").hidden = !layers.screws;
   }
 
-  showPath(there) {
-    $("show-path").parentElement.hidden = !there;
-  }
+  showPath(there) { $("show-path").parentElement.hidden = !there; }
 
   showStatus(state) {
     $("status").textContent = state;

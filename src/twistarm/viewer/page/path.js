@@ -30,9 +30,7 @@ export class Path {
     view.onDrawn.push(() => this.drawArms()); // what they are copies of has changed
   }
 
-  hello() {
-    this.show(NOTHING);
-  }
+  hello() { this.show(NOTHING); }
 
   show(message) {
     this.data = message;

@@ -11,16 +11,13 @@ export class Playback {
     if (running) this.play();
   }
 
-  // From the moment shown, or from the start if that is the end.
   play() {
     if (this.time >= this.duration) this.time = 0;
     this.running = true;
     this.last = performance.now();
   }
 
-  pause() {
-    this.running = false;
-  }
+  pause() { this.running = false; }
 
   seek(time) {
     this.running = false;

@@ -83,9 +83,7 @@ export class Player {
     }));
   }
 
-  offline() {
-    this.pressed = this.sought = false;
-  }
+  offline() { this.pressed = this.sought = false; }
 
   // A hand on the scrubber is not pulled along.
   follow() {

@@ -69,13 +69,8 @@ export class Plot {
     return this.span * Math.max(0, Math.min(1, along));
   }
 
-  inner() {
-    return Math.max(1, this.width - EDGE.left - EDGE.right);
-  }
-
-  x(time) {
-    return EDGE.left + (this.span > 0 ? time / this.span : 0) * this.inner();
-  }
+  inner() { return Math.max(1, this.width - EDGE.left - EDGE.right); }
+  x(time) { return EDGE.left + (this.span > 0 ? time / this.span : 0) * this.inner(); }
 
   y(value) {
     const { low, high } = this.scale;

@@ -92,7 +92,6 @@ function extremes(lines) {
   return [least, most];
 }
 
-// From the least to the most of lines and limits, with air.
 function reach(limits, lines) {
   const [least, most] = extremes(lines);
   const [low, high] = [Math.min(least, ...limits), Math.max(most, ...limits)];
@@ -100,7 +99,6 @@ function reach(limits, lines) {
   return { low: low - air, high: high + air };
 }
 
-// Round numbers from `low` to `high`, some four of them.
 export function ticks(low, high) {
   const step = stride(high - low);
   const count = Math.floor(high / step) - Math.ceil(low / step) + 1;

@@ -2,6 +2,7 @@
 // the view.
 
 import { $, button, element } from "./element.js";
+import { between } from "./motion.js";
 import { writeName } from "./names.js";
 import { Plot, reading, swatch } from "./plot.js";
 import { RATES, scaled, share, toolScaled, worded } from "./plot_scale.js";
@@ -110,7 +111,6 @@ export class Plots {
     for (const plot of this.plots) plot.follow(time);
   }
 
-  // Say what the joints do at the moment under the pointer.
   point(plot, event, time) {
     for (const other of this.plots) other.aim(time);
     this.tip.hidden = time === null;
@@ -135,7 +135,6 @@ export class Plots {
   }
 }
 
-// The largest velocity and acceleration, and how much of their limits that is.
 function peaks(joint) {
   return ["velocity", "acceleration"].map((rate) => {
     const [peak, limit] = [joint.peak[rate], joint.limits[rate]];
@@ -162,7 +161,6 @@ function chip(name, title, press) {
 // The value at `time` of one that is `values[k]` at `times[k]`, linear between them.
 function interpolated(times, values, time) {
   if (times.length < 2) return values[0];
-  const i = Math.max(0, Math.min(times.findLastIndex((moment) => moment <= time), times.length - 2));
-  const part = Math.max(0, Math.min(1, (time - times[i]) / (times[i + 1] - times[i])));
-  return values[i] + part * (values[i + 1] - values[i]);
+  const { k, s } = between(times, time);
+  return values[k] + s * (values[k + 1] - values[k]);
 }

@@ -158,9 +158,7 @@ export class Process {
 
   // where the arm stands -----------------------------------------------------------------------------
 
-  get goal() {
-    return this.glide.goal ?? this.theta;
-  }
+  get goal() { return this.glide.goal ?? this.theta; }
 
   stand(theta) {
     this.theta = theta ?? this.theta;
@@ -256,9 +254,7 @@ export class Process {
     this.target = { type: "target", given, met, words, ghost: ghost.length > 0 ? ghost : null };
   }
 
-  release() {
-    [this.target, this.answer] = [NO_TARGET, null];
-  }
+  release() { [this.target, this.answer] = [NO_TARGET, null]; }
 
   allow(tolerances) {
     if (Math.min(...Object.values(tolerances)) < 0) throw new Error("tolerances must be above 0, or 0 for the usual ones");
@@ -306,9 +302,7 @@ export class Process {
     this.go(theta, ease);
   }
 
-  forget() {
-    this.choices = this.at = this.stands = this.where = null;
-  }
+  forget() { this.choices = this.at = this.stands = this.where = null; }
 
   // What was done here outlasts a reload, as a live view outlasts its pages.
   remember() {

@@ -59,7 +59,6 @@ export class Poses {
     this.keep("reorder the poses", poses);
   }
 
-  // By poses with their values in the order of `joints`.
   replace(joints, poses) {
     const order = this.joints.map(({ name }) => joints.indexOf(name));
     if (order.includes(-1) || joints.length !== order.length) {
@@ -73,7 +72,6 @@ export class Poses {
     this.keep("load a list", accepted);
   }
 
-  // By "undo" or "redo".
   back(kind) {
     const step = this.steps[kind].pop();
     if (!step) throw new Error(`nothing to ${kind} in the list of poses`);

@@ -29,9 +29,7 @@ export class Drive {
     this.end();
   }
 
-  get driven() {
-    return this.state !== null;
-  }
+  get driven() { return this.state !== null; }
 
   messages() {
     const { driven, report } = this;

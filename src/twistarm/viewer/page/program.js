@@ -84,9 +84,7 @@ export class Program {
     return { kind: $("plan-kind").value, stop: corner === 0, corner, linear_speed, torques, payload };
   }
 
-  placed({ theta }) {
-    this.list.mark(theta);
-  }
+  placed({ theta }) { this.list.mark(theta); }
 
   load({ duration }) {
     this.duration = duration;
@@ -129,9 +127,7 @@ export class Program {
     if (this.page.ask({ type: "record", name: $("pose-name").value })) $("pose-name").value = "";
   }
 
-  plan() {
-    this.trying = this.page.ask({ type: "plan", ...this.settings });
-  }
+  plan() { this.trying = this.page.ask({ type: "plan", ...this.settings }); }
 
   save() {
     const { name, joints } = this.page.state.hello.arm;

@@ -52,7 +52,5 @@ export class Progress {
     if (this.complete) this.whole();
   }
 
-  offline() {
-    this.bar.hidden = true;
-  }
+  offline() { this.bar.hidden = true; }
 }

@@ -74,7 +74,6 @@ export class Reach {
     this.cut();
   }
 
-  // The lower corner of the slice and its two sides.
   sides() {
     const { box, radius } = this.map;
     const k = ["x", "y", "z"].indexOf($("reach-plane").value);
@@ -109,7 +108,6 @@ export class Reach {
     this.view.viewer.set_dirty();
   }
 
-  // That of the slice, of this size, to be filled.
   texture(width, height) {
     const { material } = this.slice;
     if (material.map?.image.width !== width || material.map.image.height !== height) {
@@ -123,7 +121,6 @@ export class Reach {
   }
 }
 
-// Red, green, blue and opacity of each byte; 0 is not seen.
 function shades(table) {
   const colours = Array.from({ length: 256 }, (_, value) => {
     const place = (value / 255) * (table.length - 1);

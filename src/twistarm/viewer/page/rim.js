@@ -20,9 +20,7 @@ export class Rim {
     };
   }
 
-  show(dark) {
-    this.light.value = dark ? LIGHT : SHADE;
-  }
+  show(dark) { this.light.value = dark ? LIGHT : SHADE; }
 
   // All that is drawn below `node`, unless it shines through.
   give(node) {

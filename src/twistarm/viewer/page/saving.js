@@ -10,7 +10,6 @@ export function save(blob, name) {
   return name;
 }
 
-// A name for a file, whatever the arm is called.
 export function fileName(name, ending) {
   const plain = name.replace(/[^\p{L}\p{N}._-]/gu, "_").replace(/^\.+/, "_");
   return ([...plain].slice(0, LONGEST).join("") || "arm") + ending;

@@ -38,21 +38,12 @@ export class ScenePanel {
     for (const kind of Object.keys(ADDED)) $(`add-${kind}`).addEventListener("click", () => this.add(kind));
     $("download-scene").href = "scene.toml";
     $("save-scene").addEventListener("click", () => page.ask({ type: "save_scene" }));
-    addEventListener("panel", () => this.place());
+    addEventListener("panel", () => this.placed());
     $("radians").addEventListener("change", () => this.choose(this.chosen));
   }
 
-  hello() {
-    this.choose(null);
-  }
-
-  placed() {
-    this.place();
-  }
-
-  offline() {
-    this.gizmo.drop();
-  }
+  hello() { this.choose(null); }
+  offline() { this.gizmo.drop(); }
 
   show({ obstacles, file, saved }) {
     const list = obstacles.map(({ name }) => name).join("\n");
@@ -66,7 +57,7 @@ export class ScenePanel {
     $("save-scene").hidden = file === null;
     $("save-scene").disabled = saved;
     $("save-scene").title = saved ? `${file} is up to date` : `Write ${file}`;
-    this.place();
+    this.placed();
   }
 
   report({ ready, words, nearest }) {
@@ -105,13 +96,11 @@ export class ScenePanel {
       return label;
     }));
     this.mark();
-    this.place();
+    this.placed();
   }
 
   // What its pose is told by: the turns of a sphere are not seen.
-  get placing() {
-    return this.find().kind === "sphere" ? PLACE.slice(0, 3) : PLACE;
-  }
+  get placing() { return this.find().kind === "sphere" ? PLACE.slice(0, 3) : PLACE; }
 
   box(label, unit, i) {
     const joint = { name: `${this.chosen}, ${label}`, label, limits: [null, null], unit };
@@ -130,9 +119,7 @@ export class ScenePanel {
     });
   }
 
-  pose() {
-    return poseOf(matrixOf(this.find(), this.page.state.frame).toArray());
-  }
+  pose() { return poseOf(matrixOf(this.find(), this.page.state.frame).toArray()); }
 
   numbers() {
     const { kind, size } = this.find();
@@ -140,7 +127,7 @@ export class ScenePanel {
   }
 
   // Handles and numbers where the obstacle stands; one that a link holds goes along and is not dragged.
-  place() {
+  placed() {
     const obstacle = this.find();
     const on = obstacle !== undefined && !obstacle.held && this.ready && !$("scene").hidden;
     if (on) this.gizmo.place(this.pose(), this.pose(), "base");
@@ -154,7 +141,7 @@ export class ScenePanel {
   // What was asked for last has arrived, or was refused.
   release() {
     this.typed = null;
-    this.place();
+    this.placed();
   }
 
   type(i, value) {

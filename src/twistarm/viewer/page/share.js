@@ -42,9 +42,7 @@ export class Share {
     closable($("share"));
   }
 
-  hello({ arm }) {
-    this.name = arm.name;
-  }
+  hello({ arm }) { this.name = arm.name; }
 
   open() {
     this.say("");

@@ -25,10 +25,8 @@ export function solid(geometry, color) {
   return made;
 }
 
-// A rod along y, of length and radius 1, to be scaled.
 export const rod = (color) => solid(new THREE.CylinderGeometry(1, 1, 1, 16), color);
 
-// An arrow from a point, `radius` thick.
 export class Arrow {
   constructor(color, radius) {
     this.radius = radius;

@@ -40,9 +40,7 @@ export class Solutions {
     addEventListener("keydown", (event) => this.press(event));
   }
 
-  hello() {
-    this.show({ asked: false, places: [], words: "", theta: [] });
-  }
+  hello() { this.show({ asked: false, places: [], words: "", theta: [] }); }
 
   press(event) {
     if (!(event.code in KEYS) || !bare(event) || $("solutions-all").disabled) return;

@@ -65,9 +65,7 @@ export class Target {
     addEventListener("keydown", (event) => this.press(event));
   }
 
-  get kind() {
-    return $("target-kind").value;
-  }
+  get kind() { return $("target-kind").value; }
 
   // G takes hold of the tool, or lets it be.
   press(event) {
@@ -93,9 +91,7 @@ export class Target {
     else this.arrange();
   }
 
-  get shut() {
-    return this.driven || !this.page.state.frame || !this.page.core.solves;
-  }
+  get shut() { return this.driven || !this.page.state.frame || !this.page.core.solves; }
 
   placed(frame) {
     this.tool = poseOf(frame.transforms["/frames/tool"]);
@@ -144,7 +140,6 @@ export class Target {
     else if (moved && this.page.ask({ type: "theta", theta })) this.page.move({ theta }, NONE);
   }
 
-  // What is to be met: the target given, or the tool as it stands.
   wanted() {
     if (this.given) return { kind: this.given.kind, position: this.given.position, xyzw: this.given.xyzw };
     return this.tool && { kind: this.kind, position: this.tool.position.toArray(), xyzw: this.tool.quaternion.toArray() };

@@ -3,7 +3,6 @@
 import { read, written } from "./orientation.js";
 import { THREE } from "./view.js";
 
-// Of a node's matrix, sixteen numbers column by column.
 export function poseOf(matrix) {
   const [position, quaternion] = [new THREE.Vector3(), new THREE.Quaternion()];
   new THREE.Matrix4().fromArray(matrix).decompose(position, quaternion, new THREE.Vector3());

@@ -75,9 +75,7 @@ export class Theory {
     this.draw();
   }
 
-  remembered() {
-    return this.switches.remembered();
-  }
+  remembered() { return this.switches.remembered(); }
 
   recall(chosen) {
     this.switches.recall(chosen);
@@ -98,7 +96,6 @@ export class Theory {
     this.draw();
   }
 
-  // Of which coordinate the screw is shown; null: of the whole motion.
   chosen() {
     const { chosen } = this.switches;
     if (chosen !== null) return chosen;

@@ -45,13 +45,8 @@ export class Switches {
     return value === "" ? null : Number(value);
   }
 
-  get all() {
-    return $("theory-all").checked;
-  }
-
-  remembered() {
-    return { joint: $("theory-joint").value, all: this.all };
-  }
+  get all() { return $("theory-all").checked; }
+  remembered() { return { joint: $("theory-joint").value, all: this.all }; }
 
   recall({ joint, all }) {
     $("theory-joint").value = joint;

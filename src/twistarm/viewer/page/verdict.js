@@ -12,10 +12,8 @@ const ALONG = 0.999; // cosine from which a direction is that of an axis
 const LONGEST = 1000; // letters that the process takes
 
 export class Verdict {
-  constructor() {
-    this.place = $("target-words");
-    this.missed = $("missed"); // the same in short, while another panel is in front
-  }
+  place = $("target-words");
+  missed = $("missed"); // the same in short, while another panel is in front
 
   // While a hand moves the target, it is not read aloud.
   busy(on) {
@@ -41,8 +39,7 @@ export function inWords({ arm, core: { reasons } }, core, given, solution, toler
   const turned = off ? [`${parts[1]} ${angle(solution.orientationError)} off`] : [];
   const lines = far ? [shortfall(reasons[stop], stop, given, solution), ...turned] : [`Position reached, ${turned}: ${reasons[stop]}`];
   if (unlimited !== null) lines.push(...blocked(arm, core, given, solution, tolerances, far));
-  else if (far) lines.push(...impossible(core, given, theta));
-  else lines.push(...impossible(core, given, theta), ...prevented(core, given, theta));
+  else lines.push(...missing(core, given, theta, !far));
   const bounds = theta.flatMap((value, i) => within(arm.joints[i], value, AT_BOUND));
   if (bounds.length > 0) lines.push(`at its limit: ${bounds.join(", ")}`);
   if (solution.certain) lines.push("the closed form proves that no configuration inside the limits reaches it");
@@ -55,21 +52,17 @@ function blocked({ joints }, core, given, { unlimited, orientationError }, { ori
   const where = beyond.length > 0 ? `for one with ${beyond.join(", ")}` : "a hair beyond them";
   const turned = turn(core, given, unlimited);
   if (turned <= (orientation || DEFAULTS.orientation)) return [`without limits the target could be reached, ${where}`];
-  const more = impossible(core, given, unlimited);
+  const more = missing(core, given, unlimited);
   if (far) return [`without limits the position could be reached, ${where}`, ...more];
   return [`${angle(orientationError - turned)} of the rotation are prevented by limits`, `without limits ${angle(turned)} would be missing, ${where}`, ...more];
 }
 
-function impossible(core, given, theta) {
+// Of the rotation: what no joint turns, and what limits prevent, if that is asked for.
+function missing(core, given, theta, all = false) {
   if (given.kind === "position") return [];
-  const { impossible: missing, axis } = core.split(given, theta);
-  return missing > NEGLIGIBLE ? [`no joint turns the tool about ${named(axis)}: ${angle(missing)} of the rotation are missing`] : [];
-}
-
-function prevented(core, given, theta) {
-  if (given.kind === "position") return [];
-  const { prevented: rest } = core.split(given, theta);
-  return rest > NEGLIGIBLE ? [`${angle(rest)} of the rotation are prevented by limits or reach`] : [];
+  const { impossible, prevented, axis } = core.split(given, theta);
+  const never = impossible > NEGLIGIBLE ? [`no joint turns the tool about ${named(axis)}: ${angle(impossible)} of the rotation are missing`] : [];
+  return all && prevented > NEGLIGIBLE ? [...never, `${angle(prevented)} of the rotation are prevented by limits or reach`] : never;
 }
 
 function turn(core, given, theta) {

@@ -141,14 +141,10 @@ export class View {
   }
 
   // Whether a place in base axes is well in the picture.
-  sees(place) {
-    return this.within(this.viewer.scene.localToWorld(place.clone()), WELL);
-  }
+  sees(place) { return this.within(this.viewer.scene.localToWorld(place.clone()), WELL); }
 
   // The place in base axes at which the camera looks.
-  middle() {
-    return this.viewer.scene.worldToLocal(this.viewer.controls.target.clone());
-  }
+  middle() { return this.viewer.scene.worldToLocal(this.viewer.controls.target.clone()); }
 
   split(path) {
     if (!this.segments.has(path)) this.segments.set(path, path.split("/").filter(Boolean));
@@ -182,9 +178,7 @@ export class View {
     this.viewer.set_dirty();
   }
 
-  node(path) {
-    return this.viewer.scene_tree.find(this.split(path)).object;
-  }
+  node(path) { return this.viewer.scene_tree.find(this.split(path)).object; }
 
   // The matrix of a node seen from the arm's base, as it is drawn.
   drawn(path) {

@@ -6,9 +6,7 @@ import { report } from "./words.js";
 const WORDS = { plan: "planning", reach: "mapping the reach", collision: "preparing collision checks", band: "checking the motion" };
 
 export class Work {
-  constructor() {
-    this.messages = { work: (message) => this.show(message), notice: (message) => this.notice(message) };
-  }
+  messages = { work: (message) => this.show(message), notice: (message) => this.notice(message) };
 
   notice({ words, wrong }) {
     report($("notice"), words);
