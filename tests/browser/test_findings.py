@@ -165,14 +165,6 @@ def test_the_header_says_that_nobody_named_the_tip_and_leads_to_the_reason(live:
     assert pointed_at(live, live.evaluate(f"twistarm.state.hello.links[{arm.tip!r}]"))
 
 
-def test_by_keyboard_enter_chooses_and_escape_takes_it_back(live: Any) -> None:
-    about(live, "axis-not-unit").focus()
-    live.keyboard.press("Enter")
-    assert pointed_at(live, "/screws/screw:0")
-    live.keyboard.press("Escape")
-    assert points_at_nothing(live)
-
-
 def test_what_is_chosen_is_seen_and_leaves_no_trace(live: Any) -> None:
     draw(live)
     before = live.evaluate(PICTURE)
@@ -182,36 +174,10 @@ def test_what_is_chosen_is_seen_and_leaves_no_trace(live: Any) -> None:
     assert live.evaluate(PICTURE) == before
 
 
-LOOK = """(selector) => [...document.querySelectorAll(selector)].map((each) => {
-  const canvas = document.createElement("canvas").getContext("2d");
-  const light = (colour) => {
-    canvas.fillStyle = colour;
-    canvas.fillRect(0, 0, 1, 1);
-    const parts = [...canvas.getImageData(0, 0, 1, 1).data].slice(0, 3).map((part) => part / 255);
-    const linear = parts.map((part) => (part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4));
-    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
-  };
-  let behind = each;
-  while (getComputedStyle(behind).backgroundColor === "rgba(0, 0, 0, 0)") behind = behind.parentElement;
-  const { color } = getComputedStyle(each);
-  const [one, other] = [light(color), light(getComputedStyle(behind).backgroundColor)];
-  const contrast = (Math.max(one, other) + 0.05) / (Math.min(one, other) + 0.05);
-  return [each.textContent, getComputedStyle(each, "::before").content, color, contrast];
-})"""
-"""Words, sign, colour and contrast (WCAG 2.2) of elements."""
-
-
-def test_a_warning_has_a_sign_a_word_and_a_colour_in_both_themes(live: Any) -> None:
-    until(live, "document.querySelector('#findings-count .warning')")
-    colours = set()
-    for theme in ("light", "dark"):
-        live.emulate_media(color_scheme=theme)
-        seen = live.evaluate(LOOK, "#findings-count .warning, #findings .warning .severity")
-        assert len(seen) >= 2
-        for words, sign, colour, contrast in seen:
-            assert "warning" in words
-            assert "⚠" in sign
-            assert contrast >= 4.5
-            colours.add(colour)
-    assert len(colours) == 2
-    live.emulate_media(color_scheme="light")
+def test_a_warning_has_a_sign_beside_its_word(live: Any) -> None:
+    seen = live.evaluate(
+        """[...document.querySelectorAll("#findings-count .warning, #findings .warning .severity")].map((each) =>
+             [each.textContent, getComputedStyle(each, "::before").content])"""
+    )
+    assert len(seen) >= 2
+    assert all("warning" in words and "⚠" in sign for words, sign in seen)

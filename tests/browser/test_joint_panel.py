@@ -235,6 +235,7 @@ def test_limits_are_told_in_words_and_by_a_colour_one_can_read(page: Any, viewer
     if not AXE.is_file():
         absent("axe-core is not installed: make lint-page")
     page.evaluate(AXE.read_text("utf-8"))
+    page.evaluate("document.getElementById('findings').open = true")
     for scheme in ("dark", "light"):
         page.emulate_media(color_scheme=scheme)
         found = page.evaluate("axe.run({ iframes: false, preload: false })")

@@ -43,14 +43,7 @@ LIST = {
     "joints": ["wrist_roll", "wrist_pitch", "elbow", "shoulder", "slide"],
     "poses": [{"name": "x", "theta": [5, 0.4, 0.3, 0.2, 0.1]}],
 }
-GIVEN = {
-    "kind": "position",
-    "position": [0.8, 0.0, 0.4],
-    "xyzw": [0, 0, 0, 1],
-    "met": False,
-    "words": "far",
-    "ghost": [],
-}
+GIVEN = {"kind": "position", "position": [0.8, 0.0, 0.4], "xyzw": [0, 0, 0, 1], "met": False, "words": "far"}
 
 REQUESTS: list[dict[str, Any]] = [
     {"type": "joint", "name": "elbow", "value": 0.5},
@@ -78,8 +71,8 @@ REQUESTS: list[dict[str, Any]] = [
     {"type": "poses", **LIST, "poses": [{**LIST["poses"][0], "by": "linear"}]},
     {"type": "pose", "name": "zero", "ease": False},
     {"type": "pose", "name": "nowhere", "ease": False},
-    {"type": "target", **GIVEN, "theta": [0.1, 0.2, 0.3, 0.4, 0.5]},
-    {"type": "target", **GIVEN, "theta": [0.1, 0.2, 0.3, 0.4, 0.5], "xyzw": [0, 0, 0, 2]},
+    {"type": "target", **GIVEN, "ghost": [], "theta": [0.1, 0.2, 0.3, 0.4, 0.5]},
+    {"type": "target", **GIVEN, "ghost": [], "theta": [0.1, 0.2, 0.3, 0.4, 0.5], "xyzw": [0, 0, 0, 2]},
     {"type": "release"},
     {"type": "tolerances", "position": 1e-3, "orientation": 0.0},
     {"type": "tolerances", "position": -1.0, "orientation": 0.0},

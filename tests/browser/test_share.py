@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from arms import assert_drawn, load
-from test_viewer_share import BRANCHED
 from twistarm import Arm, Trajectory, load_arm, plan_joint, save_html
 from twistarm.viewer import Viewer
+from urdf_text import BRANCHED
 from waiting import draw, settled, until
 
 pytestmark = pytest.mark.browser

@@ -254,16 +254,7 @@ def test_a_pose_is_typed_and_roll_and_yaw_stay_while_the_pitch_passes_90_degrees
     desk.reset("pose")
     z = round(desk.drawn()[2, 3] - 0.04, 6)
     typed: dict[str, float] = {"roll": 0.0, "pitch": 0.0, "yaw": 0.0}
-    moves = (
-        ("roll", 20),
-        ("pitch", 90),
-        ("yaw", 30),
-        ("z", z),
-        ("pitch", 80),
-        ("pitch", 90),
-        ("pitch", 100),
-        ("pitch", 75),
-    )
+    moves = [("roll", 20), ("pitch", 90), ("yaw", 30), ("z", z), *(("pitch", value) for value in (80, 90, 100, 75))]
     for k, (name, value) in enumerate(moves):
         box = desk.page.get_by_role("spinbutton", name=f"tool {name}, {'metres' if name == 'z' else 'degrees'}")
         box.fill(str(value))

@@ -267,9 +267,6 @@ def test_the_screw_of_a_motion_and_the_trace_it_leaves(page: Any, viewer: Viewer
     switch(page, "Instantaneous screw", "Trace", on=False)
 
 
-# the numbers ---------------------------------------------------------------------------------------------------------
-
-
 def copied(page: Any, name: str) -> Any:
     """What the button beside these numbers copies, as Python reads it."""
     button = page.get_by_role("button", name=f"Copy {name}", exact=True)
@@ -411,8 +408,6 @@ def test_singular_and_nearly_singular_postures(bench: tuple[Any, Show]) -> None:
     assert_allclose(disc["linear"]["semi_axes"][2], 0, atol=1e-15)
     assert_allclose(disc["angular"]["semi_axes"], [np.sqrt(3), 0, 0], atol=1e-14)  # a line along z
 
-
-# the reach -----------------------------------------------------------------------------------------------------------
 
 SLICE = """() => {
   const { map, slice, group } = twistarm.parts.theory.reach;

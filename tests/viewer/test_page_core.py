@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 from importlib.resources import files
-from itertools import accumulate
+from itertools import accumulate, product
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,7 @@ from twistarm.viewer.parts.target import target_asked
 from twistarm.viewer.scene.core_numbers import core_numbers
 from twistarm.viewer.scene.drawing import link_path, screw_path
 from twistarm.viewer.stage import Stage
+from urdf_text import BRANCHED
 from viewer_page import ARM
 
 ROUNDING = 1e-12
@@ -143,12 +144,19 @@ def test_servo_steps(name: str) -> None:
         assert (answer["joint"], answer["halted"]) == (output.joint, output.halted)
 
 
-def test_branches_and_followers_beside_the_chain(tmp_path: Path) -> None:
-    path = tmp_path / "small.urdf"
-    path.write_text(ARM)
-    arm, theta, others = load_arm(path, tip="tool0"), np.array([0.4, -0.7, 0.15]), {"finger": 0.03}
-    (found,) = in_page((arm, [["place", theta, others]]))
-    assert_placed(arm, theta, others, found["answers"][0])
+def test_branches_followers_a_base_that_is_carried_a_thread_and_a_ball(tmp_path: Path) -> None:
+    for name, text in (("small", ARM), ("branched", BRANCHED)):
+        (tmp_path / f"{name}.urdf").write_text(text)
+    parts = [joints.helical([0, 0, 1], [0.1, 0, 0], 0.05), joints.spherical([0.3, 0, 0.1]), joints.prismatic([1, 0, 0])]
+    home = np.eye(4)
+    home[:3, 3] = 0.6, 0.1, 0.2
+    arms = [load_arm(tmp_path / "small.urdf", tip="tool0"), arm_from_screws(np.column_stack(parts), home)]
+    for base, locked in product(("root", "base_link"), ({}, {"b": 0.4})):
+        arms.append(load_arm(tmp_path / "branched.urdf", base=base, tip="tool0", locked_joints=locked))
+    asks = [(arm, some(arm)[0], dict.fromkeys(Stage(arm).others, 0.03)) for arm in arms]
+    found = in_page(*((arm, [["place", theta, others]]) for arm, theta, others in asks))
+    for (arm, theta, others), answers in zip(asks, found, strict=True):
+        assert_placed(arm, theta, others, answers["answers"][0])
 
 
 def test_as_many_joints_as_the_core_holds_and_one_more() -> None:

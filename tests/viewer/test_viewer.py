@@ -18,8 +18,6 @@ from twistarm.viewer import Viewer, save_html
 from twistarm.viewer.stage import Stage
 from viewer_page import THETA, get, stored, swing
 
-# Python's side ----------------------------------------------------------------------------------------
-
 
 @pytest.mark.parametrize(
     ("theta", "reason"),
@@ -57,9 +55,6 @@ def test_a_trajectory_of_another_arm_is_refused(arm: Arm, viewer: Viewer, tmp_pa
     assert list(tmp_path.iterdir()) == []
 
 
-# the stand-alone page ---------------------------------------------------------------------------------
-
-
 def test_the_stand_alone_page_needs_nothing_from_anywhere(arm: Arm, tmp_path: Path) -> None:
     path = save_html(arm, tmp_path / "view.html", trajectory=swing(arm))
     text = path.read_text(encoding="utf-8")
@@ -73,9 +68,6 @@ def test_a_stand_alone_page_is_written_whole_or_not_at_all(arm: Arm, tmp_path: P
     with pytest.raises(InputError, match="does not exist; create it first"):
         save_html(arm, tmp_path / "nowhere" / "view.html")
     assert list(tmp_path.iterdir()) == []
-
-
-# in a notebook -----------------------------------------------------------------------------------------
 
 
 class Frames(HTMLParser):

@@ -56,9 +56,10 @@ def push(page: Page, reached: Callable[[], bool], **command: Any) -> None:
         time.sleep(0.03)
 
 
-def still(page: Page, viewer: Viewer) -> None:
-    """Stop, until the arm stands."""
-    page.ask(type="stop")
+def still(page: Page, viewer: Viewer, stop: bool = True) -> None:
+    """Stop, or say nothing more, until the arm stands."""
+    if stop:
+        page.ask(type="stop")
     looks: list[list[float]] = []
     while len(looks) < 4 or any(look != looks[-1] for look in looks[-4:]):
         looks.append(viewer.theta.tolist())
@@ -79,9 +80,6 @@ def driven(viewer: Viewer) -> Iterator[Page]:
         yield page
 
 
-# driving -----------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("frame", ["base", "tool"])
 def test_a_jog_moves_the_tool_straight_in_its_axes(viewer: Viewer, arm: Arm, frame: str) -> None:
     before = viewer.theta
@@ -100,12 +98,12 @@ def test_a_jog_moves_the_tool_straight_in_its_axes(viewer: Viewer, arm: Arm, fra
     assert_allclose(end[:3, :3], start[:3, :3], atol=2e-3)
 
 
-def test_joints_are_jogged_by_their_rates(viewer: Viewer, arm: Arm) -> None:
+def test_joints_are_jogged_by_their_rates_and_silence_stops_them(viewer: Viewer, arm: Arm) -> None:
     before, rates = viewer.theta, np.zeros(arm.n)
     rates[[1, 3]] = 0.2, -0.4
     with driven(viewer) as page:
         push(page, away(viewer, 0.1), type="jog_joints", rates=rates.tolist())
-        still(page, viewer)
+        still(page, viewer, stop=False)
     moved = viewer.theta - before
     assert_allclose(moved[[0, 2, 4, 5]], 0.0, atol=1e-9)
     assert moved[3] < -0.1
@@ -135,12 +133,9 @@ def test_it_stops_at_a_limit_and_says_which(arm: Arm) -> None:
     rates[joint] = 0.5
     with Viewer(arm, near, open_browser=False) as viewer:
         with driven(viewer) as page:
-
-            def halted() -> bool:
-                """Below 3 % of what is commanded, on the way to the limit."""
-                return bool(page.latest["servo"]["status"] == "HALTED_LIMIT")
-
-            push(page, halted, type="jog_joints", rates=rates.tolist())
+            push(
+                page, lambda: page.latest["servo"]["status"] == "HALTED_LIMIT", type="jog_joints", rates=rates.tolist()
+            )
             assert page.latest["servo"]["joint"] == arm.joint_names[joint]
         assert arm.limits.upper[joint] - 0.05 < viewer.theta[joint] <= arm.limits.upper[joint]
 
@@ -185,9 +180,6 @@ def test_a_servo_of_the_program_heeds_the_choice_if_it_says_so(viewer: Viewer) -
         page.until(lambda: page.latest["drive"] == NO_DRIVE)
     with pytest.raises(InputError, match="settings must be a ServoSettings"):
         viewer.servo_settings("stop")  # type: ignore[arg-type]
-
-
-# its ends ----------------------------------------------------------------------------------------------
 
 
 def test_switched_off_it_comes_to_rest_and_frees_the_sliders(viewer: Viewer, arm: Arm) -> None:
@@ -235,9 +227,6 @@ def test_the_view_s_end_leaves_no_thread(arm: Arm) -> None:
     assert viewer.theta[0] > arm.ready[0]
 
 
-# what goes before it ---------------------------------------------------------------------------------------
-
-
 def test_it_does_not_begin_where_a_servo_of_the_program_drives(viewer: Viewer, arm: Arm) -> None:
     with Page(viewer) as page:
         _ = viewer.commands
@@ -260,6 +249,8 @@ def test_a_servo_of_the_program_takes_over(viewer: Viewer, arm: Arm) -> None:
         theta = arm.ready + 0.1
         viewer.show_servo(Cycle(0.0, None, theta, None, "not yet"))
         page.until(lambda: page.latest["servo"]["reason"] == "not yet")
+        page.ask(type="pose", name="zero", ease=False)
+        assert page.latest["error"]["message"].startswith("a servo drives")
         assert viewer.theta.tolist() == theta.tolist()
         assert driving() == []
         viewer.show_servo(None)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import threading
 import time
 from collections.abc import Iterator
 from dataclasses import replace
@@ -16,7 +15,7 @@ from numpy.testing import assert_array_equal
 from test_viewer_messages import BAD_MESSAGES
 from twistarm import ArmBuilder, plan_joint
 from twistarm.control.servo import AnyCommand, JogCommand, ServoOutput, ServoReason, TwistCommand
-from twistarm.control.stream import Cycle, Inbox, Reading, Setpoint, SimulatedJoints, StreamReport, run
+from twistarm.control.stream import Cycle, Inbox, Reading, Setpoint
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts.show import NO_REPORT
 from twistarm.viewer.server.driver import servo_words
@@ -55,9 +54,6 @@ def jog(page: Page, frame: str = "tool") -> None:
 def reading(viewer: Viewer) -> Any:
     """What a servo reads from the pages now."""
     return viewer.commands.read(time.monotonic())
-
-
-# commands in ------------------------------------------------------------------------------------------
 
 
 def test_nothing_is_taken_before_somebody_asks_for_commands(viewer: Viewer) -> None:
@@ -104,9 +100,6 @@ def test_nonsense_from_a_page_that_jogs_stops_the_arm_and_says_why(viewer: Viewe
         bystander.close()
 
 
-# more than one page, and none ------------------------------------------------------------------------------
-
-
 def test_two_pages_that_jog_are_two_commanders_and_the_arm_stands(viewer: Viewer) -> None:
     _ = viewer.commands
     with Page(viewer) as page:
@@ -134,9 +127,6 @@ def test_a_page_that_goes_while_it_jogs_stops_the_arm(viewer: Viewer) -> None:
         assert reading(viewer).age < viewer.commands.timeout
 
 
-# what pages are told -----------------------------------------------------------------------------------
-
-
 def test_what_would_move_the_arm_under_the_servo_s_hands_is_refused(viewer: Viewer) -> None:
     _ = viewer.commands
     viewer.play(plan_joint(ARM, [[0, 0], [1, 1]], limits={"velocity": 1.0, "acceleration": 1.0}))
@@ -159,9 +149,6 @@ def test_what_would_move_the_arm_under_the_servo_s_hands_is_refused(viewer: View
         assert "error" not in page.latest
 
 
-# a servo on the pages ----------------------------------------------------------------------------------
-
-
 def answer(reason: ServoReason, joint: str | None, why: str) -> ServoOutput:
     return replace(ServoOutput.stale(np.zeros(2), why), reason=reason, joint=joint)
 
@@ -169,27 +156,6 @@ def answer(reason: ServoReason, joint: str | None, why: str) -> ServoOutput:
 def cycle(reading: Reading, output: ServoOutput | None, reason: str = "") -> Cycle:
     setpoint = None if output is None else Setpoint(0, 0.0, np.zeros(2), np.zeros(2), output)
     return Cycle(0.0, reading, None if output is None else np.array([0.1, -0.1]), setpoint, reason)
-
-
-def test_a_servo_that_nobody_on_the_page_commands_and_its_end(viewer: Viewer) -> None:
-    viewer.show_servo(cycle(Reading(None, np.inf, "none"), None, "no joint state has arrived"))
-    with Page(viewer) as page:
-        page.until(lambda: page.latest["servo"]["reason"] == "no joint state has arrived")
-        assert not page.latest["servo"]["jog"]
-        assert page.latest["servo"]["driven"]
-        page.ask(type="pose", name="zero", ease=False)
-        assert page.latest["error"]["message"].startswith("a servo drives pair")
-        _ = viewer.commands
-        page.until(lambda: page.latest["servo"]["jog"])
-        viewer.show_servo(None)
-        page.until(lambda: not page.latest["servo"]["jog"])
-        assert not page.latest["servo"]["driven"]
-        assert page.latest["servo"]["reason"] == ""
-        jog(page)
-        assert page.latest["error"]["message"].startswith("no servo takes commands here")
-        page.ask(type="pose", name="zero", ease=False)
-        assert "error" not in page.latest
-    assert viewer.theta.tolist() == [0, 0]
 
 
 STOP = JogCommand([0.0, 0.0])
@@ -235,39 +201,3 @@ def test_how_much_of_a_command_is_done(
 ) -> None:
     output = replace(answer(ServoReason.MOVING, None, "moving"), scale=scale, lost_share=lost)
     assert servo_words(cycle(Reading(command, 0.0), output))["share"] == share
-
-
-def test_a_page_drives_the_simulated_joints_and_its_silence_stops_them(viewer: Viewer) -> None:
-    arm = replace(ARM, limits=ARM.limits.with_({"velocity": 1.0, "acceleration": 3.0}, ARM.joint_names))
-    simulated = SimulatedJoints(arm, [0.2, 0.3])
-    reports: list[StreamReport] = []
-    spans: list[float] = []  # how long the page commanded
-
-    silent = threading.Event()
-
-    def loop() -> None:
-        def rest() -> bool:
-            return silent.is_set() and not simulated.theta_dot.any()
-
-        show = viewer.show_servo
-        reports.append(run(arm, viewer.commands, simulated, simulated, duration=20.0, until=rest, on_cycle=show))
-
-    thread = threading.Thread(target=loop)
-    with Page(viewer) as page:
-        thread.start()
-        start = time.monotonic()
-        for _ in range(20):
-            page.ask(type="jog", twist=[0, 0, 0, 0, 0.5, 0], frame="tool")  # joint b turns about the tool's y
-            time.sleep(0.03)
-        spans.append(time.monotonic() - start)
-        silent.set()
-        page.until(lambda: page.latest["servo"]["status"] == "OK")
-        assert "error" not in page.latest
-    thread.join()
-    (report,) = reports
-    moved = simulated.theta - [0.2, 0.3]
-    assert abs(moved[0]) < 1e-6
-    assert 0.2 < moved[1] < 0.5 * (spans[0] + viewer.commands.timeout) + 0.1  # at 0.5 rad/s, and 0.04 rad to stop
-    assert not simulated.theta_dot.any()
-    assert report.ok
-    assert viewer.theta[1] == pytest.approx(simulated.theta[1], abs=1e-3)

@@ -26,9 +26,6 @@ def test_pages_that_never_read_do_not_keep_frames_from_the_others(viewer: Viewer
         page.until(lambda: page.latest["frame"]["theta"][2] == 120 / 2**16)
 
 
-# the end of a process ---------------------------------------------------------------------------------
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no process groups to look into")
 @pytest.mark.usefixtures("hangups")
 @pytest.mark.parametrize(

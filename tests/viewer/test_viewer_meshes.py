@@ -65,9 +65,6 @@ def test_edges_and_corners_stay_where_they_are() -> None:
     assert off.max() < 8e-3  # all on the faces, with cells of 4 cm
 
 
-# normals ----------------------------------------------------------------------------------------------
-
-
 def test_normals_are_trimesh_s_where_smooth_and_the_faces_at_creases() -> None:
     ball = trimesh.creation.icosphere(3)
     vertices, normals, _ = shaded(ball.triangles)
@@ -80,9 +77,6 @@ def test_normals_are_trimesh_s_where_smooth_and_the_faces_at_creases() -> None:
     assert_allclose(normals[faces[caps]], np.repeat(can.face_normals[caps][:, None], 3, axis=1), atol=1e-6)
     assert_allclose(normals[faces[~caps]][..., 2], 0, atol=1e-6)
     assert len(np.unique(normals[faces[~caps]].reshape(-1, 3).round(6), axis=0)) == 32  # one for each line of the wall
-
-
-# in an arm ----------------------------------------------------------------------------------------------
 
 
 @pytest.fixture

@@ -33,9 +33,6 @@ def standing() -> Stage:
     return stage
 
 
-# the clock --------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(("asked", "shown"), [(-1.0, 0.0), (0.0, 0.0), (0.5, 0.5), (2.0, 2.0), (2.5, 2.0), (1e6, 2.0)])
 def test_a_moment_is_sought_or_the_nearer_end(standing: Stage, asked: float, shown: float) -> None:
     ask(standing, "play")
@@ -72,9 +69,6 @@ def test_paused_it_goes_on_from_where_it_was_and_again_and_again_it_passes_the_e
     assert_array_equal(at.theta(), [1.5])
 
 
-# what pages may ---------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("speed", [0.05, 1.0, 20.0])
 def test_a_pace_that_pages_may_set(standing: Stage, speed: float) -> None:
     ask(standing, "pace", speed=speed, loop=True)
@@ -94,8 +88,6 @@ def test_without_a_trajectory_there_is_nothing_to_play(kind: str, fields: dict[s
         ask(stage, kind, **fields)
     assert_array_equal(stage.theta, np.zeros(1))
 
-
-# plots ------------------------------------------------------------------------------------------------
 
 ROUNDED = 0.5000001e-6  # Plots have six decimals.
 
@@ -156,8 +148,6 @@ def test_a_motion_of_many_pieces_and_one_of_none(arm: Arm) -> None:
     still = plan_joint(arm, [HOME, HOME], limits=with_defaults(arm))
     assert plots(arm, still)["times"] == [0.0]
 
-
-# the way of the tool ----------------------------------------------------------------------------------
 
 TOOL = np.array([[1, 0, 0, 0.3], [0, 1, 0, 0], [0, 0, 1, 0.4], [0, 0, 0, 1.0]])
 TURNER = ArmBuilder("turner").revolute("a", [0, 0, 1], [0, 0, 0.1]).tool(TOOL).build()

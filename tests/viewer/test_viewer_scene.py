@@ -37,9 +37,6 @@ def drawn_by(scene: Drawing) -> dict[str, Any]:
     return shown
 
 
-# what is drawn ----------------------------------------------------------------------------------------
-
-
 def test_a_new_page_is_told_the_arm_the_scene_and_where_everything_stands(arm: Arm, viewer: Viewer) -> None:
     page = visit(viewer)
     hello, frame = page.latest["hello"], page.latest["frame"]
@@ -50,14 +47,9 @@ def test_a_new_page_is_told_the_arm_the_scene_and_where_everything_stands(arm: A
     assert hello["arm"]["joints"][2]["range"] == [0, 0.2]
     assert [joint["name"] for joint in hello["arm"]["others"]] == ["finger"]
     assert list(hello["arm"]["poses"].items()) == [("zero", [0.0] * 3), ("ready", arm.ready.tolist())]
-    assert page.latest["scene"] == {
-        "type": "scene",
-        "objects": len(page.objects),
-        "left": 0,
-        "exact": False,
-        "simplified": False,
-        "notes": ["meshes not found, drawn as simple shapes: 'a/b <i>'"],
-    }
+    notes = ["meshes not found, drawn as simple shapes: 'a/b <i>'"]
+    drawn = {"objects": len(page.objects), "left": 0, "exact": False, "simplified": False, "notes": notes}
+    assert page.latest["scene"] == {"type": "scene"} | drawn
     assert frame["theta"] == list(THETA)
     assert frame["others"] == {"finger": 0.01}
     assert set(hello["links"]) == set(arm.description.links if arm.description else ())
@@ -65,16 +57,10 @@ def test_a_new_page_is_told_the_arm_the_scene_and_where_everything_stands(arm: A
 
 
 def test_arms_without_a_description_are_drawn_from_their_axes() -> None:
-    screws = np.column_stack(
-        [
-            joints.revolute([0, 0, 1], [0, 0, 0]),
-            2.5 * joints.helical([0, 1, 0], [0, 0, 0.4], 0.05),  # a twist may have any length
-            joints.prismatic([0, 0, 1]),
-        ]
-    )
+    long = 2.5 * joints.helical([0, 1, 0], [0, 0, 0.4], 0.05)  # a twist may have any length
     home = np.eye(4)
     home[:3, 3] = [0.5, 0, 0.4]
-    arm = arm_from_screws(screws, home)
+    arm = arm_from_screws(np.hstack([joints.revolute([0, 0, 1], [0, 0, 0]), long, joints.prismatic([0, 0, 1])]), home)
     stage, scene = Stage(arm, [0.3, 0.4, -0.1]), Drawing(arm).whole()
     hello = stage.hello(scene.links)
     assert {"/arm/rod:0", "/arm/rod:1", "/arm/rod:2", "/frames/tool"} <= set(hello["kinematics"]["nodes"])
@@ -127,9 +113,6 @@ def test_a_link_without_its_mesh_is_a_frame_and_a_capsule(arm: Arm) -> None:
     assert_allclose(matrix(end["object"]["matrix"])[:3, 3], [0.3, 0, 0], atol=ROUNDING)
     assert "/arm/link:a%2Fb%20%3Ci%3E/frame/x/solid-shaft" in drawn
     assert not any(path.startswith("/arm/link:left/frame") for path in drawn)  # which never had a mesh
-
-
-# meshes -----------------------------------------------------------------------------------------------
 
 
 def arm_of(folder: Path, base: str, tip: str = "") -> Arm:

@@ -22,8 +22,6 @@ from twistarm.viewer.server import server
 from twistarm.viewer.server.handlers import admits_host
 from viewer_page import THETA, Page, get, port_of, swing, target, visit
 
-# who may come in --------------------------------------------------------------------------------------
-
 
 def test_the_page_and_its_files_are_served_under_the_token_only(viewer: Viewer) -> None:
     status, text, headers = get(viewer.url)
@@ -113,9 +111,6 @@ def raw(viewer: Viewer, head: bytes) -> bytes:
         with suppress(ConnectionResetError):
             return sent.recv(4096)
         return b""
-
-
-# starting and stopping --------------------------------------------------------------------------------
 
 
 def test_a_port_in_use_is_one_line(arm: Arm, viewer: Viewer) -> None:

@@ -12,7 +12,6 @@ from recorded_poses import ask, done
 from test_viewer_target import xyzw
 from twistarm import Approach, Arm, InputError, load_arm, solve_ik_all
 from twistarm.viewer import Viewer
-from twistarm.viewer.messages import SCHEMA
 from twistarm.viewer.stage import Stage
 from viewer_page import Page
 
@@ -26,8 +25,6 @@ def pose_at(arm: Arm, theta: Any) -> dict[str, Any]:
 
 def told(stage: Stage) -> tuple[dict[str, Any], int | None]:
     messages = {message["type"]: message for message in stage.messages()}
-    for kind in ("solutions", "solution"):
-        assert set(messages[kind]) - {"type"} == set(SCHEMA["messages"][kind])
     return messages["solutions"], messages["solution"]["at"]
 
 

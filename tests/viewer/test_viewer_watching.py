@@ -61,9 +61,6 @@ def two_poses(viewer: Viewer) -> None:
     viewer.show_frames(False)
 
 
-# another arm ------------------------------------------------------------------------------------------
-
-
 def test_theta_poses_layers_and_motion_stay_where_the_arm_allows_them(viewer: Viewer, path: Path) -> None:
     two_poses(viewer)
     motion = plan_joint(viewer.arm, [(0, 0, 0), (0.5, 1.0, 0.1)], limits={"velocity": 1.0, "acceleration": 2.0})
@@ -127,9 +124,6 @@ def test_not_under_the_hands_of_a_servo_nor_in_a_view_that_is_closed(viewer: Vie
     viewer.close()
     with pytest.raises(InputError, match="the viewer was closed"):
         viewer.load(arm)
-
-
-# files ------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture
