@@ -29,6 +29,7 @@ ROUNDING = 1e-9  # How far [rad, m] beyond its tolerances a pose still counts as
 STEPS = 12  # Gauss-Newton steps of a projection. Two or three are usual.
 DAMPING = 1e-6  # Of a step, beside squared rows of the Jacobian.
 LONGEST_STEP = 0.5  # The longest step [rad, m] of a joint in a projection.
+AIM = 0.95  # Which share of the distance from the middle a projection aims at, so that it ends inside.
 LEVELS = 40  # How often the proof halves an interval.
 MOST_INTERVALS = 100_000  # More open intervals than this end a proof, in some 0.1 s.
 INSET = 0.003  # How far [m] states keep inside a box, at most; a share of its width where it is narrow.
@@ -328,9 +329,6 @@ class Kept:
             piece, middle, half = np.tile(piece, 2), np.concatenate([middle - half, middle + half]), np.tile(half, 2)
         bad[piece] = True
         return bad
-
-
-AIM = 0.95  # Which share of the distance from the middle a projection aims at, so that it ends inside.
 
 
 def _turn(w: Array, cosine: Array) -> tuple[Array, Array]:

@@ -44,12 +44,12 @@ def keeping_path(
 ) -> JointPath:  # fmt: skip
     """A path from `start` (n,) to one of `goals` (k, n), best first, that keeps all and collides with nothing.
 
-    Both ends keep all and are free. The straight way is taken if it
-    keeps all and is free, then the same with its states projected. Otherwise a tree grows from
-    the start and one from all goals (Kuffner & LaValle, RRT-Connect, ICRA 2000); steps are projected. Shortcuts and
-    averages of neighbours make the path short and smooth. A C² cubic spline leads through its states. Its pieces are
-    halved until all of it is proven to keep. If that fails, or the path collides, the search begins anew with smaller
-    steps and distances. A path that need not be `proven` free, because its motion will be, is checked in small steps.
+    Both ends keep all and are free. The straight way is chosen if it keeps all and is free, then the same with its
+    states projected. Otherwise a tree grows from the start and one from all goals (Kuffner & LaValle, RRT-Connect,
+    ICRA 2000); steps are projected. Shortcuts and averages of neighbours make the path short and smooth. A C² cubic
+    spline leads through its states. Its pieces are halved until all of it is proven to keep. If that fails, or the
+    path collides, the search begins anew with smaller steps and distances. A path that need not be `proven` free,
+    because its motion will be, is checked in small steps.
 
     Raises:
         PathError: Start or goal collides, or no way was found in this part of `max_time` [s] of wall time.
@@ -240,7 +240,8 @@ class Search:
             if j - i < 2:
                 continue
             shorter = self.between(states[i], states[j])
-            if shorter is not None and _length(shorter) < _length(states[i : j + 1]) - ROUNDING:
+            before = _lengths(np.diff(states[i : j + 1], axis=0)).sum()
+            if shorter is not None and _lengths(np.diff(shorter, axis=0)).sum() < before - ROUNDING:
                 states = np.concatenate([states[:i], shorter, states[j + 1 :]])
         for _ in range(SMOOTHINGS):
             if len(states) < 3 or self.late:
@@ -278,7 +279,3 @@ class Search:
 
 def _lengths(ways: Array) -> Array:
     return np.asarray(np.sqrt(np.einsum("ij,ij->i", ways, ways)))
-
-
-def _length(states: Array) -> float:
-    return float(_lengths(np.diff(states, axis=0)).sum())

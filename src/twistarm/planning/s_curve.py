@@ -10,7 +10,7 @@ from ..support.checks import Array
 from .piecewise import Indices, JointPath, bernstein, bisected, derivative, evaluate
 from .time_law import PathBounds, TimeLaw, distinct_instants
 from .time_optimal import LimitedPath, durations_of, first_grid, law_of, path_velocity, shares_of_average
-from .torque_limits import GridRows
+from .torque_limits import grid_rows
 from .within import require_span
 
 # Window widths to try, as multiples of the rise time of the slowest rate to its acceleration limit. The first is the
@@ -47,7 +47,7 @@ def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
     fine, piece = path.in_pieces(path.length / PIECES)
     bounds = bounds.capped(bounds.ceiling_of(path)[piece])
     limited, grid, jerk = LimitedPath.of(fine, bounds), first_grid(fine.breakpoints), np.ascontiguousarray(bounds.jerk)
-    rows = GridRows(fine, bounds.torques).at(grid)
+    rows = grid_rows(bounds.torques, fine, grid)
     first = _ceiling(fine, bounds)
     limits = np.isfinite(bounds.acceleration)
     rise = float((bounds.acceleration[limits] / bounds.jerk[limits]).max())  # of the slowest rate to its limit [s]

@@ -17,7 +17,7 @@ from ..support.checks import Array
 from ..support.errors import InputError
 from .piecewise import JointPath
 from .time_law import APART, PathBounds, TimeLaw
-from .torque_limits import GridRows
+from .torque_limits import grid_rows, largest_between
 from .within import MARGIN, SHORTEST, require_span
 
 FIRST_INTERVALS = 150  # Intervals to begin with, about.
@@ -48,16 +48,15 @@ def time_optimal(path: JointPath, bounds: PathBounds) -> TimeLaw:
     if path.coefficients.shape[:2] == (2, 1) and bounds.torques is None:
         return along_line(path, bounds)
     limited, grid, shortest = LimitedPath.of(path, bounds), first_grid(path.breakpoints), np.inf
-    rows = GridRows(path, bounds.torques)
     for rounds_left in reversed(range(ROUNDS)):
-        profile = path_velocity(limited, grid, rows.at(grid))
+        profile = path_velocity(limited, grid, grid_rows(bounds.torques, path, grid))
         durations = durations_of(grid, profile.x)
         duration = float(durations.sum())
         endless = np.isinf(durations)
         # Where both speeds are zero, or an interval is tiny, no limit has a share; an endless interval is halved.
         loss = np.where(endless, 0.0, durations) * (1.0 - np.fmax(np.fmin(profile.share, 1.0), 0.0))
         if bounds.torques is not None:
-            endless |= rows.between(grid, profile.x) > 1.0 + BETWEEN
+            endless |= largest_between(bounds.torques, path, grid, profile.x) > 1.0 + BETWEEN
         fine = loss.sum() < UNUSED_PER_GAIN * GAIN * duration or duration > shortest * (1.0 - GAIN)
         coarse = endless | (loss > LOSS * duration / len(loss))
         if not rounds_left or (not endless.any() and (fine or not coarse.any() or len(coarse) > MAX_INTERVALS)):
@@ -65,7 +64,7 @@ def time_optimal(path: JointPath, bounds: PathBounds) -> TimeLaw:
         shortest = duration
         grid = np.sort(np.concatenate([grid, (0.5 * (grid[:-1] + grid[1:]))[coarse]]))
     if bounds.torques is not None:
-        return law_of(grid, profile.x / max(1.0, float(rows.between(grid, profile.x).max())))
+        return law_of(grid, profile.x / max(1.0, float(largest_between(bounds.torques, path, grid, profile.x).max())))
     return law_of(grid, profile.x)
 
 

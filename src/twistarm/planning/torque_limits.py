@@ -8,7 +8,6 @@ on reachability analysis, IEEE T-RO 34(3), 2018, §II.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -147,32 +146,16 @@ def torque_limits(arm: Arm, effort: Array, torques: bool, payload: Load) -> Torq
     return None
 
 
-class GridRows:
-    """The rows at points of a path. Each point is computed once. Without torque limits there are none."""
+def grid_rows(torques: TorqueLimits | None, path: JointPath, s: Array) -> Array:
+    """a and b (2, k, 2 r) of the rows at s (k,) of a path; without torque limits there are none."""
+    return np.zeros((2, len(s), 0)) if torques is None else np.ascontiguousarray(torques.rows(path, s))
 
-    def __init__(self, path: JointPath, torques: TorqueLimits | None) -> None:
-        self._rows = None if torques is None else partial(torques.rows, path)
-        self._s, self._ab = np.zeros(0), np.zeros((2, 0, 0))
 
-    def at(self, s: Array) -> Array:
-        """a and b (2, k, 2 r) at s (k,)."""
-        if self._rows is None:
-            return np.zeros((2, len(s), 0))
-        new = np.setdiff1d(s, self._s)
-        if len(new):
-            ab = self._rows(new)
-            s_all = np.concatenate([self._s, new])
-            order = np.argsort(s_all)
-            self._s = s_all[order]
-            self._ab = np.concatenate([self._ab, ab], axis=1)[:, order] if self._ab.size else ab
-        return np.ascontiguousarray(self._ab[:, np.searchsorted(self._s, s)])
-
-    def between(self, grid: Array, x: Array) -> Array:
-        """The largest a s̈ + b ṡ² (N,) in the middle of each interval, for x = ṡ² (N + 1,) on a grid (N + 1,)."""
-        a, b = self.at(0.5 * (grid[:-1] + grid[1:]))
-        s_ddot, middle = 0.5 * np.diff(x) / np.diff(grid), 0.5 * (x[:-1] + x[1:])
-        largest: Array = (a * s_ddot[:, None] + b * middle[:, None]).max(axis=1)
-        return largest
+def largest_between(torques: TorqueLimits, path: JointPath, grid: Array, x: Array) -> Array:
+    """The largest a s̈ + b ṡ² (N,) in the middle of each interval, for x = ṡ² (N + 1,) on a grid (N + 1,)."""
+    a, b = torques.rows(path, 0.5 * (grid[:-1] + grid[1:]))
+    s_ddot, middle = 0.5 * np.diff(x) / np.diff(grid), 0.5 * (x[:-1] + x[1:])
+    return np.asarray((a * s_ddot[:, None] + b * middle[:, None]).max(axis=1))
 
 
 def _both_ways(torques: Array) -> Array:
