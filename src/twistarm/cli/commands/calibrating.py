@@ -42,7 +42,9 @@ Distance = Annotated[list[str] | None, option("A=B=LENGTH", "A known distance of
 DistanceNoise = Annotated[float, quantity("m", "Standard deviation of the known distances.")]
 Mount = Annotated[
     Literal["tool", "base"] | None,
-    option(None, "Hand-eye calibration: the camera is on the tool (eye-in-hand), or beside the arm (eye-to-hand)."),
+    option(
+        "tool|base", "Hand-eye calibration: the camera is on the tool (eye-in-hand), or beside the arm (eye-to-hand)."
+    ),
 ]
 TagSize = Annotated[float | None, quantity("m", "Side of the tag, as solvePnP had it.")]
 CornerNoise = Annotated[
