@@ -11,6 +11,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from arms import DRAWN
+from browser.conftest import absent
+from test_joint_panel import AXE
 from twistarm import Arm, diagnose, load_arm
 from twistarm.viewer import Viewer
 from waiting import draw, until
@@ -181,3 +183,10 @@ def test_a_warning_has_a_sign_beside_its_word(live: Any) -> None:
     )
     assert len(seen) >= 2
     assert all("warning" in words and "⚠" in sign for words, sign in seen)
+    if not AXE.is_file():
+        absent("axe-core is not installed: make lint-page")
+    live.evaluate(AXE.read_text("utf-8"))
+    for scheme in ("dark", "light"):
+        live.emulate_media(color_scheme=scheme)
+        found = live.evaluate("axe.run('#findings', { iframes: false, preload: false, runOnly: ['color-contrast'] })")
+        assert [each["nodes"][0]["html"][:120] for each in found["violations"]] == [], scheme

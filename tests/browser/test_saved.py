@@ -43,7 +43,7 @@ LIST = {
     "joints": ["wrist_roll", "wrist_pitch", "elbow", "shoulder", "slide"],
     "poses": [{"name": "x", "theta": [5, 0.4, 0.3, 0.2, 0.1]}],
 }
-GIVEN = {"kind": "position", "position": [0.8, 0.0, 0.4], "xyzw": [0, 0, 0, 1], "met": False, "words": "far"}
+GIVEN = {"kind": "position", "position": [0.8, 0.0, 0.4], "xyzw": [0, 0, 0, 1], "converged": False, "words": "far"}
 
 REQUESTS: list[dict[str, Any]] = [
     {"type": "joint", "name": "elbow", "value": 0.5},

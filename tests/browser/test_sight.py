@@ -1,4 +1,4 @@
-"""How the arm is looked at: from which side, which of its links, how exactly; and what is seen of a target not met."""
+"""How the arm is looked at: from which side, which of its links, how exactly; and how a missed target is seen."""
 
 from __future__ import annotations
 
@@ -289,12 +289,12 @@ def test_the_target_is_drawn_while_there_is_one_and_shares_its_frame_with_the_to
     near = (g[:3, 3] - [0, 0, 0.05]).tolist()
     page.get_by_label("Drag tool").uncheck()
     page.get_by_role("tab", name="Poses").click()
-    for place, met in ((near, True), (unmet, False)):
+    for place, converged in ((near, True), (unmet, False)):
         page.evaluate(ASK, [place, xyzw])
-        until(page, f"twistarm.parts.target.given?.met === {str(met).lower()}")
+        until(page, f"twistarm.parts.target.given?.converged === {str(converged).lower()}")
         after_frames(page)
         parts, handles = page.evaluate(DRAWN)
-        assert parts == (1 if met else 4)  # its ball, and the axes that are not those of the tool's frame
+        assert parts == (1 if converged else 4)  # its ball, and the axes that are not those of the tool's frame
         assert not handles
         page.get_by_label("Frames").uncheck()
         until(page, "!twistarm.view.node('/frames').visible")
@@ -305,9 +305,9 @@ def test_the_target_is_drawn_while_there_is_one_and_shares_its_frame_with_the_to
         until(page, "twistarm.view.node('/frames').visible")
         after_frames(page)
         parts, handles = page.evaluate(DRAWN)
-        assert parts == (0 if met else 3)
+        assert parts == (0 if converged else 3)
         css = "getComputedStyle(document.documentElement).getPropertyValue"
-        assert f"#{handles}" == page.evaluate(f"{css}('{'--met' if met else '--warn'}').trim()")
+        assert f"#{handles}" == page.evaluate(f"{css}('{'--converged' if converged else '--warn'}').trim()")
         page.get_by_label("Drag tool").uncheck()
     page.get_by_role("tab", name="Move").click()
     release(page)

@@ -82,8 +82,8 @@ class Desk:
         """What every page is told of the target, once nothing more of it is to come."""
         idle(self.page)
         told = self.viewer._server.ask(lambda stage: said(stage, "target"))
-        assert told["met"] is not None
-        return {**told["given"], "met": told["met"]}
+        assert told["converged"] is not None
+        return {**told["given"], "converged": told["converged"]}
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +110,7 @@ def test_an_arrow_moves_the_tool_along_x_and_keeps_the_rest(desk: Desk) -> None:
     tip = desk.handle([ALONG, 0, 0])
     desk.drag(tip, tip + [by, 0, 0])
     given = desk.answered()
-    assert given["met"]
+    assert given["converged"]
     assert given["kind"] == ("approach" if desk.arm.n == 5 else "pose")
     assert_drawn(desk.page, desk.arm)
     after = desk.drawn()
@@ -133,7 +133,7 @@ def test_a_ring_turns_the_tool_where_it_is(desk: Desk) -> None:
         at = [np.cos(a) * across + np.sin(a) * on for a in np.radians([30, 43])]
     desk.drag(desk.handle(ABOUT * at[0]), desk.handle(ABOUT * at[1]))
     given = desk.answered()
-    assert given["met"], desk.page.locator("#target-words").inner_text()
+    assert given["converged"], desk.page.locator("#target-words").inner_text()
     after = desk.drawn()
     turn = Rotation.from_matrix(after[:3, :3] @ before[:3, :3].T).as_rotvec()
     assert_allclose(turn, np.radians(13) * np.eye(3)[i], atol=0.03)
@@ -149,7 +149,7 @@ def test_the_ball_moves_the_tool_in_the_plane_of_the_screen(rover: Desk) -> None
     rover.page.mouse.down()
     rover.page.mouse.move(x - 40, y - 30, steps=3)
     rover.page.mouse.up()
-    assert rover.answered()["met"]
+    assert rover.answered()["converged"]
     after = rover.drawn()[:3, 3]
     assert_allclose(rover.screen(after)[:2], [x - 40, y - 30], atol=1)
     assert np.linalg.norm(after - p) == pytest.approx(50 * pixel, rel=0.02)
@@ -164,7 +164,7 @@ def test_snap_moves_by_whole_centimetres_and_shift_does_the_opposite(rover: Desk
     before = rover.drawn()[:3, 3]
     tip = rover.handle([0, 0, ALONG])
     rover.drag(tip, tip + [0, 0, 0.034])
-    assert rover.answered()["met"]
+    assert rover.answered()["converged"]
     assert_allclose(rover.drawn()[:3, 3], before + [0, 0, 0.03], atol=MET)
     rover.reset("position", snap=True)
     rover.page.keyboard.down("Shift")
@@ -180,7 +180,7 @@ def test_out_of_reach_the_nearest_is_shown_and_the_page_says_why(rover: Desk) ->
     tip = rover.handle([0, 0, ALONG])
     rover.drag(tip, tip + [0, 0, 0.7], steps=1)  # one step, one request: its search begins at the pose on show
     given = rover.answered()
-    assert given["met"] is False
+    assert given["converged"] is False
     p, R = given["position"], Rotation.from_quat(given["xyzw"]).as_matrix()
     expected = solve_ik(rover.arm, Approach(p, R[:, 2]), start, posture="theta0")
     words = rover.page.locator("#target-words")
@@ -239,7 +239,7 @@ def test_escape_puts_the_arm_back(rover: Desk) -> None:
     rover.reset("approach")
     tip = rover.handle([0, 0, ALONG])
     rover.drag(tip, tip + [0, 0, 0.05], keep=True)
-    assert rover.answered()["met"]
+    assert rover.answered()["converged"]
     rover.page.keyboard.press("Escape")
     rover.page.mouse.move(600, 600)
     rover.page.mouse.up()

@@ -85,7 +85,7 @@ def test_requests_that_add_up_do_not_replace_one_another(page: Any, viewer: View
 
 def test_a_missed_target_is_told_beside_every_panel(page: Any) -> None:
     write(page, "tool x, metres", "3")
-    until(page, "document.getElementById('target-words').dataset.met === 'false'")
+    until(page, "document.getElementById('target-words').dataset.converged === 'false'")
     missed = page.locator("#missed")
     assert missed.is_hidden()  # the panel says it
     page.get_by_role("tab", name="Theory").click()
@@ -196,7 +196,7 @@ LONG = "the elbow would turn beyond its limit on the way to the next pose, and t
 
 NOTES = {"notes": [LONG, LONG, "last"], "objects": 1, "left": 0}
 
-MET = {"given": {}, "met": True, "words": f"arm: {LONG}\n3 iterations"}
+MET = {"given": {}, "converged": True, "words": f"arm: {LONG}\n3 iterations"}
 
 FOUND = {"asked": True, "places": [], "theta": [], "words": f"x\n2 found, 3 of 64 searches met it\n{LONG}"}
 

@@ -169,4 +169,4 @@ def test_as_many_joints_as_the_core_holds_and_one_more() -> None:
     for arm, found in ((full, holds), (more, lacks)):
         assert_placed(arm, np.full(arm.n, 0.01), {}, found["answers"][0])
     assert (holds["solves"], lacks["solves"]) == (True, False)
-    assert [answer["met"] for answer in holds["answers"][1:]] == [True, False]
+    assert [answer["converged"] for answer in holds["answers"][1:]] == [True, False]

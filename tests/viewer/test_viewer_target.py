@@ -21,7 +21,7 @@ MOTION = plan_joint(ROVER, [ROVER.ready, 0.9 * ROVER.ready], limits={"velocity":
 THETA = [0.1, 0.2, -0.3, 0.4, 0.5]
 SOLVED: dict[str, Any] = {
     "kind": "approach", "position": [0.5, 0.0, 0.6], "xyzw": [0.0, 0.0, 0.0, 1.0],
-    "theta": THETA, "met": False, "words": "out of reach\nby far", "ghost": [0.1, 0.2, -9.3, 0.4, 0.5],
+    "theta": THETA, "converged": False, "words": "out of reach\nby far", "ghost": [0.1, 0.2, -9.3, 0.4, 0.5],
 }  # fmt: skip
 
 
@@ -42,7 +42,7 @@ def test_what_a_page_has_solved_is_shown_and_told_to_all(ghost: Any) -> None:
     assert said(stage, "target") == {
         "type": "target",
         "given": given,
-        "met": False,
+        "converged": False,
         "words": SOLVED["words"],
         "ghost": ghost,
     }

@@ -83,7 +83,7 @@ export class Core {
     const { many } = this.asked("solve", [...how, ...this.target(target), ...start]);
     const [stop, nearest, otherBranch, certain, free, positionError, orientationError, iterations, restarts] = many(0, 9);
     return {
-      met: stop === 0, stop: Object.keys(this.numbers.reasons)[stop], theta: many(9, this.n),
+      converged: stop === 0, stop: Object.keys(this.numbers.reasons)[stop], theta: many(9, this.n),
       unlimited: free ? many(9 + this.n, this.n) : null, positionError, orientationError,
       nearest: nearest === 1, otherBranch: otherBranch === 1, certain: certain === 1, iterations, restarts,
     };

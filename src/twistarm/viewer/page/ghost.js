@@ -45,22 +45,22 @@ export class Ghost {
     this.view.viewer.set_dirty();
   }
 
-  draw({ given, met, ghost }) {
+  draw({ given, converged, ghost }) {
     this.next = null;
     if (ghost === null) this.arm.clear();
     else this.arm.stand(this.links(ghost));
     dispose(this.frame);
-    if (given !== null) this.drawFrame(given, met);
+    if (given !== null) this.drawFrame(given, converged);
     for (const group of [this.frame, this.arm.group]) group.updateMatrixWorld(true); // the scene's are done for this picture
   }
 
-  drawFrame({ kind, position, xyzw }, met) {
+  drawFrame({ kind, position, xyzw }, converged) {
     const length = SIZE * this.view.radius;
     this.frame.position.fromArray(position);
     this.frame.quaternion.fromArray(xyzw);
     this.axes = NAMED[kind].map((axis) => new THREE.Mesh(
       rod(THIN * length, THIN * length, 0, length, axis), faint(new THREE.Color(COLORS[axis]), FRAME, false)));
-    this.ball = new THREE.Mesh(new THREE.SphereGeometry(2.2 * THIN * length, 20, 12), faint(coloured(met ? "--met" : "--warn"), FRAME, false));
+    this.ball = new THREE.Mesh(new THREE.SphereGeometry(2.2 * THIN * length, 20, 12), faint(coloured(converged ? "--converged" : "--warn"), FRAME, false));
     for (const part of [...this.axes, this.ball]) this.frame.add(Object.assign(part, { renderOrder: ABOVE }));
   }
 

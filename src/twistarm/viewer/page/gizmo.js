@@ -84,24 +84,24 @@ export class Gizmo {
     this.view.viewer.set_dirty();
   }
 
-  // `allows(handle, direction)`: which handles, by their direction in base axes; `met`: whether the tool meets the target,
+  // `allows(handle, direction)`: which handles, by their direction in base axes; `converged`: whether the tool has reached the target,
   // null where there is none.
-  show(on, met, allows) {
+  show(on, converged, allows) {
     for (const handle of this.handles) handle.allowed = allows(handle, this.direction(handle));
     const other = on !== this.group.visible;
     this.group.visible = on;
     if (other) this.view.reframe();
-    this.tether.visible = on && met === false;
-    if (met !== this.painted) this.report(met);
+    this.tether.visible = on && converged === false;
+    if (converged !== this.painted) this.report(converged);
     if (on) return;
     this.drop();
     this.light(null);
   }
 
-  report(met) {
-    this.painted = met;
+  report(converged) {
+    this.painted = converged;
     this.tether.material.color.set(coloured("--warn"));
-    this.free.paint(met === null ? null : coloured(met ? "--met" : "--warn"));
+    this.free.paint(converged === null ? null : coloured(converged ? "--converged" : "--warn"));
     this.lit?.light(true);
   }
 

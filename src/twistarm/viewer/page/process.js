@@ -16,7 +16,7 @@ const MOST_SHOWN = 32; // configurations
 const AT_SOLUTION = 1e-3; // rad, m: an arm this near to a configuration is at it
 const ON_MOTION = 1e-8; // rad, m: an arm this near to its motion is on it
 const FREEDOMS = { pose: 6, approach: 5, position: 3 };
-const NO_TARGET = { type: "target", given: null, met: null, words: "", ghost: null };
+const NO_TARGET = { type: "target", given: null, converged: null, words: "", ghost: null };
 const NO_SOLUTIONS = { type: "solutions", asked: false, places: [], words: "", theta: [] };
 const DRIVEN = "a servo drives the arm: turn off Drive in the Jog panel first";
 const MOVES = ["theta", "pose", "random", "play", "seek", "target", "solutions", "solution", "go"]; // not while a servo drives
@@ -247,11 +247,11 @@ export class Process {
 
   // the target ---------------------------------------------------------------------------------------
 
-  take({ stage, theta, met, words, ghost, ...given }) {
+  take({ stage, theta, converged, words, ghost, ...given }) {
     if (this.core.solves) this.core.target(given); // which refuses what is none
     this.go(this.checked(theta));
     this.answer = this.theta;
-    this.target = { type: "target", given, met, words, ghost: ghost.length > 0 ? ghost : null };
+    this.target = { type: "target", given, converged, words, ghost: ghost.length > 0 ? ghost : null };
   }
 
   release() { [this.target, this.answer] = [NO_TARGET, null]; }

@@ -13,7 +13,7 @@ const STATISTICS = /, \d+ of \d+ searches .*/;
 const CHOSEN = 0.45; // opacity of one beyond the limits, where the arm does not go
 
 export class Solutions {
-  // `page` holds view, links(theta) and ask(request); `wanted()` says what is to be met.
+  // `page` holds view, links(theta) and ask(request); `wanted()` says what is to be reached.
   constructor(page, wanted) {
     this.page = page;
     this.wanted = wanted;

@@ -21,9 +21,9 @@ const MANY = "This arm has too many joints for the page's solver. Move it with i
 const FIRST = "Drag an arrow or a ring at the tool; G hides them.";
 const DRAGGED = "twistarm dragged"; // whether somebody has, on any page
 const PARALLEL = 0.999; // cosine from which a ring is about the axis that an approach points
-const DRAGGED_SEARCHES = 1; // from where the arm stands: what is near is met so, and what is missed costs little
+const DRAGGED_SEARCHES = 1; // from where the arm stands: what is near is reached so, and what is missed costs little
 /** @type {any} */
-export const NONE = { given: null, met: null, words: "", ghost: null };
+export const NONE = { given: null, converged: null, words: "", ghost: null };
 
 export class Target {
   // `page` holds view, panel, state, core, ask(request) and move(to, target).
@@ -98,10 +98,10 @@ export class Target {
     this.arrange();
   }
 
-  // The target of whichever page, whether it is met, and why not.
+  // The target of whichever page, whether it is reached, and why not.
   show(message) {
     this.reported = message;
-    this.given = message.given && { ...message.given, met: message.met };
+    this.given = message.given && { ...message.given, converged: message.converged };
     this.verdict.show(message);
     this.arrange();
   }
@@ -123,7 +123,7 @@ export class Target {
   end() {
     const { held } = this;
     this.settle();
-    if (held && this.given?.met === false) this.solve(held);
+    if (held && this.given?.converged === false) this.solve(held);
   }
 
   settle() {
@@ -166,13 +166,13 @@ export class Target {
       return this.page.panel.showError(error.message); // this can be no target
     }
     const words = inWords(state.hello, core, given, found, this.tolerances);
-    return this.send(found.theta, { given, met: found.met, words, ghost: found.unlimited });
+    return this.send(found.theta, { given, converged: found.converged, words, ghost: found.unlimited });
   }
 
-  send(theta, { given, met, words, ghost }) {
+  send(theta, { given, converged, words, ghost }) {
     const stage = this.page.state.hello.number;
-    const asked = this.page.ask({ type: "target", stage, ...given, theta, met, words, ghost: ghost ?? [] });
-    if (asked) this.page.move({ theta }, { given, met, words, ghost });
+    const asked = this.page.ask({ type: "target", stage, ...given, theta, converged, words, ghost: ghost ?? [] });
+    if (asked) this.page.move({ theta }, { given, converged, words, ghost });
     else this.gizmo.drop();
   }
 
@@ -195,9 +195,9 @@ export class Target {
     const before = view.wanted;
     view.wanted = this.given ? pose.position : null;
     if (before !== null && view.wanted === null) view.settle();
-    this.gizmo.place(this.held ?? (this.given?.met ? this.tool : pose), this.tool, $("target-axes").value);
+    this.gizmo.place(this.held ?? (this.given?.converged ? this.tool : pose), this.tool, $("target-axes").value);
     const on = $("drag-tool").checked && !this.shut;
-    this.gizmo.show(on, this.given?.met ?? null, (handle, direction) => this.allows(handle, direction));
+    this.gizmo.show(on, this.given?.converged ?? null, (handle, direction) => this.allows(handle, direction));
   }
 
   // A position has no turns, and an approach none about the axis that it points.

@@ -9,10 +9,10 @@ export function poseOf(matrix) {
   return { position, quaternion };
 }
 
-// What the next target departs from: the given one, where it is not met; else the tool, in all that the target leaves free.
+// What the next target departs from: the given one, where it is not reached; else the tool, in all that the target leaves free.
 export function startPose(given, tool) {
   if (!given) return tool;
-  const fixed = given.kind === "pose" || (given.kind === "approach" && !given.met);
+  const fixed = given.kind === "pose" || (given.kind === "approach" && !given.converged);
   return {
     position: new THREE.Vector3(...given.position),
     quaternion: fixed ? new THREE.Quaternion(...given.xyzw) : tool.quaternion,

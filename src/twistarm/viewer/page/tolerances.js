@@ -1,4 +1,4 @@
-// How far off a target is still met, typed in two boxes: the same on every page, and for the motions planned there.
+// How far off a target is still reached, typed in two boxes: the same on every page, and for the motions planned there.
 
 import { DEFAULTS } from "./core.js";
 import { $ } from "./element.js";

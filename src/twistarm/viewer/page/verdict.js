@@ -22,18 +22,18 @@ export class Verdict {
 
   show(message) {
     const [short, ...why] = message.words.split("\n");
-    this.place.dataset.met = message.met ?? "";
-    const mark = message.met ? "✓" : "✕";
-    report(this.place, message.given ? [element("span", "met", mark), ` ${short}`] : "", message.given ? why : []);
-    this.missed.textContent = message.met === false ? `✕ ${short}` : "";
+    this.place.dataset.converged = message.converged ?? "";
+    const mark = message.converged ? "✓" : "✕";
+    report(this.place, message.given ? [element("span", "converged", mark), ` ${short}`] : "", message.given ? why : []);
+    this.missed.textContent = message.converged === false ? `✕ ${short}` : "";
   }
 }
 
 // What the solution of a target comes to, line by line: the first in short. `hello` of the arm that `core` is of.
 export function inWords({ arm, core: { reasons } }, core, given, solution, tolerances) {
-  const { met, stop, theta, unlimited } = solution;
+  const { converged, stop, theta, unlimited } = solution;
   const parts = { position: ["Position"], approach: ["Position", "direction"], pose: ["Position", "orientation"] }[given.kind];
-  if (met) return `${parts.join(" and ")} reached`;
+  if (converged) return `${parts.join(" and ")} reached`;
   const far = solution.positionError > (tolerances.position || DEFAULTS.position);
   const off = solution.orientationError > (tolerances.orientation || DEFAULTS.orientation) && parts.length > 1;
   const turned = off ? [`${parts[1]} ${angle(solution.orientationError)} off`] : [];

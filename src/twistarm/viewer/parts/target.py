@@ -26,7 +26,7 @@ LENGTH_TOL = 1e-3  # Rounding of a quaternion's length, from decimal text.
 TOLERANCES = {"position": "m", "orientation": "rad"}
 
 # The message without a target.
-NO_TARGET: Message = {"type": "target", "given": None, "met": None, "words": "", "ghost": None}
+NO_TARGET: Message = {"type": "target", "given": None, "converged": None, "words": "", "ghost": None}
 
 
 class TargetPart(Part):
@@ -47,7 +47,7 @@ class TargetPart(Part):
         now: float,
         stage: int,
         theta: list[float],
-        met: bool,
+        converged: bool,
         words: str,
         ghost: list[float],
         **given: Any,
@@ -65,10 +65,10 @@ class TargetPart(Part):
         show.show(answer)
         self._shown = answer
         ghost_shown = free.tolist() if ghost else None
-        self._status = {"type": "target", "given": given, "met": met, "words": words, "ghost": ghost_shown}
+        self._status = {"type": "target", "given": given, "converged": converged, "words": words, "ghost": ghost_shown}
 
     def messages(self, show: Show) -> Iterator[Message]:
-        """The target given, whether it is met, and the words of its solution."""
+        """The target given, whether it is reached, and the words of its solution."""
         if self._shown is not None and show.theta is not self._shown:
             self._release()
         yield {"type": "tolerances", **{word: show.tolerances.get(f"{word}_tol", 0.0) for word in TOLERANCES}}
