@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -15,7 +15,9 @@ from ..support.checks import Array
 from ..support.errors import listed, unknown_name
 from ..support.messages import Argument, Text
 from ..theory.screws import exp
-from .findings import Finding, Place, refusal
+from .findings import Finding, Place, finding, refusal
+
+MOST_NAMES = 6  # Names in one finding before the rest is counted.
 
 Pair = tuple[str, str]
 
@@ -268,3 +270,11 @@ class Description:
                 order.append(joint)
                 stack.append(joint.child)
         return tuple(order)
+
+
+def grouped(code: str, description: Description, parts: Sequence[Joint | Link], what: str, remedy: str) -> Finding:
+    """One finding about several joints or links: at its place for one, else at the file with their names."""
+    if len(parts) == 1:
+        return finding(code, description.place(parts[0]), what, remedy)
+    names = listed([part.name for part in parts], MOST_NAMES)
+    return finding(code, description.place(), f"{names}: {what}", remedy)

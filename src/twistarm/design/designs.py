@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arm.arm import Arm, require_arm
-from ..checking.doctor.motions import POOR
 from ..ik import reachable, solve_ik
 from ..ik.targets import Target
 from ..planning import JointMove, PathError, plan
@@ -16,7 +15,7 @@ from ..support.checks import Array, reporting, require
 from ..support.display import Brief
 from ..support.errors import InputError, LimitError, NotConvergedError, TwistarmError, quote
 from ..support.messages import joined
-from ..theory.manipulability import Manipulability, scaled_jacobian
+from ..theory.manipulability import POOR, Manipulability, scaled_jacobian
 from .mapping import sphere
 from .panel import Panel
 from .parking import Progress, best_parking

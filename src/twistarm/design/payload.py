@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
 from ..arm.effort_limits import effort_limits
-from ..checking.doctor.numbers import check_inertias
+from ..description.inertias import check_inertias
 from ..planning import Trajectory
 from ..support.checks import LARGEST_ARRAY, Array, as_number, as_whole
 from ..support.display import Brief

@@ -13,6 +13,7 @@ from ..support.display import Brief
 
 NO_MOTION = 1e-9  # A singular value this small beside the largest is the rounding of 0.
 BESIDE = 1e-4  # How far beside a singular configuration one looks for the motions that it lacks [scaled rad].
+POOR = 100.0  # A condition number above which some direction takes a hundred times the joint rates of another.
 SEEN = 1e-3  # Of that distance: a singular value which is larger there is not the square of it.
 
 

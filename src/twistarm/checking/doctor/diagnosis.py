@@ -12,6 +12,7 @@ from ...arm.arm import Arm
 from ...arm.loading.load import assemble, proven, read, specify
 from ...description.chain import resolve_couplings
 from ...description.findings import Finding, Place, finding
+from ...description.inertias import check_inertias
 from ...description.tree import Description
 from ...support.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
 from ...support.files import as_path
@@ -109,7 +110,7 @@ def _of_description(description: Description, arm: Arm | None) -> Iterator[Findi
     except DescriptionError:  # it is what the arm was refused for
         couplings = {}
     yield from numbers.check_mimics(description, couplings, arm.moving_names if arm else ())
-    yield from numbers.check_inertias(description)
+    yield from check_inertias(description)
     yield from numbers.check_meshes(description)
 
 

@@ -21,19 +21,18 @@ from ...description.findings import Finding, Place, finding
 from ...description.meshes import read_mesh
 from ...description.source_text import SourceText
 from ...description.tips import tool_rank
-from ...description.tree import Description, Geometry, Link
+from ...description.tree import MOST_NAMES, Description, Geometry, Link, grouped
 from ...ik import closed_form_of
 from ...limits.joint_limits import slides
 from ...support.checks import Array
 from ...support.directions import axis_in_words, direction_in_words
 from ...support.errors import TwistarmError, listed, one_line
 from ...support.messages import Argument, Text, plural
-from ...theory.manipulability import scaled_jacobian
-from .numbers import LONGEST_REACH, OTHER, SHOWN, grouped
+from ...theory.manipulability import POOR, scaled_jacobian
+from .numbers import LONGEST_REACH, OTHER
 
 # A condition number beyond which a configuration is singular in practice: one direction a thousand times slower.
 SINGULAR = 1e3
-POOR = 100.0  # A ready pose worse than this is worth a word, if there is one that is ten times better.
 NO_MOTION = 1e-9  # A column of the Jacobian this small [m/reach, rad] is zero but for rounding.
 ABOUT = 1.0 - 1e-6  # Cosine from which on a rotation is about an axis.
 OUT = 0.1  # How far out [m] the tool of the snippet is, if the tip has no shape.
@@ -65,7 +64,7 @@ def check_zero(arm: Arm) -> Iterator[Finding]:
     bounds = zip(arm.joint_names, arm.limits.lower, arm.limits.upper, strict=True)
     outside = [f"{name} [{lower:.4g}, {upper:.4g}]" for name, lower, upper in bounds if not lower <= 0.0 <= upper]
     if outside:
-        what = f"the zero pose is outside the limits of {_first(outside, SHOWN)}"
+        what = f"the zero pose is outside the limits of {_first(outside, MOST_NAMES)}"
         yield finding("zero-outside-limits", place_of(arm), what, "do not command zeros: start from the ready pose")
 
 
