@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Iterable, Mapping
 from copy import copy
 from dataclasses import replace
@@ -190,7 +191,12 @@ class Obstacles:
         other.add_points(name, points, body.size[0], body.pose, without_arm=without_arm, theta=theta)
         other._obstacles[name] = replace(other._obstacles[name], carrier=body.carrier)
         other._prepare()
-        self._obstacles, self._made = other._obstacles, other._made
+        tiles, before = list(body.shape.tiles), self._made
+        vars(self).update(vars(other))  # all at once for other threads, with the pairs found meanwhile
+        del body, before, other
+        while tiles:  # To free all octrees at once would hold the interpreter for 15 ms.
+            tiles.pop()
+            time.sleep(0.0)
 
     def allow(self, first: str, second: str, reason: str = "User") -> None:
         """Do not check a pair of links or obstacles any more.

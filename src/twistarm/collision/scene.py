@@ -179,6 +179,12 @@ class Scene(Obstacles):
         """The arm, the obstacles and the pairs found. Shapes are read again, from the same files."""
         return _made, (self.arm, self._margin, self.exact, self.content(), self.find_allowed_pairs())
 
+    def __copy__(self) -> Scene:
+        """Another scene with the same bodies. By `__reduce__` a copy would read and build them all again."""
+        other = object.__new__(type(self))
+        vars(other).update(vars(self))
+        return other
+
     def __repr__(self) -> str:
         return (
             f"Scene({self.arm.name}: {len(self._links)} bodies of links, obstacles {listed(self._obstacles) or 'none'})"

@@ -76,7 +76,7 @@ class Keep(Brief):
             raise InputError("give direction or tool_axis: one follows from the other at the start")
         checked: dict[str, Any] = {name: as_positive(getattr(self, name), name) for name in ("tol", "position_tol")}
         if checked["tol"] >= LARGEST_TOL:
-            raise InputError(f"tol must be an angle below π, in radians; got {self.tol:g}: numpy.radians converts it")
+            raise InputError(Text("tol must be below half a turn; got {tol}", tol=Quantity(self.tol, "rad", 3)))
         for name, check in (("direction", one_direction), ("tool_axis", one_direction), ("orientation", as_rotation)):
             value = getattr(self, name)
             checked[name] = value if value is None or value is True else frozen(check(value, name))

@@ -123,7 +123,7 @@ def _hand_eye(found: HandEye) -> Iterator[str]:
     whose = "the corrected arm" if found.corrected else "the arm as described"
     shift, turn = found.residual
     yield f"residual of the tag in the camera, median: {1e3 * shift:.2g} mm and {np.degrees(turn):.2g}°; with {whose}"
-    yield found.urdf
+    yield from found.urdf.splitlines()
 
 
 def _residual(residual: Residual) -> str:
