@@ -1,4 +1,7 @@
-"""Default velocity and acceleration limits for arms that give none."""
+"""Default velocity and acceleration limits for arms that give none.
+
+URDF has no acceleration limits, and many files write 0 or -1 for a velocity: a bare URDF is the usual start.
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """Base and tip if the caller names none, by the tree of moving joints, then by the names and places of links.
 
 A description is seen as rigid bodies, each a limb, wheel, finger, rod or head by the tree and by names of its parts.
+The tree decides, because names are weaker evidence: rovers have wheels, humanoids two arms, grippers several fingers.
 """
 
 from __future__ import annotations
