@@ -207,3 +207,13 @@ def test_a_start_that_collides_is_named_where_no_way_is_found() -> None:
     scene.add_box("wall", (2.0, 0.02, 4.0), (0.0, 0.05, 0.0))
     with pytest.raises(PathError, match=r"no way.*the start collides: .*wall"):
         plan(ARM, FreeMove(GOAL, keep=Keep(direction=DOWN, tol=TOL)), start=START, scene=scene, max_time=0.3)
+
+
+def test_a_goal_that_no_configuration_reaches_exactly_is_taken_within_the_tolerance() -> None:
+    six = load_arm("rover_arm_6dof", limits={"acceleration": 3.0})
+    keep = Keep(direction=True, tol=np.radians(10.0))
+    motion = plan(six, FreeMove(Position([0.9, 0.3, 0.5]), keep=keep), scene=Scene(six))
+    off = angles(poses(six, motion), six.tool_axis, six.fk(six.ready)[:3, :3] @ six.tool_axis)
+    assert off[-1] > 0.01
+    assert off.max() < np.radians(10.0) + 1e-9
+    assert np.allclose(poses(six, motion)[-1, :3, 3], [0.9, 0.3, 0.5], atol=2e-5)

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 FreePath = Callable[[Array, Array], Array]
 # A path that keeps something too, from a start (n,) to one of some goals (k, n), with a share of the time.
 KeepingPath = Callable[[Kept, Array, Array, float], JointPath]
+GOAL_SHARE = 0.6  # Share of the kept angle that a goal may use up: the way to it needs the rest.
 MOST_GOALS = 4  # Configurations that meet the target of a free move that keeps something, and are tried.
 NEAREST = 8  # How many of the nearest start configurations of a run of curves are tried before all others.
 FOLLOWED = 4  # How many ways through a ladder, least joint motion first, are tried.
@@ -210,6 +211,9 @@ class Router:
         assert self.scene is not None
         tolerances, target = self.goals.tolerances(segment), kept.keep.met_by(segment.to)
         nearest = solve_ik(self.arm, target, theta, scene=self.scene, **tolerances.keywords)
+        if not nearest.converged and target is not segment.to:  # the rotation comes from what is kept, within its tol
+            tolerances = replace(tolerances, orientation=GOAL_SHARE * kept.keep.tol)
+            nearest = solve_ik(self.arm, target, theta, scene=self.scene, **tolerances.keywords)
         if not nearest.converged:
             raise NotConvergedError(joined(": ", [self._place(i), in_one_line(nearest)]), nearest)
         found = branches(self.arm, target_for(self.arm, target), theta, tolerances)
