@@ -4,13 +4,12 @@ Conventions, everywhere: SI units and radians; `theta` (..., n) is one number pe
 pose `g_ab` (..., 4, 4) is frame b seen from frame a, p_a = g_ab @ p_b; a twist is (v, w), linear part first, as in
 Murray, Li & Sastry and in Pinocchio; s is the space frame (the base link), t the tool frame (the tip link).
 
-The public names stand in `__init__.pyi`. Each is imported when it is first asked for, so that a program heeds Ctrl-C
-from its first line on.
+The public names are in `__init__.pyi`. Each is imported at its first use, so that `import twistarm` takes milliseconds.
 """
 
 from __future__ import annotations
 
-TYPE_CHECKING = False
+TYPE_CHECKING = False  # without `typing`, which takes as long to import as all of this
 if TYPE_CHECKING:
     from typing import Any
 
@@ -18,7 +17,7 @@ __version__ = "0.1.0"
 
 
 def _public_names() -> dict[str, str]:
-    """{name: the module that it comes from}, as `__init__.pyi` has them, a line each."""
+    """{name: the module that it comes from}, read from `__init__.pyi`: a second list would differ one day (SPEC 1)."""
     with open(f"{__file__}i", encoding="utf-8") as stub:
         lines = [line.split() for line in stub if line.startswith("from ")]
     return {name: module for _, module, _, name, *_ in lines}
@@ -34,11 +33,11 @@ def __getattr__(name: str) -> Any:
 
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}", name=name)
-    module = _MODULES[name]
-    home = None if module == "." else import_module(module, __name__)
-    # What is no attribute of its package is a module in it.
-    value = getattr(home, name) if hasattr(home, name) else import_module(f"{module.rstrip('.')}.{name}", __name__)
-    return globals().setdefault(name, value)  # so that this is asked once for each name
+    source = _MODULES[name]
+    module = None if source == "." else import_module(source, __name__)
+    # A name that is no attribute of its package is a module in it.
+    value = getattr(module, name) if hasattr(module, name) else import_module(f"{source.rstrip('.')}.{name}", __name__)
+    return globals().setdefault(name, value)  # Python calls __getattr__ only for names that are missing
 
 
 def __dir__() -> list[str]:
