@@ -122,7 +122,7 @@ def test_it_finds_the_same_configurations(desk: Any) -> None:
     for kind in ("approach", "position"):
         asked = {"type": "solutions", "kind": kind, "position": [0.8, 0.1, 0.4], "xyzw": [0, 0.6, 0, 0.8]}
         python.ask(**asked)
-        python.until(lambda: python.latest["solutions"]["asked"])
+        python.until(lambda: python.latest["solutions"]["requested"])
         ours, theirs = ask(asked)["solutions"], python.latest["solutions"]
         count = sum(not place["beyond"] for place in theirs["places"])
         assert count == sum(not place["beyond"] for place in ours["places"]) > 0

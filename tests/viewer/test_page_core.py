@@ -22,7 +22,7 @@ from twistarm.description.catalog import model_arms, own_arms
 from twistarm.ik import closed_form_of
 from twistarm.theory.rotations import to_rpy, to_xyzw
 from twistarm.theory.screws import exp
-from twistarm.viewer.parts.target import target_asked
+from twistarm.viewer.parts.target import target_from
 from twistarm.viewer.scene.core_numbers import core_numbers
 from twistarm.viewer.scene.drawing import link_path, screw_path
 from twistarm.viewer.stage import Stage
@@ -92,7 +92,7 @@ def test_inverse_kinematics_and_its_verdicts(name: str) -> None:
     asked = [each for theta in some(arm) for scale in (1.0, 1.02, 1.7) for each in targets(arm, theta, scale, kinds)]
     (found,) = in_page((arm, [["solve", each, arm.ready, {"posture": arm.ready}] for each in asked]))
     for each, answer in zip(asked, found["answers"], strict=True):
-        native = solve_ik(arm, target_asked(arm, each), arm.ready, posture="theta0")
+        native = solve_ik(arm, target_from(arm, each), arm.ready, posture="theta0")
         assert answer["stop"] == native.stop.name
         assert (answer["unlimited"] is None) == (native.unlimited is None)
         assert abs(answer["positionError"] - native.position_error) < SAME_ERROR
@@ -108,7 +108,7 @@ def test_every_configuration_of_a_closed_form(name: str) -> None:
     asked = [each for theta in some(arm, 4) for each in targets(arm, theta, 1.0, (core_numbers(arm) or {})["forms"])]
     (found,) = in_page((arm, [["configurations", each, near] for each in asked]))
     for each, answer in zip(asked, found["answers"], strict=True):
-        target = target_asked(arm, each)
+        target = target_from(arm, each)
         held = {joint: float(near[arm.joint_names.index(joint)]) for joint in closed_form_of(arm, target).held}
         native = solve_ik_all(arm, target, near, fixed_joints=held)
         if answer["families"] or not native.complete:

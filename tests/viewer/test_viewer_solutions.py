@@ -78,16 +78,16 @@ def test_beyond_the_limits_the_arm_does_not_go() -> None:
 def test_what_moves_the_arm_otherwise_lets_them_go() -> None:
     stage = asked(ROVER, "approach")
     kept, _ = told(stage)
-    assert kept["asked"]
+    assert kept["requested"]
     assert told(stage)[0] is kept
     ask(stage, "joint", name="wrist_roll", value=0.3)
-    assert told(stage)[0]["asked"] is False
+    assert told(stage)[0]["requested"] is False
     with pytest.raises(InputError, match="press All configurations again"):
         ask(stage, "solution", place=0, ease=False)
     stage = asked(ROVER, "approach")
     theta = stage.theta
     ask(stage, "solutions_end")
-    assert told(stage)[0]["asked"] is False
+    assert told(stage)[0]["requested"] is False
     assert stage.theta is theta
 
 
@@ -95,7 +95,7 @@ def test_none_is_an_answer() -> None:
     stage = Stage(ROVER)
     done(ask(stage, "solutions", kind="position", position=[9.0, 0.0, 0.0], xyzw=[0, 0, 0, 1]))
     message, at = told(stage)
-    assert message["asked"]
+    assert message["requested"]
     assert message["places"] == message["theta"] == []
     assert "that is certain" in message["words"]
     assert at is None
@@ -126,7 +126,7 @@ def test_a_program_shows_them() -> None:
             page.until(lambda: page.latest.get("solution", {}).get("at") == 0)
             assert len(page.latest["solutions"]["places"]) == len(solutions) + len(solutions.outside)
             viewer.show_solutions(None)
-            page.until(lambda: not page.latest["solutions"]["asked"])
+            page.until(lambda: not page.latest["solutions"]["requested"])
         assert_array_equal(viewer.theta, solutions[0])
         with pytest.raises(InputError, match="configurations of another arm"):
             viewer.show_solutions(solve_ik_all(ELBOW, ELBOW.fk(ELBOW.ready)))

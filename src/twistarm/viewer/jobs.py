@@ -30,9 +30,9 @@ class Memo(Generic[T]):
         return self._last[1]
 
 
-def same(one: tuple[object, ...], other: tuple[object, ...]) -> bool:
+def same(first: tuple[object, ...], second: tuple[object, ...]) -> bool:
     """Whether both hold the same objects."""
-    return len(one) == len(other) and all(a is b for a, b in zip(one, other, strict=True))
+    return len(first) == len(second) and all(a is b for a, b in zip(first, second, strict=True))
 
 
 Progress = Callable[[float], None]
@@ -100,13 +100,13 @@ class Workers:
             self._do(job)
 
     def _do(self, job: Job) -> None:
-        reported = False
+        has_reported = False
 
         def progress(share: float) -> None:
-            nonlocal reported
+            nonlocal has_reported
             if self._stopped or job.key in self._waiting:
                 raise ReplacedError
-            reported = True
+            has_reported = True
             self._report(job.key, share)
 
         try:
@@ -117,7 +117,7 @@ class Workers:
             self._deliver(partial(_fail, job, error))
         else:
             self._deliver(lambda: job.finish(result))
-        if reported:
+        if has_reported:
             self._report(job.key, None)
 
 

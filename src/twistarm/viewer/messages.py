@@ -39,12 +39,12 @@ def parse(message: str | bytes) -> PageRequest:
     """
     if isinstance(message, bytes):
         raise InputError("a message is JSON text; got bytes")
-    asked = decoded(message)
-    kind = asked.pop("type", None)
+    content = decoded(message)
+    kind = content.pop("type", None)
     if not isinstance(kind, str) or kind not in REQUESTS:
         raise InputError(f"unknown message type {quote(kind)}; one of {', '.join(REQUESTS)}")
-    count = as_whole(asked.pop("number", 0), "number")
-    return PageRequest(kind, fields(asked, "", REQUESTS[kind]), count)
+    count = as_whole(content.pop("number", 0), "number")
+    return PageRequest(kind, fields(content, "", REQUESTS[kind]), count)
 
 
 def number_of(message: str | bytes) -> int | None:
@@ -113,7 +113,7 @@ class ChangePublisher:
     """Keeps what the pages know. A failing source keeps its last messages; its error is reported once."""
 
     def __init__(self) -> None:
-        self._shown: dict[str, Message] = {}
+        self._messages: dict[str, Message] = {}
         self._texts: dict[str, str] = {}
         self._failing: dict[int, str] = {}
 
@@ -121,7 +121,7 @@ class ChangePublisher:
         """The texts of changes since the last call, by type, and the error of a failing source."""
         changed: dict[str, str] = {}
         for place, source in enumerate(sources):
-            self._ask(place, source, changed)
+            self._gather_from(place, source, changed)
         return changed
 
     def everything(self) -> dict[str, str]:
@@ -131,13 +131,13 @@ class ChangePublisher:
             *_, texts["error"] = self._failing.values()
         return texts
 
-    def _ask(self, place: int, source: Source, changed: dict[str, str]) -> None:
+    def _gather_from(self, place: int, source: Source, changed: dict[str, str]) -> None:
         try:
             for message in source():
                 kind = message["type"] + message.get("node", "")  # of one type there is one for each node
-                if self._shown.get(kind) != message:
+                if self._messages.get(kind) != message:
                     self._texts[kind] = changed[kind] = encode(message)
-                    self._shown[kind] = message
+                    self._messages[kind] = message
             self._failing.pop(place, None)
         except Exception as error:
             if place not in self._failing:

@@ -46,7 +46,7 @@ class SceneSnapshot:
     messages: Mapping[str, Message]
     motion: Trajectory | None
 
-    def saying(self, *messages: Message) -> SceneSnapshot:
+    def with_messages(self, *messages: Message) -> SceneSnapshot:
         """A copy with these messages in place of those of the same type."""
         return replace(self, messages={**self.messages, **{message["type"]: message for message in messages}})
 
@@ -59,11 +59,11 @@ class SceneSnapshot:
         stage = Stage(self.arm)
         stage.load(trajectory).play(0.0)
         stage.draw_path(tool_path(self.arm, trajectory))
-        told = {message["type"]: message for message in stage.messages()}
-        told["program"] = {**told["program"], "poses": self.messages["program"]["poses"]}
-        told["frame"] = {**self.messages["frame"], "time": 0.0, "running": True}
-        moved = (told[kind] for kind in ("player", "plots", "path", "program", "frame"))
-        return replace(self.saying(*moved), motion=trajectory)
+        messages = {message["type"]: message for message in stage.messages()}
+        messages["program"] = {**messages["program"], "poses": self.messages["program"]["poses"]}
+        messages["frame"] = {**self.messages["frame"], "time": 0.0, "running": True}
+        moved = (messages[kind] for kind in ("player", "plots", "path", "program", "frame"))
+        return replace(self.with_messages(*moved), motion=trajectory)
 
     def data(self, zipped: bool = True) -> dict[str, Any]:
         """The data for process.js: what a page is told, the motion's samples, and a note about the servo's limits.
@@ -71,23 +71,26 @@ class SceneSnapshot:
         It may run in any thread, because it does not touch the stage. It reads remaining meshes and runs the doctor if
         needed.
         """
-        drawing, told = self.drawing.whole(), {k: it for k, it in self.messages.items() if it["type"] not in LIVE}
-        if PENDING in told["findings"]["note"] and not told["servo"]["driven"]:
-            told["findings"] = doctor_findings(self.arm)
-        shown = {
+        drawing, messages = (
+            self.drawing.whole(),
+            {kind: message for kind, message in self.messages.items() if message["type"] not in LIVE},
+        )
+        if PENDING in messages["findings"]["note"] and not messages["servo"]["driven"]:
+            messages["findings"] = doctor_findings(self.arm)
+        snapshot = {
             "hello": {**self.hello, "number": 0},
-            "messages": [drawing.message(), *told.values()],
+            "messages": [drawing.message(), *messages.values()],
             "motion": None if self.motion is None else _samples(self.motion),
             "note": f"{defaults_line(self.arm)}; no collisions are checked".removeprefix("; "),
         }
-        digest = hashlib.sha256(encode(shown).encode()).hexdigest()[:24]
-        return {**shown, "digest": digest, "objects": _packed(_joined(drawing.objects), zipped)}
+        digest = hashlib.sha256(encode(snapshot).encode()).hexdigest()[:24]
+        return {**snapshot, "digest": digest, "objects": _packed(_joined(drawing.objects), zipped)}
 
 
 def of_arm(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | None = None) -> SceneSnapshot:
     """`arm` at theta (n,), by default ready, with all layers and `trajectory` playing."""
-    shown = on_show(Stage(arm, theta), Drawing(arm))
-    return shown if trajectory is None else shown.playing(trajectory)
+    snapshot = on_show(Stage(arm, theta), Drawing(arm))
+    return snapshot if trajectory is None else snapshot.playing(trajectory)
 
 
 def on_show(stage: Stage, drawing: Drawing) -> SceneSnapshot:
@@ -95,13 +98,13 @@ def on_show(stage: Stage, drawing: Drawing) -> SceneSnapshot:
 
     Call it in the stage's thread.
     """
-    told = {message["type"] + message.get("node", ""): message for message in stage.messages()}
+    messages = {message["type"] + message.get("node", ""): message for message in stage.messages()}
     if not (stage.visible["reach"][0] or "reach" in stage.needed):
-        told.pop("reach", None)
-    if not told["shapes"]["bodies"]:
-        del told["shapes"]
+        messages.pop("reach", None)
+    if not messages["shapes"]["bodies"]:
+        del messages["shapes"]
     motion = None if stage.playback is None else stage.playback.trajectory
-    return SceneSnapshot(stage.arm, drawing, stage.hello(drawing.links), told, motion)
+    return SceneSnapshot(stage.arm, drawing, stage.hello(drawing.links), messages, motion)
 
 
 def _samples(motion: Trajectory) -> dict[str, Any]:
@@ -202,7 +205,7 @@ def page_html(arm: Arm, theta: ArrayLike | None = None, *, trajectory: Trajector
     return stand_alone(of_arm(arm, trajectory, theta))
 
 
-def stand_alone(shown: SceneSnapshot, zipped: bool = True) -> str:
+def stand_alone(snapshot: SceneSnapshot, zipped: bool = True) -> str:
     """index.html with its style, its scripts, the core and what is shown inlined.
 
     Where it is not `zipped`, the page stands at once: a headless browser that draws it waits for no other thread.
@@ -210,16 +213,16 @@ def stand_alone(shown: SceneSnapshot, zipped: bool = True) -> str:
     meshcat = f"<script>{_inline(meshcat_bundle())}</script>"
     core = f'<script type="text/plain" id="core">{packed_core(zipped)}</script>'
     program = f'<script type="module">\n{_inline(_program())}</script>'
-    return _page(shown.arm.name, shown.data(zipped), POLICY, meshcat, f"{core}\n{program}")
+    return _page(snapshot.arm.name, snapshot.data(zipped), POLICY, meshcat, f"{core}\n{program}")
 
 
-def beside(shown: SceneSnapshot) -> tuple[str, dict[str, str]]:
+def beside(snapshot: SceneSnapshot) -> tuple[str, dict[str, str]]:
     """The page for a folder with many pages, and the scripts beside it by name.
 
     All pages share Meshcat's code, ours and the core. All pages of an arm share its meshes. The page's policy runs only
     the scripts that it names, also when opened from disk.
     """
-    data = shown.data()
+    data = snapshot.data()
     objects = f"globalThis.twistarmObjects = {json.dumps(data.pop('objects'))};"
     digest = hashlib.sha256(objects.encode()).hexdigest()[:12]
     scripts = {
@@ -233,7 +236,7 @@ def beside(shown: SceneSnapshot) -> tuple[str, dict[str, str]]:
     first, *rest = (
         f'<script defer src="{name}" nonce="{nonce}"></script>' for name in ("meshcat.js", *list(scripts)[:0:-1])
     )
-    return _page(shown.arm.name, data, policy, first, "\n".join(rest)), scripts
+    return _page(snapshot.arm.name, data, policy, first, "\n".join(rest)), scripts
 
 
 def _page(name: str, data: Mapping[str, Any], policy: str, meshcat: str, program: str) -> str:

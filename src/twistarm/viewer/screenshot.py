@@ -199,7 +199,7 @@ def png_of(size: tuple[int, int], show: Callable[[], SceneSnapshot]) -> bytes:
         raise InputError(f"size must be {wanted}; got {quote(size)}")
     with browser_at_work("draw") as (browser, folder):
         snapshot = show()
-        plain = snapshot.saying(NO_PLOTS, {**loading_findings(snapshot.arm), "note": ""})
+        plain = snapshot.with_messages(NO_PLOTS, {**loading_findings(snapshot.arm), "note": ""})
         page = stand_alone(replace(plain, motion=None), zipped=False)
         # Windows have a minimal width and frames: the page itself has this size.
         style = f"<style>body {{ width: {width}px; height: {height}px; }}</style>\n</head>"

@@ -80,15 +80,15 @@ def site_of(
 ) -> tuple[list[dict[str, Any]], dict[str, str | bytes]]:
     """What the index tells of each arm, and the files of the site by name. `progress` takes a line for each arm."""
     try:
-        several = [require_arm(arm) for arm in arms]
+        checked = [require_arm(arm) for arm in arms]
     except TypeError as error:
         raise InputError(f"arms must be a list of arms; got {quote(arms)}") from error
-    if not several:
+    if not checked:
         raise InputError("a site needs one arm at least")
     cards: dict[str, dict[str, Any]] = {}  # by the names of their files, in small letters
     files: dict[str, str | bytes] = {}
     entries, drawn = [], True
-    for number, arm in enumerate(several, start=1):
+    for number, arm in enumerate(checked, start=1):
         plain = re.sub(r"[^A-Za-z0-9_.-]", "_", arm.name).strip("._-")[:50] or "arm"
         names = (plain if k == 1 else f"{plain}_{k}" for k in range(1, len(cards) + 3))
         name = next(free for free in names if free.casefold() not in {"index", *cards})
@@ -100,10 +100,10 @@ def site_of(
         except TwistarmError as error:  # no browser, or one that does not draw: the next would take as long to fail
             drawn = False
             progress(f"drawings instead of pictures: {error}")
-        page, scripts = beside(snapshot.saying(findings))
+        page, scripts = beside(snapshot.with_messages(findings))
         files |= {f"{name}.html": page, **scripts}
         card = cards[name.casefold()] = {
-            "name": printable(arm.name) + _distinction(arm, number, several),
+            "name": printable(arm.name) + _distinction(arm, number, checked),
             "page": f"{name}.html",
             "joints": Counter(arm.joint_types),
             "reach": float(np.linalg.norm(arm.fk(arm.random_theta(0, SAMPLES))[:, :3, 3], axis=-1).max()),
@@ -111,8 +111,8 @@ def site_of(
         }
         title, lines = escape(card["name"]), _lines(card)
         entries.append(f'<li><a href="{name}.html">{picture}<h2>{title}</h2><p>{"<br>".join(lines)}</p></a></li>')
-        progress(f"{number} of {len(several)}: {card['name']}, {', '.join(lines)}")
-    count = f"{len(several)} arm{'s' * (len(several) != 1)}"
+        progress(f"{number} of {len(checked)}: {card['name']}, {', '.join(lines)}")
+    count = f"{len(checked)} arm{'s' * (len(checked) != 1)}"
     index = INDEX.format(count=count, style=page_text("site.css"), arms="\n".join(entries))
     return [*cards.values()], files | {"index.html": index}
 
@@ -120,8 +120,8 @@ def site_of(
 def _distinction(arm: Arm, number: int, arms: list[Arm]) -> str:
     """What tells the arm, the one of that number, from others of its name: its file, or else the number."""
 
-    def name_of(one: Arm) -> str:
-        path = one.description and one.description.path
+    def name_of(other: Arm) -> str:
+        path = other.description and other.description.path
         return path.name if path else ""
 
     alike, file = [name_of(other) for other in arms if other.name == arm.name], name_of(arm)
@@ -149,7 +149,7 @@ def _lines(card: Mapping[str, Any]) -> tuple[str, str]:
 def _picture(snapshot: SceneSnapshot) -> bytes:
     """The arm alone, without its axes."""
     layers = {layer: [False, 0] for layer in snapshot.messages["visible"] if layer != "type"}
-    plain = snapshot.saying({"type": "visible", **layers})
+    plain = snapshot.with_messages({"type": "visible", **layers})
     return png_of(PICTURE, lambda: plain)
 
 

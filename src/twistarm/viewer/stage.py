@@ -90,10 +90,10 @@ class Stage(Show):
         self.show(choices.theta[0] if choices.inside else self.theta)
         self.solutions.take(choices, self.theta)
 
-    def show_reach(self, drawn: Message | None) -> None:
+    def show_reach(self, message: Message | None) -> None:
         """Show this map in the pages, or hide the one that is there."""
-        self.reach.drawn = drawn or self.reach.drawn
-        self.set_visible("reach", drawn is not None)
+        self.reach.map = message or self.reach.map
+        self.set_visible("reach", message is not None)
 
     def handle(self, request: PageRequest, now: float) -> Job | None:
         """Handle a page's request or return a job for it. Raises TwistarmError without any change."""
@@ -144,7 +144,7 @@ class Stage(Show):
         self.controls.take_over(old.controls)
         self.collisions.take_over(old.collisions)
         if digest_of(self.arm) == digest_of(old.arm):
-            self.reach.drawn = old.reach.drawn
+            self.reach.map = old.reach.map
         words = [*self._take_values(old), *self.poses.take_over(old.poses)]
         if old.playback is not None and self._fits(motion := old.playback.trajectory):
             self.playback = old.playback

@@ -87,8 +87,8 @@ class Viewer(Closeable):
         self._watches: list[Watch] = []
         self._closed = threading.Event()
         other = None if beside is None else require_arm(beside)
-        stage, drawn = Stage(arm, theta, scene, other), Drawing(arm, beside=other)
-        self._server = Server(stage, drawn, host, port, application)
+        stage = Stage(arm, theta, scene, other)
+        self._server = Server(stage, Drawing(arm, beside=other), host, port, application)
         self.draw = Draw(self._put_drawing)
         self._server.start()
         if open_browser:
@@ -203,12 +203,12 @@ class Viewer(Closeable):
 
         Pages may choose it from now on, beginning with that of `settings`, until `show_servo(None)`.
         """
-        given = ServoSettings() if settings is None else settings
-        require(given, ServoSettings, "settings", "as ServoSettings() is")
+        initial = ServoSettings() if settings is None else settings
+        require(initial, ServoSettings, "settings", "as ServoSettings() is")
         commands = self._server.commands
-        commands.on_unreachable, commands.free = given.on_unreachable, True
+        commands.on_unreachable, commands.free = initial.on_unreachable, True
         self._server.post("on_unreachable", lambda stage: self._server.show_choice())
-        return commands.servo_settings(given)
+        return commands.servo_settings(initial)
 
     def show_servo(self, answer: Cycle | ServoOutput | None) -> None:
         """Show a cycle of `stream.run`: joint values, status and reason.
@@ -254,8 +254,8 @@ class Viewer(Closeable):
         """
         self._require_open()
         arm = self.arm
-        drawn = None if m is None else drawing(require(m, ReachMap, "m", "as reach_map returns").require(arm))
-        self._post("reach", arm, lambda stage: stage.show_reach(drawn))
+        message = None if m is None else drawing(require(m, ReachMap, "m", "as reach_map returns").require(arm))
+        self._post("reach", arm, lambda stage: stage.show_reach(message))
 
     def show_solutions(self, solutions: AllSolutions | None) -> None:
         """Draw each configuration of `solve_ik_all` faintly, for stepping through on the pages.
@@ -317,7 +317,7 @@ class Viewer(Closeable):
             name: What stands before the text.
             value: The text. Setting the control's `value` changes it.
         """
-        return self._control(name, value, lambda given: as_name(given, "value"))
+        return self._control(name, value, lambda text: as_name(text, "value"))
 
     def _control(
         self,
@@ -330,9 +330,9 @@ class Viewer(Closeable):
         self._require_open()
         return Control(as_name(name, "name"), value, check, self._server.post, call, ends)
 
-    def _put_drawing(self, drawn: Message) -> None:
+    def _put_drawing(self, message: Message) -> None:
         self._require_open()
-        self._server.post(drawn["node"], lambda stage: stage.drawings.update({drawn["node"]: drawn}))
+        self._server.post(message["node"], lambda stage: stage.drawings.update({message["node"]: message}))
 
     def save_html(self, path: str | os.PathLike[str], trajectory: Trajectory | None = None) -> Path:
         """Write a saved page of the present state: joints, layers, findings and the loaded trajectory.

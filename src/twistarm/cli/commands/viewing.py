@@ -19,7 +19,7 @@ from ...support.checks import Array
 from ...support.errors import InputError, TwistarmError
 from ...viewer import Viewer, page_html
 from ...viewer.saved_page import of_arm
-from ...viewer.scene.links import lost_meshes
+from ...viewer.scene.links import missing_meshes
 from ...viewer.screenshot import png_of
 from ...viewer.server.watching import load_with_files
 from ...viewer.site import site_of, write_site
@@ -137,7 +137,7 @@ def view(
     motion = None if play is None else motion_of_file(arm, play)[1]
     if out.files:
         start = x if motion is None else motion(0.0)
-        for note in () if arm.description is None else lost_meshes(arm.description):
+        for note in () if arm.description is None else missing_meshes(arm.description):
             warn(note)
         out.show(
             {"arm": arm, "duration": motion and motion.duration},

@@ -91,7 +91,7 @@ def scene(
     shown = of_arm(arm, trajectory, theta)
     told = shown.messages
     begins = theta if trajectory is None else trajectory(0.0)
-    shown = shown.saying(
+    shown = shown.with_messages(
         # Nobody looks yet: the reader plays it, from its beginning.
         {**told["frame"], "theta": begins.tolist(), "running": False},
         # No doctor is going to look, so nothing is said of one. Where loading noted nothing, the page shows none.

@@ -7,12 +7,12 @@ import { corners } from "./framing.js";
 import { JointRow } from "./joint_row.js";
 import { soften } from "./link_tree.js";
 import { writeName } from "./names.js";
-import { shown, signed, span } from "./units.js";
+import { withUnit, signed, span } from "./units.js";
 import { THREE } from "./view.js";
 
 const ROOT = "/beside"; // as in arm_scene.py
 const GHOST = 0.4; // opacity
-const APART = 1.5; // the bases of the two, in radii of the larger one
+const SPACING = 1.5; // the bases of the two, in radii of the larger one
 const ROUNDING = 1e-6; // rad, m: a value may lie this far beyond a limit
 const BEHIND = 2; // units of depth: where both arms are, you see the first
 
@@ -29,7 +29,7 @@ export class Beside {
     this.values = {}; // of its joints by name, and of those beside its chain
     this.rows = new Map();
     $("beside-apart").addEventListener("change", () => this.dress());
-    $("beside-follow").addEventListener("change", () => this.placed(state.frame));
+    $("beside-follow").addEventListener("change", () => this.update(state.frame));
     $("radians").addEventListener("change", () => this.rows.forEach((row) => row.label()));
     view.onDrawn.push(() => this.dress());
   }
@@ -60,7 +60,7 @@ export class Beside {
     $("beside-follow").parentElement.title = `${this.shared.size} of ${joints.length} joints share a name with the first arm and follow it within their limits`;
   }
 
-  placed(frame) {
+  update(frame) {
     if (!this.core || !frame) return;
     const follows = $("beside-follow").checked;
     for (const [name, row] of this.rows) row.disable(follows && this.shared.has(name));
@@ -73,7 +73,7 @@ export class Beside {
   move(joint, value) {
     const { name, unit, range } = joint;
     if (Math.abs(value - clipped(value, joint)) <= ROUNDING) this.values[name] = value;
-    else this.panel.showError(`${name} = ${shown(value, unit)} is outside its limits ${span(range, unit)}`);
+    else this.panel.showError(`${name} = ${withUnit(value, unit)} is outside its limits ${span(range, unit)}`);
     this.show();
   }
 
@@ -84,26 +84,26 @@ export class Beside {
     this.view.place(Object.fromEntries(below.map(([path, matrix]) => [ROOT + path, matrix])));
     for (const [name, row] of this.rows) row.show(values[name]);
     const { position } = this.state.frame.tool;
-    const apart = Math.hypot(...position.map((value, i) => value - tool.position[i]));
-    $("beside-tool").textContent = `Tool at ${tool.position.map((value) => signed(value, 3)).join(", ")} m, ${(1000 * apart).toFixed(0)} mm from the first tool`;
+    const distance = Math.hypot(...position.map((value, i) => value - tool.position[i]));
+    $("beside-tool").textContent = `Tool at ${tool.position.map((value) => signed(value, 3)).join(", ")} m, ${(1000 * distance).toFixed(0)} mm from the first tool`;
   }
 
   // A ghost where the first one's base is, or as it is drawn, beside the first.
   dress() {
     if (!this.core) return;
-    const apart = $("beside-apart").checked;
+    const sideBySide = $("beside-apart").checked;
     const node = this.view.node(ROOT);
     this.view.rim.give(node);
     node.traverse(({ material }) => {
       if (!material) return;
-      soften(material, apart ? 1 : GHOST);
-      material.emissive?.copy(apart ? new THREE.Color(0) : coloured("--accent"));
-      Object.assign(material, { emissiveIntensity: 0.3, polygonOffset: !apart, polygonOffsetFactor: BEHIND, polygonOffsetUnits: BEHIND });
+      soften(material, sideBySide ? 1 : GHOST);
+      material.emissive?.copy(sideBySide ? new THREE.Color(0) : coloured("--accent"));
+      Object.assign(material, { emissiveIntensity: 0.3, polygonOffset: !sideBySide, polygonOffsetFactor: BEHIND, polygonOffsetUnits: BEHIND });
     });
     this.view.viewer.scene.updateMatrixWorld(true);
     const boxes = ["/arm", ROOT].map((path) => new THREE.Box3().setFromPoints(corners(this.view.node(path))));
     const radius = Math.max(...boxes.map((box) => box.getSize(new THREE.Vector3()).length() / 2));
-    this.view.place({ [ROOT]: new THREE.Matrix4().makeTranslation(0, apart ? APART * radius : 0, 0).toArray() });
+    this.view.place({ [ROOT]: new THREE.Matrix4().makeTranslation(0, sideBySide ? SPACING * radius : 0, 0).toArray() });
     this.view.reframe();
   }
 }

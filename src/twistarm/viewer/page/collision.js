@@ -58,11 +58,11 @@ export class Collision {
       dispose(mesh);
     }
     hang(this.view, this[kind], layer);
-    this.placed();
+    this.update();
     this.paint();
   }
 
-  placed() {
+  update() {
     stand([...this.shapes, ...this.obstacles], this.page.state.frame);
     this.view.viewer.set_dirty();
   }

@@ -32,17 +32,17 @@ export class Core {
     this.numbers = core;
     this.n = arm.joints.length;
     this.nodes = Object.keys(kinematics.nodes);
-    this.ask("tree", this.tree(kinematics));
-    const made = (name, numbers) => typeof numbers === "string" && this.ask(name, unpacked(numbers)).made;
+    this.call("tree", this.tree(kinematics));
+    const made = (name, numbers) => typeof numbers === "string" && this.call(name, unpacked(numbers)).made;
     this.solves = made("arm", core?.arm);
     this.driven = this.solves && made("servo", core.servo);
     this.forms = KINDS.filter((kind) => this.solves && made("closed_form", core.forms[kind]));
   }
 
   // Calls a function of module.cpp with these numbers. The answer is there until the next call.
-  ask(name, given, room = 0) {
-    const at = this.core.numbers(Math.max(given.length, room));
-    new Float64Array(this.core.memory.buffer, at, given.length).set(given);
+  call(name, numbers, room = 0) {
+    const at = this.core.numbers(Math.max(numbers.length, room));
+    new Float64Array(this.core.memory.buffer, at, numbers.length).set(numbers);
     const made = this.core[name]() === 1;
     const answer = new Float64Array(this.core.memory.buffer, this.core.numbers(0));
     return { made, many: (first, count) => Array.from(answer.subarray(first, first + count)) };
@@ -59,7 +59,7 @@ export class Core {
   // Where each node stands, {path: sixteen numbers by columns}, and the tool. `others`: {name: value} beside the chain.
   place(theta, others) {
     const x = [...this.checked(theta), ...this.arm.others.map(({ name }) => others[name])];
-    const { many } = this.ask("poses", x, 16 * this.nodes.length);
+    const { many } = this.call("poses", x, 16 * this.nodes.length);
     const transforms = Object.fromEntries(this.nodes.map((path, k) => [path, many(16 * k, 16)]));
     return { transforms, tool: toolOf(transforms["/frames/tool"]) };
   }
@@ -70,7 +70,7 @@ export class Core {
 
   // g_st (4, 4), J^s and J^b (6, n) by rows, linear part first.
   kinematics(theta) {
-    const { many } = this.asked("kinematics", this.checked(theta));
+    const { many } = this.run("kinematics", this.checked(theta));
     const rows = (first, count, width) => Array.from({ length: count }, (_, i) => many(first + i * width, width));
     return { g: rows(0, 4, 4), spatial: rows(16, 6, this.n), body: rows(16 + 6 * this.n, 6, this.n) };
   }
@@ -80,7 +80,7 @@ export class Core {
     const { position, orientation } = allowed(tolerances);
     const how = [KINDS.indexOf(target.kind), position, orientation, searches, Number(posture !== null)];
     const start = [...this.checked(theta0), ...(posture === null ? [] : this.checked(posture))];
-    const { many } = this.asked("solve", [...how, ...this.target(target), ...start]);
+    const { many } = this.run("solve", [...how, ...this.target(target), ...start]);
     const [stop, nearest, otherBranch, certain, free, positionError, orientationError, iterations, restarts] = many(0, 9);
     return {
       converged: stop === 0, stop: Object.keys(this.numbers.reasons)[stop], theta: many(9, this.n),
@@ -91,7 +91,7 @@ export class Core {
 
   // Of the rotation error at theta [rad]: what no motion lessens, with its axis in the tool's axes, and what limits do.
   split(target, theta) {
-    const { many } = this.asked("split", [KINDS.indexOf(target.kind), ...this.target(target), ...this.checked(theta)]);
+    const { many } = this.run("split", [KINDS.indexOf(target.kind), ...this.target(target), ...this.checked(theta)]);
     const [impossible, prevented, ...axis] = many(0, 5);
     return { impossible, prevented, axis };
   }
@@ -102,7 +102,7 @@ export class Core {
     if (!this.forms.includes(target.kind)) return null;
     const { position, orientation } = allowed(tolerances);
     const how = [KINDS.indexOf(target.kind), Math.min(position, EXACT), Math.min(orientation, EXACT)];
-    const { many } = this.asked("configurations", [...how, ...this.target(target), ...this.checked(near)]);
+    const { many } = this.run("configurations", [...how, ...this.target(target), ...this.checked(near)]);
     const [count, inside, families] = many(0, 3);
     const rows = Array.from({ length: count }, (_, i) => many(3 + 2 * i * this.n, 2 * this.n));
     const free = rows.map((row) => this.arm.joints.filter((_, i) => row[this.n + i] === 1).map(({ name }) => name));
@@ -127,7 +127,7 @@ export class Core {
     const held = flags > 1 && state.flags === flags ? state.held : null;
     const time = dt <= LONGEST_STEP ? dt : NaN; // with NaN the arm stands still at once
     const given = [Number(stops), kind, flags, time, state.period, Number(held !== null), ...numbers, ...state.theta, ...state.thetaDot, ...(held ?? [])];
-    const { many } = this.asked("servo_step", given);
+    const { many } = this.run("servo_step", given);
     const [found, row, scale, lostShare, halted, metres, radians, period] = many(0, 8);
     const cause = command ? found : STALE;
     const kept = flags > 1 ? many(14 + 2 * this.n, 16) : null;
@@ -142,9 +142,9 @@ export class Core {
     return { cause: name, status, words, row, joint };
   }
 
-  asked(name, given) {
+  run(name, numbers) {
     if (!this.solves) throw new Error(`${this.arm.name} has more joints than the core of the page holds`);
-    return this.ask(name, given);
+    return this.call(name, numbers);
   }
 
   checked(theta) {

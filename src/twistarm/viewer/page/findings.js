@@ -75,6 +75,6 @@ export class Findings {
 
 function counted(counts) {
   const parts = Object.entries(SEVERITIES).filter(([severity]) => counts[severity])
-    .map(([severity, [one, several]]) => element("span", severity, `${counts[severity]} ${counts[severity] > 1 ? several : one}`));
+    .map(([severity, [singular, plural]]) => element("span", severity, `${counts[severity]} ${counts[severity] > 1 ? plural : singular}`));
   return parts.length === 0 ? ["none"] : parts.flatMap((part, i) => (i === 0 ? [part] : [", ", part]));
 }

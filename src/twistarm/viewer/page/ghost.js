@@ -71,7 +71,7 @@ export class Ghost {
     const { group, unit, axes } = view.handles ?? {};
     const tool = view.node("/frames/tool");
     const length = SIZE * view.radius;
-    const together = (one, other) => one.position.distanceTo(other.position) < NEAR * length;
+    const together = (a, b) => a.position.distanceTo(b.position) < NEAR * length;
     const scale = (node, long) => (group?.visible && together(node, group) ? (WITHIN[axes] * unit) / long : 1);
     for (const axis of tool.children) resize(axis, scale(tool, longest(axis)));
     if (frame.children.length === 0) return;

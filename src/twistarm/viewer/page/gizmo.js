@@ -39,7 +39,7 @@ export class Gizmo {
     });
   }
 
-  // How far they reach (world) in a view of this height [px], seen from `eye`; none where they are not shown.
+  // How far they reach (world) in a view of this height [px], seen from `eye`; none where they are not visible.
   corners(eye, height) {
     if (!this.group.visible) return [];
     const middle = this.view.viewer.scene.localToWorld(this.pose.position.clone());
@@ -48,7 +48,7 @@ export class Gizmo {
     return [0, 1, 2].flatMap((axis) => [-reach, reach].map((by) => new THREE.Vector3().setComponent(axis, by).add(middle)));
   }
 
-  // What its rings take of the picture [px], as a list of one; none where they are not shown.
+  // What its rings take of the picture [px], as a list of one; none where they are not visible.
   square() {
     if (!this.group.visible) return [];
     const { camera, dom_element, scene } = this.view.viewer;
@@ -175,10 +175,10 @@ export class Gizmo {
   hit(event) {
     if (!this.group.visible) return null;
     this.caster.setFromCamera(this.view.onScreen(event), this.view.viewer.camera);
-    const shown = this.handles.filter(({ group }) => group.visible);
-    const hits = this.caster.intersectObjects(shown.map(({ grip }) => grip));
-    const found = hits.map(({ object }) => shown.find(({ grip }) => grip === object));
-    const ball = shown.find(({ kind }) => kind === "free");
+    const visible = this.handles.filter(({ group }) => group.visible);
+    const hits = this.caster.intersectObjects(visible.map(({ grip }) => grip));
+    const found = hits.map(({ object }) => visible.find(({ grip }) => grip === object));
+    const ball = visible.find(({ kind }) => kind === "free");
     return found.includes(ball) ? ball : (found[0] ?? (this.within(this.caster.ray) ? ball : null));
   }
 

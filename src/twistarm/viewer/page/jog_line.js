@@ -1,7 +1,7 @@
 // The line of a few words at the bottom of the view: whether keys jog, along which axes, how fast, what the servo says.
 
 import { $ } from "./element.js";
-import { shown, signed } from "./units.js";
+import { withUnit, signed } from "./units.js";
 
 const SLOW = 150; // ms between two words of this page: little more, and a command dies
 const LINGER = 2000; // ms for which this is said
@@ -63,7 +63,7 @@ export class JogLine {
   }
 }
 
-export const speedWords = ([linear, angular]) => `${signed(linear, 3)} m/s, ${shown(angular, "rad", 0)}/s`;
+export const speedWords = ([linear, angular]) => `${signed(linear, 3)} m/s, ${withUnit(angular, "rad", 0)}/s`;
 
 // Only what is new: the line is read aloud, and laid out anew, each time it is written.
 function write(element, text) {

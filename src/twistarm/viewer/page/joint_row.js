@@ -3,7 +3,7 @@
 import { element } from "./element.js";
 import { writeName } from "./names.js";
 import { NumberBox } from "./number_box.js";
-import { shown, span, unitShown } from "./units.js";
+import { withUnit, span, unitShown } from "./units.js";
 
 const NEAR = 0.05; // of the range between two limits
 const LEAST = { rad: Math.PI / 36, m: 0.01 }; // near a limit in any case: 5°, 1 cm
@@ -63,7 +63,7 @@ export class JointRow {
   show(number) {
     const { unit } = this.joint;
     const [state, side] = limitState(this.joint, number);
-    const words = state ? `${shown(number, unit)}, ${state} its ${side} limit` : shown(number, unit);
+    const words = state ? `${withUnit(number, unit)}, ${state} its ${side} limit` : withUnit(number, unit);
     this.number = this.slider.value = number;
     this.slider.setAttribute("aria-valuetext", words);
     this.box.show(number, words);

@@ -16,7 +16,7 @@ export class Keeping {
     $("keep-copy").addEventListener("click", () => copyText(this.text, "pose", "in rad and m"));
   }
 
-  placed() {
+  update() {
     if ($("keep").open) this.show();
   }
 

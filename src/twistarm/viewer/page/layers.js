@@ -7,7 +7,7 @@ const DRAWN = ["screws", "frames", "path", "collision"]; // nodes of the scene
 const KEPT = "twistarm layers";
 
 export class Layers {
-  // `act` holds shown(layers) for each change and need(what) of what the process makes for them.
+  // `act` holds changed(layers) for each change and need(what) of what the process makes for them.
   constructor(view, act) {
     this.view = view;
     this.act = act;
@@ -34,7 +34,7 @@ export class Layers {
     this.on = { ...this.on, ...changed };
     keep(KEPT, JSON.stringify({ on: this.on, reported: this.reported }), { session: true });
     for (const layer of DRAWN) this.view.setVisible(layer, Boolean(this.on[layer]));
-    this.act.shown(this.on);
+    this.act.changed(this.on);
     this.ask();
   }
 

@@ -65,7 +65,7 @@ export class LinkTree {
     return press;
   }
 
-  placed(frame) {
+  update(frame) {
     this.frame = frame;
     stand(this.bodies, frame);
   }

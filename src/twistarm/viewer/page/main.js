@@ -1,7 +1,7 @@
 // The page: what the process says is shown, what the person does is asked for. A saved page has a process inside.
 //
 // The page is made of parts. Each is given `page` and is a Part: it may have messages {type: function} that it shows,
-// hello(message) for an arm that is new to the page, layered(layers) after a layer was switched, placed(frame) after the
+// hello(message) for an arm that is new to the page, layered(layers) after a layer was switched, update(frame) after the
 // arm has moved, offline() when the process has gone.
 
 import { Beside } from "./beside.js";
@@ -89,7 +89,7 @@ const jog = new Jog({
 }, view);
 
 const layers = new Layers(view, {
-  shown(on) {
+  changed(on) {
     panel.showVisible(on);
     for (const part of allParts()) part.layered?.(on);
   },
@@ -109,7 +109,7 @@ const parts = {
   beside: new Beside(page),
   jogging: new JogPanel(page),
   target: new Target(page),
-  solutions: new Solutions(page, () => parts.target.wanted()),
+  solutions: new Solutions(page, () => parts.target.current()),
   ghost: new Ghost(page),
   path: new Path(page),
   program: new Program(page),
@@ -133,7 +133,7 @@ Object.assign(parts, { drag: new LinkDrag({ view, panel, findings, names: parts.
  * @property {Object<string, (message: any) => void>} [messages]
  * @property {(message: any) => void} [hello]
  * @property {(layers: any) => void} [layered]
- * @property {(frame: any) => void} [placed]
+ * @property {(frame: any) => void} [update]
  * @property {() => void} [offline]
  */
 
@@ -223,7 +223,7 @@ const receive = {
     highlight.follow();
     panel.show(frame);
     look();
-    for (const part of allParts()) part.placed?.(frame);
+    for (const part of allParts()) part.update?.(frame);
     if (first) for (const act of view.onDrawn) act(); // copies of the arm stand beside it
   },
   path({ points, ideal, stopped }) {

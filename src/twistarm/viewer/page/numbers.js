@@ -29,7 +29,7 @@ export class Numbers {
       new Values("joint screws", "Joint screws", "Axis, point [m], pitch; in S", (all) => screws(moving, all.axes),
         (all) => moving.map((name, i) => ({ name, ...all.axes[i] }))),
       new Values("instantaneous screw", "Instantaneous screw", "Joint or motion", (all, i) => instant(this.names, all, i),
-        (all, i) => one(this.names, all, i)),
+        (all, i) => chosenScrew(this.names, all, i)),
     ];
     $("theory-numbers").replaceChildren(this.rankText, ...this.tables.map((table) => table.section));
   }
@@ -143,14 +143,14 @@ function screws(names, all) {
   return all.flatMap(({ axis, point, pitch }, i) => [[names[i], `axis ${triple(axis)}`], [pitchWords(pitch), pitch === null ? "" : `point ${triple(point)}`]]);
 }
 
-function one(names, { motion, columns }, i) {
+function chosenScrew(names, { motion, columns }, i) {
   if (i !== null) return { name: names[i], ...columns[i] };
   const { screw, ...rest } = motion;
   return { name: "motion", ...screw, ...rest };
 }
 
 function instant(names, all, i) {
-  const { name, axis, point, pitch, magnitude } = one(names, all, i);
+  const { name, axis, point, pitch, magnitude } = chosenScrew(names, all, i);
   const size = pitch === null ? `${short(magnitude)} m/s` : `${short(magnitude)} rad/s`;
   if (magnitude === 0) return [[name, "moves nothing"]];
   return [[name, `axis ${triple(axis)}`], [pitchWords(pitch), pitch === null ? "" : `point ${triple(point)}`], ["magnitude", size]];

@@ -54,9 +54,9 @@ export class Panel {
     const random = named("random", "A random configuration inside the limits", () => this.act.random());
     this.movers.push(random);
     const copy = named("copy theta", "The arm's joint values as a Python list, in rad and m", () => this.act.copy());
-    const apart = element("span", "apart");
-    apart.append(random, copy);
-    $("poses").append(apart);
+    const extras = element("span", "apart");
+    extras.append(random, copy);
+    $("poses").append(extras);
   }
 
   row(joint) {

@@ -57,7 +57,7 @@ export class Player {
     $("speed").value = String(speed);
   }
 
-  placed({ time, running }) {
+  update({ time, running }) {
     this.time = time;
     this.running = running;
     $("play").disabled = this.driven && !running;

@@ -85,8 +85,8 @@ export class Plot {
     const digits = decimals(this.span);
     const times = ticks(0, this.span).map((time) => ({ time, text: `${signed(time, digits)} s` }));
     // Every one, or every so many that they do not run into one another.
-    const apart = times.length > 1 ? this.x(times[1].time) - this.x(times[0].time) : 1;
-    const every = Math.ceil((LETTER * (times[times.length - 1].text.length + 1)) / apart);
+    const spacing = times.length > 1 ? this.x(times[1].time) - this.x(times[0].time) : 1;
+    const every = Math.ceil((LETTER * (times[times.length - 1].text.length + 1)) / spacing);
     return times.filter((_, i) => i % every === 0).map(({ time, text }) =>
       svg("text", { x: this.x(time), y: this.height - 4, class: "tick", "text-anchor": "middle" }, text));
   }

@@ -106,7 +106,7 @@ export class Plots {
     return this.chosen === null ? this.data.joints.map((_, i) => i) : [this.chosen];
   }
 
-  placed({ time }) {
+  update({ time }) {
     if (time === this.plots[0].time) return; // the arm moves, and not along the motion
     for (const plot of this.plots) plot.follow(time);
   }

@@ -4,7 +4,7 @@ import { $, element } from "./element.js";
 import { NumberBox } from "./number_box.js";
 import { means, read, written, ZERO } from "./orientation.js";
 import { THREE } from "./view.js";
-import { shown } from "./units.js";
+import { withUnit } from "./units.js";
 
 export class PoseBoxes {
   /** @type {NumberBox[]} */ boxes = [];
@@ -65,7 +65,7 @@ export class PoseBoxes {
     const held = this.typed && means(way, this.typed, pose.quaternion);
     const turned = held ? this.typed : written(way, pose.quaternion, this.numbers?.slice(3) ?? this.tool.last);
     this.numbers = [...pose.position.toArray(), ...turned];
-    this.boxes.forEach((box, i) => box.show(this.numbers[i], shown(this.numbers[i], box.joint.unit)));
+    this.boxes.forEach((box, i) => box.show(this.numbers[i], withUnit(this.numbers[i], box.joint.unit)));
   }
 
   // Nothing to type, or no angles where any will do.

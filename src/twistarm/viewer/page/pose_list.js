@@ -28,12 +28,12 @@ export class PoseList {
   }
 
   show(poses) {
-    const held = document.activeElement;
-    const at = [...this.list.children].indexOf(held?.closest?.("li"));
+    const focused = document.activeElement;
+    const at = [...this.list.children].indexOf(focused?.closest?.("li"));
     this.poses = poses;
     for (const [id, row] of this.rows) if (!poses.some((pose) => pose.id === id)) this.drop(id, row);
     poses.forEach((pose, place) => this.put(pose, place));
-    if (at >= 0 && document.activeElement !== held) this.hold(held, at);
+    if (at >= 0 && document.activeElement !== focused) this.focus(focused, at);
   }
 
   drop(id, row) {
@@ -55,9 +55,9 @@ export class PoseList {
   }
 
   // The focus stays on what was moved, and goes to the next row from one that was deleted.
-  hold(held, at) {
-    if (held.isConnected && !held.disabled) return held.focus();
-    const next = held.isConnected ? held.closest("li") : this.list.children[Math.min(at, this.list.children.length - 1)];
+  focus(focused, at) {
+    if (focused.isConnected && !focused.disabled) return focused.focus();
+    const next = focused.isConnected ? focused.closest("li") : this.list.children[Math.min(at, this.list.children.length - 1)];
     next?.querySelector(".go").focus();
   }
 
@@ -102,8 +102,8 @@ class Row {
     this.gone = false;
     this.item = element("li");
     this.box = this.makeBox();
-    this.given = new Option("", "", false, false); // what the row's place in the list leaves no choice of
-    this.given.hidden = true;
+    this.fixed = new Option("", "", false, false); // what the row's place in the list leaves no choice of
+    this.fixed.hidden = true;
     this.by = this.makeMove();
     this.go = button("go", "Go", "", () => act.go(this.id));
     this.go.disabled = owner.driven;
@@ -111,9 +111,9 @@ class Row {
     this.down = button("", "↓", "", () => owner.move(this.id, 1));
     this.remove = button("", "✕", "", () => act.remove(this.id));
     const field = element("span", "field");
-    this.shown = element("span"); // over the box, in which a name is cut at its end
-    this.shown.ariaHidden = "true";
-    field.append(this.box, this.shown);
+    this.label = element("span"); // over the box, in which a name is cut at its end
+    this.label.ariaHidden = "true";
+    field.append(this.box, this.label);
     this.item.append(field, this.by, this.go, this.up, this.down, this.remove);
     this.item.addEventListener("keydown", (event) => this.press(event));
   }
@@ -132,17 +132,17 @@ class Row {
   makeMove() {
     const select = element("select");
     const options = MOVES.map(([by, text, title]) => Object.assign(new Option(text, by), { title }));
-    select.append(this.given, ...options);
+    select.append(this.fixed, ...options);
     select.addEventListener("change", () => this.owner.act.moveBy(this.id, select.value));
     return select;
   }
 
-  // How the arm moves to the pose; `given` in words where its place in the list says it.
-  showMove(by, given) {
-    this.given.text = given;
-    this.by.disabled = given !== "";
-    this.by.value = given ? "" : by;
-    this.by.title = given || MOVES.filter(([move]) => move === by)[0][2];
+  // How the arm moves to the pose; `fixed`: in words, where its place in the list says it.
+  showMove(by, fixed) {
+    this.fixed.text = fixed;
+    this.by.disabled = fixed !== "";
+    this.by.value = fixed ? "" : by;
+    this.by.title = fixed || MOVES.filter(([move]) => move === by)[0][2];
   }
 
   show({ name }, place, count) {
@@ -152,7 +152,7 @@ class Row {
     [this.up.disabled, this.down.disabled] = [place === 0, place === count - 1];
     this.box.setAttribute("aria-label", `Name of pose ${place + 1}`);
     this.box.title = name;
-    writeName(this.shown, name, null);
+    writeName(this.label, name, null);
     const words = [[this.go, "Go to"], [this.up, "Move up"], [this.down, "Move down"], [this.remove, "Delete"]];
     this.by.ariaLabel = `Move to ${name}`;
     for (const [made, word] of words) made.title = made.ariaLabel = `${word} ${name}`;

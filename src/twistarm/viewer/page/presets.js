@@ -39,7 +39,7 @@ export class Presets {
     const { begin, end, from, to, begun } = path;
     const share = Math.min(1, (performance.now() - begun) / TIME);
     const eased = share * share * (3 - 2 * share);
-    const mix = (one, other) => one + eased * (other - one);
+    const mix = (a, b) => a + eased * (b - a);
     const way = new THREE.Spherical(mix(begin.radius, end.radius), mix(begin.phi, end.phi), mix(begin.theta, end.theta));
     controls.target.lerpVectors(from, to, eased);
     camera.position.setFromSpherical(way).add(controls.target);

@@ -8,7 +8,7 @@ import { Playback } from "./playback.js";
 import { Poses, requireInside } from "./process_poses.js";
 import { Drive } from "./process_servo.js";
 import { keep, kept } from "./storage.js";
-import { shown } from "./units.js";
+import { withUnit } from "./units.js";
 
 const PYTHON = "Needs Python: run twistarm view"; // what a saved page cannot do
 const SPEEDS = [0.05, 20];
@@ -17,7 +17,7 @@ const AT_SOLUTION = 1e-3; // rad, m: an arm this near to a configuration is at i
 const ON_MOTION = 1e-8; // rad, m: an arm this near to its motion is on it
 const FREEDOMS = { pose: 6, approach: 5, position: 3 };
 const NO_TARGET = { type: "target", given: null, converged: null, words: "", ghost: null };
-const NO_SOLUTIONS = { type: "solutions", asked: false, places: [], words: "", theta: [] };
+const NO_SOLUTIONS = { type: "solutions", requested: false, places: [], words: "", theta: [] };
 const DRIVEN = "a servo drives the arm: turn off Drive in the Jog panel first";
 const MOVES = ["theta", "pose", "random", "play", "seek", "target", "solutions", "solution", "go"]; // not while a servo drives
 
@@ -50,7 +50,7 @@ export class Process {
     /** @type {any} */
     this.choices = null; // {inside, message}
     /** @type {any} */
-    this.at = this.stands = this.where = null;
+    this.at = this.current = this.where = null;
     this.glide = new Glide((now) => this.stand(now));
     this.drive = new Drive({ core: this.core, length: byType.axes.length, note: saved.note }, (now) => this.stand(now));
     this.reported = new Map(); // texts by type
@@ -150,7 +150,7 @@ export class Process {
     return [
       { type: "player", duration, speed, loop },
       this.tolerances, this.target, ...this.poses.messages(),
-      this.choices?.message ?? NO_SOLUTIONS, { type: "solution", at: this.at, stands: this.stands },
+      this.choices?.message ?? NO_SOLUTIONS, { type: "solution", at: this.at, current: this.current },
       ...this.drive.messages(),
       { type: "frame", theta, others, time, running, rates },
     ];
@@ -270,9 +270,9 @@ export class Process {
     const places = theta.map((row, i) => ({ free: i < inside ? found.free[i] : [], beyond: i < inside ? [] : this.beyond(row) }));
     const count = `${inside === 0 ? "no" : inside} configuration${inside === 1 ? "" : "s"} inside the limits`;
     const words = ["", `${count}${theta.length > inside ? `, ${theta.length - inside} outside` : ""}: ${this.completeness(target, found)}`].join("\n");
-    this.choices = { inside, message: { type: "solutions", asked: true, places, words, theta } };
+    this.choices = { inside, message: { type: "solutions", requested: true, places, words, theta } };
     this.where = where;
-    this.at = this.stands = inside > 0 && near(theta[0], where, AT_SOLUTION) ? 0 : null;
+    this.at = this.current = inside > 0 && near(theta[0], where, AT_SOLUTION) ? 0 : null;
   }
 
   completeness({ kind }, { theta, exact, held, free }) {
@@ -287,7 +287,7 @@ export class Process {
   beyond(theta) {
     return this.joints.flatMap(({ name, unit, limits }, i) => limits.flatMap((limit, side) => {
       if (limit === null || (side === 0 ? theta[i] >= limit : theta[i] <= limit)) return [];
-      return [`${name} ${shown(theta[i], unit)} ${"<>"[side]} ${shown(limit, unit)}`];
+      return [`${name} ${withUnit(theta[i], unit)} ${"<>"[side]} ${withUnit(limit, unit)}`];
     }));
   }
 
@@ -297,12 +297,12 @@ export class Process {
     if (!theta) throw new Error("the arm has moved since: press All configurations again");
     this.at = place;
     if (place >= this.choices.inside) return;
-    this.stands = place;
+    this.current = place;
     this.where = theta;
     this.go(theta, ease);
   }
 
-  forget() { this.choices = this.at = this.stands = this.where = null; }
+  forget() { this.choices = this.at = this.current = this.where = null; }
 
   // What was done here outlasts a reload, as a live view outlasts its pages.
   remember() {
@@ -328,7 +328,7 @@ function withhold(byType) {
   }
 }
 
-const near = (one, other, within) => one.every((value, i) => Math.abs(value - other[i]) <= within);
+const near = (a, b, within) => a.every((value, i) => Math.abs(value - b[i]) <= within);
 
 // The objects in one buffer, each after its length.
 function parts(buffer) {

@@ -1,6 +1,6 @@
 // The recorded poses of a saved page: each with a unique number and name; undo and redo of their changes. As pose_list.py.
 
-import { shown, span } from "./units.js";
+import { withUnit, span } from "./units.js";
 
 const LONGEST_NAME = 60;
 const MOST_STEPS = 100; // that can be undone
@@ -12,7 +12,7 @@ const STALE = "The list has changed since this motion was planned: plan again.";
 // An Error where a joint's value is farther beyond its limits than `spare`.
 export function requireInside({ name, unit, range, limits: [lower, upper] }, value, spare = ROUNDING) {
   if (value >= (lower ?? -Infinity) - spare && value <= (upper ?? Infinity) + spare) return;
-  throw new Error(`${name} = ${shown(value, unit)} is outside its limits ${span(range, unit)}`);
+  throw new Error(`${name} = ${withUnit(value, unit)} is outside its limits ${span(range, unit)}`);
 }
 
 export class Poses {

@@ -113,8 +113,8 @@ function reported({ cause, status, words, joint, scale, lost, lostShare, halted 
 // The share of a twist that is lost along it, metres measured in the length: turns that only serve the way do not count.
 function missing({ twist }, lost, lostShare, length) {
   const scaled = (parts) => parts.map((part, i) => (i < 3 ? part / length : part));
-  const dot = (one, other) => one.reduce((sum, value, i) => sum + value * other[i], 0);
-  const asked = twist && scaled(twist);
-  const share = asked && dot(asked, asked) > 0 ? dot(asked, scaled(lost)) / dot(asked, asked) : lostShare;
+  const dot = (a, b) => a.reduce((sum, value, i) => sum + value * b[i], 0);
+  const commanded = twist && scaled(twist);
+  const share = commanded && dot(commanded, commanded) > 0 ? dot(commanded, scaled(lost)) / dot(commanded, commanded) : lostShare;
   return Math.min(Math.max(share, 0), 1);
 }

@@ -17,7 +17,7 @@ export class Program {
     this.page = page;
     this.poses = [];
     this.planned = false;
-    this.asked = null; // kind, stop, corner [m], linear_speed [m/s], torques and payload [kg] of the motion that is loaded; null: of no list
+    this.loaded = null; // kind, stop, corner [m], linear_speed [m/s], torques and payload [kg] of the motion that is loaded; null: of no list
     this.note = "";
     this.duration = null;
     this.trying = this.failed = false; // the motion that was asked for last: it may still come, and it did not
@@ -50,14 +50,14 @@ export class Program {
   }
 
   show({ poses, planned, kind, stop, corner, linear_speed, torques, payload, note }) {
-    const before = this.asked;
+    const before = this.loaded;
     this.poses = poses;
     this.planned = planned;
-    this.asked = kind === null ? null : { kind, stop, corner, linear_speed, torques, payload };
+    this.loaded = kind === null ? null : { kind, stop, corner, linear_speed, torques, payload };
     this.note = note;
     this.trying = false;
     this.failed = false;
-    if (this.asked && !(before && same(before, this.asked))) this.follow(this.asked);
+    if (this.loaded && !(before && same(before, this.loaded))) this.follow(this.loaded);
     this.list.show(poses);
     if (this.page.state.frame) this.list.mark(this.page.state.frame.theta);
     $("pose-name").placeholder = `pose ${poses.length + 1}`;
@@ -67,8 +67,8 @@ export class Program {
   }
 
   // The boxes say what was planned, by whichever page.
-  follow(asked) {
-    const { kind, stop, corner, linear_speed, torques, payload } = asked;
+  follow(settings) {
+    const { kind, stop, corner, linear_speed, torques, payload } = settings;
     $("plan-kind").value = kind;
     $("plan-corner").value = stop ? 0 : corner;
     $("plan-linear-speed").value = linear_speed || "";
@@ -84,7 +84,7 @@ export class Program {
     return { kind: $("plan-kind").value, stop: corner === 0, corner, linear_speed, torques, payload };
   }
 
-  placed({ theta }) { this.list.mark(theta); }
+  update({ theta }) { this.list.mark(theta); }
 
   load({ duration }) {
     this.duration = duration;
@@ -113,7 +113,7 @@ export class Program {
   report() {
     const word = this.failed ? "Planning failed; still loaded" : "Planned";
     const done = this.planned && this.duration !== null ? `${word}: ${this.duration.toFixed(2)} s` : "";
-    const outdated = this.planned && !same(this.asked, this.settings);
+    const outdated = this.planned && !same(this.loaded, this.settings);
     if (outdated) report($("program-note"), OUTDATED);
     else report($("program-note"), [done && `${done}.`, this.note].filter(Boolean).join(" "));
     $("program-note").classList.toggle("stale", outdated || !this.planned);
@@ -148,7 +148,7 @@ export class Program {
 }
 
 // Whether both ask for the same motion: one that stops at each pose rounds no corners.
-function same(one, other) {
-  const corners = one.stop || one.corner === other.corner;
-  return corners && ["kind", "stop", "linear_speed", "torques", "payload"].every((name) => one[name] === other[name]);
+function same(first, second) {
+  const corners = first.stop || first.corner === second.corner;
+  return corners && ["kind", "stop", "linear_speed", "torques", "payload"].every((name) => first[name] === second[name]);
 }

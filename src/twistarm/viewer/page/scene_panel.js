@@ -38,7 +38,7 @@ export class ScenePanel {
     for (const kind of Object.keys(ADDED)) $(`add-${kind}`).addEventListener("click", () => this.add(kind));
     $("download-scene").href = "scene.toml";
     $("save-scene").addEventListener("click", () => page.ask({ type: "save_scene" }));
-    addEventListener("panel", () => this.placed());
+    addEventListener("panel", () => this.update());
     $("radians").addEventListener("change", () => this.choose(this.chosen));
   }
 
@@ -57,7 +57,7 @@ export class ScenePanel {
     $("save-scene").hidden = file === null;
     $("save-scene").disabled = saved;
     $("save-scene").title = saved ? `${file} is up to date` : `Write ${file}`;
-    this.placed();
+    this.update();
   }
 
   report({ ready, words, nearest }) {
@@ -96,7 +96,7 @@ export class ScenePanel {
       return label;
     }));
     this.mark();
-    this.placed();
+    this.update();
   }
 
   // What its pose is told by: the turns of a sphere are not seen.
@@ -127,7 +127,7 @@ export class ScenePanel {
   }
 
   // Handles and numbers where the obstacle stands; one that a link holds goes along and is not dragged.
-  placed() {
+  update() {
     const obstacle = this.find();
     const on = obstacle !== undefined && !obstacle.held && this.ready && !$("scene").hidden;
     if (on) this.gizmo.place(this.pose(), this.pose(), "base");
@@ -141,7 +141,7 @@ export class ScenePanel {
   // What was asked for last has arrived, or was refused.
   release() {
     this.typed = null;
-    this.placed();
+    this.update();
   }
 
   type(i, value) {

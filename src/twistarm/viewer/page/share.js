@@ -143,7 +143,7 @@ export class Share {
     });
   }
 
-  placed({ time }) {
+  update({ time }) {
     this.time = time;
     if (this.awaited?.time === time) this.awaited.resolve();
   }

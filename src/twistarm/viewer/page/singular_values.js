@@ -51,16 +51,16 @@ function decomposed(J) {
       }
     }
   }
-  return rows.map((row, i) => ({ value: norm(row), row, axis: axes[i] })).sort((one, other) => other.value - one.value);
+  return rows.map((row, i) => ({ value: norm(row), row, axis: axes[i] })).sort((a, b) => b.value - a.value);
 }
 
 // In place, as it is done a hundred times for every frame.
-function rotate(one, other, tangent) {
+function rotate(u, v, tangent) {
   const cosine = 1 / Math.hypot(1, tangent);
-  for (let k = 0; k < one.length; k += 1) {
-    const [a, b] = [one[k], other[k]];
-    one[k] = cosine * (a - tangent * b);
-    other[k] = cosine * (b + tangent * a);
+  for (let k = 0; k < u.length; k += 1) {
+    const [a, b] = [u[k], v[k]];
+    u[k] = cosine * (a - tangent * b);
+    v[k] = cosine * (b + tangent * a);
   }
 }
 

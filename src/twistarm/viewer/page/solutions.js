@@ -13,21 +13,21 @@ const STATISTICS = /, \d+ of \d+ searches .*/;
 const CHOSEN = 0.45; // opacity of one beyond the limits, where the arm does not go
 
 export class Solutions {
-  // `page` holds view, links(theta) and ask(request); `wanted()` says what is to be reached.
-  constructor(page, wanted) {
+  // `page` holds view, links(theta) and ask(request); `target()`: the target to reach.
+  constructor(page, target) {
     this.page = page;
-    this.wanted = wanted;
+    this.target = target;
     this.places = [];
     this.theta = [];
     this.arms = [];
     this.at = null;
-    this.stands = null;
-    this.asked = false;
+    this.current = null;
+    this.requested = false;
     this.hit = []; // the places of those that collide
     this.differ = false; // whether other joints may go on moving in some of them
     this.messages = {
       solutions: (message) => this.show(message),
-      solution: ({ at, stands }) => this.choose(at, stands),
+      solution: ({ at, current }) => this.choose(at, current),
       colliding: ({ solutions }) => this.collide(solutions),
       servo: ({ driven }) => ($("solutions-all").disabled = driven),
     };
@@ -40,17 +40,17 @@ export class Solutions {
     addEventListener("keydown", (event) => this.press(event));
   }
 
-  hello() { this.show({ asked: false, places: [], words: "", theta: [] }); }
+  hello() { this.show({ requested: false, places: [], words: "", theta: [] }); }
 
   press(event) {
     if (!(event.code in KEYS) || !bare(event) || $("solutions-all").disabled) return;
-    if (this.asked) this.step(KEYS[event.code]);
+    if (this.requested) this.step(KEYS[event.code]);
     else this.ask();
   }
 
   ask() {
-    const wanted = this.wanted();
-    if (wanted) this.page.ask({ type: "solutions", ...wanted });
+    const target = this.target();
+    if (target) this.page.ask({ type: "solutions", ...target });
   }
 
   step(by) {
@@ -60,21 +60,21 @@ export class Solutions {
     this.page.ask({ type: "solution", place, ease: eases() });
   }
 
-  show({ asked, places, words, theta }) {
-    this.asked = asked;
+  show({ requested, places, words, theta }) {
+    this.requested = requested;
     this.places = places;
     this.theta = theta;
     this.differ = new Set(places.map(({ free, beyond }) => (beyond.length > 0 ? places[0].free : free).join())).size > 1; // else the words say it
-    $("solutions").hidden = !asked;
-    const [, ...lines] = words.split("\n"); // the first says what is asked
+    $("solutions").hidden = !requested;
+    const [, ...lines] = words.split("\n"); // the first says what is requested
     report($("solutions-words"), lines[0]?.replace(STATISTICS, "") ?? "", lines.slice(STATISTICS.test(lines[0]) ? 0 : 1));
-    this.choose(this.at, this.stands);
-    if (asked && this.page.view.radius !== undefined) this.page.view.reframe();
+    this.choose(this.at, this.current);
+    if (requested && this.page.view.radius !== undefined) this.page.view.reframe();
   }
 
-  // Which of them was chosen, and where the arm stands: it does not go beyond its limits.
-  choose(at, stands) {
-    Object.assign(this, { at, stands });
+  // Which of them was chosen, and where the arm current: it does not go beyond its limits.
+  choose(at, current) {
+    Object.assign(this, { at, current });
     const { length } = this.places;
     const { free, beyond } = this.places[at] ?? { free: [], beyond: [] };
     $("solution-place").textContent = length === 0 ? "none" : `${at === null ? "–" : at + 1} of ${length}`;
@@ -88,15 +88,15 @@ export class Solutions {
 
   collide(places) {
     this.hit = places;
-    this.choose(this.at, this.stands);
+    this.choose(this.at, this.current);
   }
 
   draw() {
     for (const arm of this.arms) arm.remove();
     this.arms = [];
-    const shown = $("solution-ghosts").checked ? this.theta : [];
-    for (const [i, theta] of shown.entries()) {
-      if (i === this.stands) continue; // the arm itself
+    const drawn = $("solution-ghosts").checked ? this.theta : [];
+    for (const [i, theta] of drawn.entries()) {
+      if (i === this.current) continue; // the arm itself
       const beyond = this.places[i].beyond.length > 0;
       const { colour, opacity } = beyond || this.hit.includes(i) ? BEYOND : INSIDE;
       const arm = new ArmCopy(this.page.view, colour, i === this.at ? CHOSEN : opacity, i);

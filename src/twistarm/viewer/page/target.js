@@ -93,7 +93,7 @@ export class Target {
 
   get shut() { return this.driven || !this.page.state.frame || !this.page.core.solves; }
 
-  placed(frame) {
+  update(frame) {
     this.tool = poseOf(frame.transforms["/frames/tool"]);
     this.arrange();
   }
@@ -140,7 +140,7 @@ export class Target {
     else if (moved && this.page.ask({ type: "theta", theta })) this.page.move({ theta }, NONE);
   }
 
-  wanted() {
+  current() {
     if (this.given) return { kind: this.given.kind, position: this.given.position, xyzw: this.given.xyzw };
     return this.tool && { kind: this.kind, position: this.tool.position.toArray(), xyzw: this.tool.quaternion.toArray() };
   }
@@ -171,8 +171,8 @@ export class Target {
 
   send(theta, { given, converged, words, ghost }) {
     const stage = this.page.state.hello.number;
-    const asked = this.page.ask({ type: "target", stage, ...given, theta, converged, words, ghost: ghost ?? [] });
-    if (asked) this.page.move({ theta }, { given, converged, words, ghost });
+    const sent = this.page.ask({ type: "target", stage, ...given, theta, converged, words, ghost: ghost ?? [] });
+    if (sent) this.page.move({ theta }, { given, converged, words, ghost });
     else this.gizmo.drop();
   }
 
@@ -181,8 +181,8 @@ export class Target {
     for (const id of ["drag-tool", "target-kind", "target-axes", "target-snap"]) $(id).disabled = shut;
     $("target-release").hidden = !this.given || shut;
     const hints = [kept(DRAGGED) ? "" : FIRST, this.kind === this.begun ? HINTS[this.kind] : ""].filter(Boolean);
-    const shown = this.page.core?.solves === false ? [MANY] : $("drag-tool").checked && !shut ? hints : [];
-    report($("target-hint"), shown[0] ?? "", shown.slice(1));
+    const lines = this.page.core?.solves === false ? [MANY] : $("drag-tool").checked && !shut ? hints : [];
+    report($("target-hint"), lines[0] ?? "", lines.slice(1));
     this.tolerances.disable(this.driven);
     this.boxes.disable(shut, this.kind === "position");
     if (this.tool !== null) this.put();
@@ -192,9 +192,9 @@ export class Target {
     const pose = startPose(this.given, this.tool);
     this.boxes.show(pose);
     const { view } = this.page;
-    const before = view.wanted;
-    view.wanted = this.given ? pose.position : null;
-    if (before !== null && view.wanted === null) view.settle();
+    const before = view.target;
+    view.target = this.given ? pose.position : null;
+    if (before !== null && view.target === null) view.settle();
     this.gizmo.place(this.held ?? (this.given?.converged ? this.tool : pose), this.tool, $("target-axes").value);
     const on = $("drag-tool").checked && !this.shut;
     this.gizmo.show(on, this.given?.converged ?? null, (handle, direction) => this.allows(handle, direction));

@@ -82,7 +82,7 @@ export class Theory {
     this.draw();
   }
 
-  placed(frame) {
+  update(frame) {
     if (!this.axes) return;
     const before = this.frame?.theta ?? frame.theta;
     const change = frame.theta.map((value, i) => Math.abs(value - before[i]) / (this.slides[i] ? this.axes.length : 1));
@@ -110,9 +110,9 @@ export class Theory {
     if (!this.frame || !(this.looking || layers.some(([, group]) => group.visible))) return;
     const found = numbers(this.state.hello, this.axes, this.frame);
     this.numbers = found;
-    const shown = this.switches.all ? this.names.map((_, i) => i) : [this.switches.chosen ?? this.moved];
-    this.spatial.show(found.spatial, shown);
-    this.body.show(found.body, shown);
+    const columns = this.switches.all ? this.names.map((_, i) => i) : [this.switches.chosen ?? this.moved];
+    this.spatial.show(found.spatial, columns);
+    this.body.show(found.body, columns);
     this.linear.show(found.linear, this.axes.linear);
     this.angular.show(found.angular, this.axes.angular);
     this.switches.say(found.motion ? null : this.names[this.moved]);

@@ -31,9 +31,9 @@ export function numbers({ arm, kinematics }, { joints, length, below }, { transf
   function slopes() {
     const bodies = moving.map(({ twist }) => halves(toTool(atTool(twist))));
     const all = body.map(() => body.map(() => new Array(6).fill(0)));
-    moving.forEach((one, j) => moving.slice(j + 1).forEach((other, l) => {
+    moving.forEach((joint, j) => moving.slice(j + 1).forEach((other, l) => {
       const change = bracket(bodies[j], bodies[j + 1 + l]);
-      for (const [i, c] of one.terms) for (const [k, d] of other.terms) all[k][i] = plus(all[k][i], change, c * d);
+      for (const [i, c] of joint.terms) for (const [k, d] of other.terms) all[k][i] = plus(all[k][i], change, c * d);
     }));
     return all.map((columns, k) => rows(columns.map((xi, i) => times(scaled(xi, i), radian[k]))));
   }

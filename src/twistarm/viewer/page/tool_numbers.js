@@ -4,7 +4,7 @@ import { $, element } from "./element.js";
 import { WAYS, written } from "./orientation.js";
 import { keep, kept } from "./storage.js";
 import { poseOf } from "./target_pose.js";
-import { shown, signed } from "./units.js";
+import { withUnit, signed } from "./units.js";
 
 const KEPT = "twistarm orientation";
 
@@ -41,7 +41,7 @@ export class ToolNumbers {
     this.last = written(this.way, poseOf(frame.transforms["/frames/tool"]).quaternion, this.last, rpy);
     const units = Object.values(this.units);
     [...position, ...this.last].forEach((value, i) => {
-      this.cells[i].textContent = units[i] === "m" ? `${signed(value, 3)} m` : shown(value, units[i]);
+      this.cells[i].textContent = units[i] === "m" ? `${signed(value, 3)} m` : withUnit(value, units[i]);
     });
   }
 }

@@ -21,14 +21,14 @@ export class Twists {
     for (const arrow of this.arrows.flat()) this.group.add(arrow.group);
   }
 
-  show(matrix, shown) {
+  show(matrix, columns) {
     const { linear, angular, length } = this.axes;
     const origin = new THREE.Vector3();
     this.arrows.forEach(([v, w], i) => {
       const counted = this.slides[i] ? length : 1;
       v.set(origin, column(matrix, i).multiplyScalar(linear * counted));
       w.set(origin, column(matrix, i, 3).multiplyScalar(angular * counted));
-      for (const arrow of [v, w]) arrow.group.visible = arrow.group.visible && shown.includes(i);
+      for (const arrow of [v, w]) arrow.group.visible = arrow.group.visible && columns.includes(i);
     });
   }
 

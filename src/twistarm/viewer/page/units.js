@@ -27,7 +27,7 @@ export function signed(number, digits) {
 
 // `digits` are those of degrees; metres and radians have two more.
 export const figure = (value, unit, digits = 1) => signed(value * scale(unit), unitShown(unit) === "°" ? digits : digits + 2);
-export const shown = (value, unit, digits) => figure(value, unit, digits) + mark(unit);
+export const withUnit = (value, unit, digits) => figure(value, unit, digits) + mark(unit);
 
 export function span([low, high], unit) {
   const whole = [low, high].every((end) => Number(figure(end, unit, 0).replace("−", "-")) === Number(figure(end, unit, 1).replace("−", "-")));

@@ -2,7 +2,7 @@
 
 import { DEFAULTS } from "./core.js";
 import { $, element } from "./element.js";
-import { shown, signed } from "./units.js";
+import { withUnit, signed } from "./units.js";
 import { report } from "./words.js";
 
 const DEGREES = 180 / Math.PI;
@@ -86,7 +86,7 @@ function within({ name, unit, limits: [lower, upper] }, value, near) {
   const turns = unit === "rad" && (upper ?? Infinity) - (lower ?? -Infinity) > 2 * Math.PI - AT_BOUND;
   const [side, limit] = lower !== null && value < lower + near ? ["lower", lower] : ["upper", upper];
   if (turns || limit === null || (side === "upper" && value <= upper - near)) return [];
-  return [near > 0 ? `${name} (${shown(limit, unit)})` : `${name} ${shown(value, unit)} (${side} limit ${shown(limit, unit)})`];
+  return [near > 0 ? `${name} (${withUnit(limit, unit)})` : `${name} ${withUnit(value, unit)} (${side} limit ${withUnit(limit, unit)})`];
 }
 
 function named(axis) {

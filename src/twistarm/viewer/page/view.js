@@ -51,7 +51,7 @@ export class View {
     this.viewer.set_property(["Background"], "visible", false);
     this.light();
     this.free = { top: 0, bottom: 0 }; // see `covered`
-    this.wanted = null; // where the target stands, in base axes: to be seen
+    this.target = null; // where the target stands, in base axes: to be seen
     this.handles = null; // of the tool, where there are any: their corners(eye, height) are to be seen
     this.turned = false; // by somebody's hand
     this.viewer.controls.addEventListener("start", () => (this.turned = true));
@@ -123,7 +123,7 @@ export class View {
     clearTimeout(this.resting);
     this.resting = setTimeout(() => {
       if (this.radius === undefined || this.turned || this.held || !this.viewer.controls.enabled) return;
-      const left = this.widened && this.wanted === null;
+      const left = this.widened && this.target === null;
       if (left || !this.solidCorners().every((point) => this.within(point, 1))) this.reframe();
     }, REST);
   }
@@ -245,10 +245,10 @@ export class View {
     camera.fov = 32;
     this.reach(camera);
     const seen = ["/arm", "/beside", "/frames", "/path", "/screws", "/solutions", "/obstacles", "/reach", "/drawn"].flatMap((path) => corners(this.node(path), true)).concat(swept);
-    const wanted = this.wanted ? [this.viewer.scene.localToWorld(this.wanted.clone())] : [];
-    this.widened = wanted.some((point) => !box.containsPoint(point));
+    const target = this.target ? [this.viewer.scene.localToWorld(this.target.clone())] : [];
+    this.widened = target.some((point) => !box.containsPoint(point));
     const towards = new THREE.Vector3(x, z, -y).normalize();
-    const frame = (more) => framed([...(seen.length ? seen : all), ...wanted, ...more], towards, camera, this.free);
+    const frame = (more) => framed([...(seen.length ? seen : all), ...target, ...more], towards, camera, this.free);
     // Handles keep their size on the screen: from farther away they reach farther.
     return [1, 2, 3].reduce((found) => frame(this.handles?.corners(found.position, dom_element.offsetHeight) ?? []), frame([]));
   }
@@ -278,9 +278,9 @@ export class View {
   }
 
   furnish() {
-    const wanted = `${this.radius} ${this.ground} ${this.dark.matches}`;
-    if (this.radius === undefined || wanted === this.furnished) return;
-    this.furnished = wanted; // thousands of lines, and a look from another side needs no others
+    const furniture = `${this.radius} ${this.ground} ${this.dark.matches}`;
+    if (this.radius === undefined || furniture === this.furnished) return;
+    this.furnished = furniture; // thousands of lines, and a look from another side needs no others
     this.rim.show(this.dark.matches);
     this.floor.lay(this.radius, this.ground);
     this.viewer.set_dirty();

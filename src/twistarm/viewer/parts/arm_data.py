@@ -110,8 +110,8 @@ def require_inside(name: str, value: float, lower: float, upper: float, unit: st
         return
     if unit != "rad":
         raise LimitError(f"{name} = {value:g} is outside its limits {lower:g} … {upper:g} {unit}")
-    low, given, high = np.degrees([lower, value, upper])
-    raise LimitError(f"{name} = {given:.6g}° is outside its limits {low:.6g}° … {high:.6g}°")
+    low, angle, high = np.degrees([lower, value, upper])
+    raise LimitError(f"{name} = {angle:.6g}° is outside its limits {low:.6g}° … {high:.6g}°")
 
 
 MOST_POINTS = 400  # Most points: enough for any curve on a screen.
@@ -130,12 +130,12 @@ def tool_path(arm: Arm, motion: Trajectory | ArrayLike) -> dict[str, Any]:
     """
     return {
         **NO_PATH,
-        "points": drawn(arm, arm.fk(_configurations(arm, motion))[:, :3, 3]),
+        "points": distinct_points(arm, arm.fk(_configurations(arm, motion))[:, :3, 3]),
         "radius": 0.004 * arm_size(arm),
     }
 
 
-def drawn(arm: Arm, points: Array) -> list[list[float]]:
+def distinct_points(arm: Arm, points: Array) -> list[list[float]]:
     """The distinguishable points of (k, 3) [m]; none if all are in one place."""
     kept = [points[0]]
     for point in points[1:]:
@@ -199,12 +199,12 @@ def node_of(arm: Arm, place: Place) -> str | None:
 def _findings(arm: Arm, findings: Iterable[Finding], note: str) -> Message:
     """{"type": "findings", "findings": [...], "counts": {severity: how many}, "note": text}, gravest first."""
     severities = get_args(Severity)
-    ordered = sorted(findings, key=lambda one: severities.index(one.severity), reverse=True)
+    ordered = sorted(findings, key=lambda finding: severities.index(finding.severity), reverse=True)
     more = f"{len(ordered) - MAX_FINDINGS} more: twistarm doctor lists them." if len(ordered) > MAX_FINDINGS else ""
     return {
         "type": "findings",
-        "findings": [_finding(arm, one) for one in ordered[:MAX_FINDINGS]],
-        "counts": dict(Counter(one.severity for one in ordered)),
+        "findings": [_finding(arm, finding) for finding in ordered[:MAX_FINDINGS]],
+        "counts": dict(Counter(finding.severity for finding in ordered)),
         "note": " ".join(part for part in (note, more) if part),
     }
 
@@ -212,13 +212,13 @@ def _findings(arm: Arm, findings: Iterable[Finding], note: str) -> Message:
 def _finding(arm: Arm, found: Finding) -> dict[str, Any]:
     """A finding as plain text. Its node is null if it concerns no single link or joint."""
     node = node_of(arm, found.place)
-    here = None if arm.description is None else arm.description.path
+    path = None if arm.description is None else arm.description.path
     return {
         "severity": found.severity,
         "code": found.code,
-        "place": without_places(str(found.place), here),
-        "what": without_places(found.what, here),
-        "remedy": without_places(found.remedy, here),
+        "place": without_places(str(found.place), path),
+        "what": without_places(found.what, path),
+        "remedy": without_places(found.remedy, path),
         "node": node,
         "name": one_line(found.place.name, LONGEST_NAME) if node else "",
     }

@@ -37,12 +37,12 @@ class Collisions(Part):
     def __init__(self, scene: Scene | None, solutions: Solutions) -> None:
         self.scene, self._solutions = scene, solutions
         self._before: Scene | None = None  # of the arm before
-        self._asked = self._ready = False
+        self._requested = self._ready = False
         self._checked: tuple[Any, ...] = (None,)  # what the band is of
         self._band: list[list[float]] = []
         self.shapes: list[Message] = []  # those that are checked, as pages draw them, once the checks are ready
         self._saved = self._bodies  # as the file has them
-        self._obstacles, self._now, self._elsewhere = Memo(self._described), Memo(_here), Memo(_colliding)
+        self._obstacles, self._now, self._elsewhere = Memo(self._described), Memo(_in_collision), Memo(_colliding)
         self.routes = {
             "obstacle": Route(self._put),
             "remove_obstacle": Route(lambda show, now, name: self._require_ready().remove(name)),
@@ -56,10 +56,10 @@ class Collisions(Part):
     def due(self, show: Show) -> Job | None:
         """The work that what is on show calls for: the checks themselves, then the collisions of the motion."""
         if not self._ready:
-            wanted = self.scene or self._before or "collision" in show.needed
-            if self._asked or not wanted or show.arm.description is None:
+            needed = self.scene or self._before or "collision" in show.needed
+            if self._requested or not needed or show.arm.description is None:
                 return None
-            self._asked = True
+            self._requested = True
             prepare = partial(_prepared, self.scene, self._before, show.arm)
             return Job("collision", "preparing the collision checks", prepare, partial(self._begin, show))
         motion = None if show.playback is None else show.playback.trajectory
@@ -135,7 +135,7 @@ class Collisions(Part):
         return {"type": "obstacles", "obstacles": self.drawn, "file": self.file, "saved": same(saved, bodies)}
 
 
-def _here(scene: Scene | None, theta: Array, near: bool, *bodies: Body) -> Message:
+def _in_collision(scene: Scene | None, theta: Array, near: bool, *bodies: Body) -> Message:
     """The links in collision at theta (n,), and with `near` the nearest pair."""
     if scene is None:
         return NOWHERE
@@ -162,13 +162,13 @@ def _colliding(
 
 def drawing(body: Body) -> dict[str, Any]:
     """A body as the page draws it: kind, size, the node of its link, its matrix there, and packed triangles."""
-    made = outline(body.shape)
-    if made["kind"] == "points":
-        made |= _quantised(made["points"], body.size[0])
-    elif made["kind"] == "mesh":
-        made |= {"points": packed(made["points"], "<f4"), "faces": packed(made["faces"], "<u4")}
-        made["size"] = list(body.size)
-    return {**made, "node": link_path(body.carrier), "matrix": columns(body.pose)}
+    outlined = outline(body.shape)
+    if outlined["kind"] == "points":
+        outlined |= _quantised(outlined["points"], body.size[0])
+    elif outlined["kind"] == "mesh":
+        outlined |= {"points": packed(outlined["points"], "<f4"), "faces": packed(outlined["faces"], "<u4")}
+        outlined["size"] = list(body.size)
+    return {**outlined, "node": link_path(body.carrier), "matrix": columns(body.pose)}
 
 
 def _quantised(centres: Array, voxel: float) -> Message:

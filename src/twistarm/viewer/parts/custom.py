@@ -98,7 +98,7 @@ class Draw:
 
     def _draw(self, name: str, draw: Callable[[str], list[bytes]], text: Message | None = None) -> None:
         node = drawn_path(as_name(name, "name"))
-        objects = [base64.b64encode(drawn).decode("ascii") for drawn in draw(node)]
+        objects = [base64.b64encode(content).decode("ascii") for content in draw(node)]
         self._put({"type": "drawn", "node": node, "objects": objects, "text": text})
 
 
@@ -108,8 +108,8 @@ def _pose(pose: ArrayLike | None) -> Array:
     return g
 
 
-def _rows(given: Any, name: str) -> Array:
-    rows = as_floats(given, name)
+def _rows(values: Any, name: str) -> Array:
+    rows = as_floats(values, name)
     if rows.ndim != 2 or rows.shape[1] != 3 or len(rows) > MOST_ROWS:
         raise InputError(f"{name} must be rows of 3 numbers, at most {MOST_ROWS:,}; got shape {rows.shape}")
     if np.abs(rows).max(initial=0.0) > LARGEST_VALUE:
@@ -150,7 +150,7 @@ class Control(Generic[V]):
         self.name, self.ends, self.error = name, ends, ""
         self._check, self._post, self._call = check, post, call
         self._value = self._known = check(value)
-        post(f"control {name}", lambda stage: stage.controls.shown.update({name: self}))
+        post(f"control {name}", lambda stage: stage.controls.by_name.update({name: self}))
 
     @property
     def value(self) -> V:
@@ -196,18 +196,18 @@ class Controls(Part):
     """The controls in the order of the program, and those that wait for their callback."""
 
     def __init__(self) -> None:
-        self.shown: dict[str, Control[Any]] = {}
+        self.by_name: dict[str, Control[Any]] = {}
         self.waiting: deque[Control[Any]] = deque()
         self.routes = {"slide": Route(self._slide), "press": Route(self._press)}
 
     def take_over(self, other: Controls) -> None:
         """Show the controls of another arm's view."""
-        self.shown, self.waiting = other.shown, other.waiting
+        self.by_name, self.waiting = other.by_name, other.waiting
 
     def drop(self, control: Control[Any]) -> None:
         """Remove a control, unless another has replaced it."""
-        if self.shown.get(control.name) is control:
-            del self.shown[control.name]
+        if self.by_name.get(control.name) is control:
+            del self.by_name[control.name]
 
     def _slide(self, show: Show, now: float, name: str, value: float) -> Job:
         self._named(name).take(value)
@@ -219,13 +219,13 @@ class Controls(Part):
         return Job("controls", "calling the program", self._call, lambda result: None)
 
     def _named(self, name: str) -> Control[Any]:
-        if name not in self.shown:
-            raise unknown_name("control", name, self.shown, within="the view", listing=", ".join(self.shown))
-        return self.shown[name]
+        if name not in self.by_name:
+            raise unknown_name("control", name, self.by_name, within="the view", listing=", ".join(self.by_name))
+        return self.by_name[name]
 
     def messages(self, show: Show) -> Iterator[Message]:
         """The controls."""
-        yield {"type": "controls", "controls": [control.entry() for control in self.shown.values()]}
+        yield {"type": "controls", "controls": [control.entry() for control in self.by_name.values()]}
 
     def _call(self, progress: Progress) -> None:
         while self.waiting:

@@ -61,7 +61,7 @@ class PoseList:
         """Give another name, by the same rules."""
         pose = self._pose(number)
         others = [other for other in self.poses if other is not pose]
-        self._exchange("rename a pose", pose, replace(pose, name=_free(name, others)))
+        self._exchange("rename a pose", pose, replace(pose, name=_unused_name(name, others)))
 
     def move(self, number: int, by: str) -> None:
         """Have the arm move to a pose in another way, one of MOVES."""
@@ -134,7 +134,7 @@ class PoseList:
         raise InputError(f"no pose number {number} in the list: it was deleted, or another list was loaded")
 
     def _new(self, name: str, theta: ArrayLike, others: Sequence[RecordedPose], by: str = MOVES[0]) -> RecordedPose:
-        free, arm = _free(name, others), self._arm
+        free, arm = _unused_name(name, others), self._arm
         checked = checked_theta(arm, theta)
         if others:
             self._require_inside(free, checked)
@@ -171,8 +171,8 @@ class PoseList:
 
     def _keep(self, poses: Sequence[RecordedPose], words: str) -> None:
         """Take these poses as the list. `words` name the change that can be undone."""
-        given = [pose.entry() for pose in poses]
-        size = len(encode({"joints": self._arm.joint_names, "poses": given}))
+        entries = [pose.entry() for pose in poses]
+        size = len(encode({"joints": self._arm.joint_names, "poses": entries}))
         if size > LARGEST_LIST and len(poses) >= len(self.poses):
             raise InputError(f"a list has at most {LARGEST_LIST} bytes; {len(poses)} poses would have {size}")
         if tuple(poses) != self.poses:
@@ -180,7 +180,7 @@ class PoseList:
         self.poses = tuple(poses)
 
 
-def _free(name: str, others: Sequence[RecordedPose]) -> str:
+def _unused_name(name: str, others: Sequence[RecordedPose]) -> str:
     """The name, made up if empty, with a number if another pose has it."""
     taken = {pose.name for pose in others}
     bare = " ".join(name.split())

@@ -28,7 +28,7 @@ from ...support.directions import value_in_words
 from ...support.errors import InputError
 from ..jobs import Job, Memo, Progress, same
 from ..messages import Message
-from .arm_data import NO_PATH, drawn, tool_path
+from .arm_data import NO_PATH, distinct_points, tool_path
 from .pose_list import FREE, PoseList, RecordedPose
 from .show import Part, Playback, Route, Show
 
@@ -60,17 +60,17 @@ def segments(arm: Arm, poses: Sequence[RecordedPose], corner: float) -> list[Joi
     return made
 
 
-def ideal_way(arm: Arm, poses: Sequence[RecordedPose]) -> list[list[float]]:
+def ideal_path(arm: Arm, poses: Sequence[RecordedPose]) -> list[list[float]]:
     """Points [m] of the way that the segments describe, corners and all."""
-    s, goals, at, ways = np.linspace(0.0, 1.0, POINTS), Goals(arm, arm.limits), poses[0].theta, list[Array]()
+    s, goals, at, parts = np.linspace(0.0, 1.0, POINTS), Goals(arm, arm.limits), poses[0].theta, list[Array]()
     for move in segments(arm, poses, 0.0):
         end: Any = move.to
         if isinstance(move, JointMove):
-            ways.append(arm.fk(at + s[:, None] * (end - at))[:, :3, 3])
+            parts.append(arm.fk(at + s[:, None] * (end - at))[:, :3, 3])
         else:
-            ways += [way.curve(s)[:, :3, 3] for way in goals.moving(move, at, "the way")[:1]]
+            parts += [moving.curve(s)[:, :3, 3] for moving in goals.moving(move, at, "the way")[:1]]
         at = end
-    return drawn(arm, np.concatenate(ways)) if ways else []
+    return distinct_points(arm, np.concatenate(parts)) if parts else []
 
 
 STALE = "The list has changed since this motion was planned: plan again."
@@ -111,7 +111,7 @@ class Program(Part):
         self._usual = defaults_line(arm)
         self._motion: Trajectory | None = None
         self._through: tuple[tuple[int, str], ...] = ()
-        self._asked = NO_REQUEST
+        self._request = NO_REQUEST
         self._message = Memo(self._described)
         self.routes = {
             "record": Route(lambda show, now, name: poses.record(name, show.theta)),
@@ -133,37 +133,37 @@ class Program(Part):
 
     def _described(self, listed: tuple[RecordedPose, ...], loaded: Trajectory | None) -> Message:
         ours = loaded is not None and loaded is self._motion
-        current = ours and self._through == _listed(listed)
+        current = ours and self._through == _moves(listed)
         poses = [{"id": pose.id, **pose.entry()} for pose in listed]
-        asked = self._asked if ours else NO_REQUEST
-        straight = STRAIGHT if asked.stop and asked.through_joints(listed) else ""
-        said = self._motion.notes if current and self._motion else ()
-        arrivals = _elsewhere(self._arm, self._motion, listed) if current and self._motion else ()
-        words = [*arrivals, straight, *(_of_poses(note, listed) for note in said), self._usual]
+        request = self._request if ours else NO_REQUEST
+        straight = STRAIGHT if request.stop and request.through_joints(listed) else ""
+        notes = self._motion.notes if current and self._motion else ()
+        arrivals = _other_configurations(self._arm, self._motion, listed) if current and self._motion else ()
+        words = [*arrivals, straight, *(_of_poses(note, listed) for note in notes), self._usual]
         sentences = " ".join(f"{text[0].upper()}{text[1:]}." for text in words if text)
         note = (sentences if current else STALE) if ours else ""
-        told = {"type": "program", "poses": poses, "planned": current, "note": note}
-        return {**told, **asked._asdict(), "kind": asked.kind or None}
+        message = {"type": "program", "poses": poses, "planned": current, "note": note}
+        return {**message, **request._asdict(), "kind": request.kind or None}
 
     def _plan(self, show: Show, now: float, **fields: Any) -> Job:
-        asked, poses = MotionRequest(**fields), self.list.poses
+        request, poses = MotionRequest(**fields), self.list.poses
         if len(poses) < 2:
             raise InputError(f"a motion needs at least two poses; the list has {len(poses)}: record another")
         if not np.ptp([pose.theta for pose in poses], axis=0).any():
             raise InputError("the poses of the list are all the same: there is no motion between them")
-        if asked.corner < 0.0 or asked.linear_speed < 0.0:
+        if request.corner < 0.0 or request.linear_speed < 0.0:
             raise InputError("the radius of corners and the tool's speed must be 0 or more")
         if show.scene is None and any(pose.by in FREE for pose in poses[1:]):
             raise InputError("to go round obstacles, turn on the layer Collision first")
         scene = copy(show.scene)  # obstacles may move meanwhile
-        work = partial(_planned, show.arm, poses, asked, self.limits, show.tolerances, scene)
-        return Job("plan", "planning the motion", work, partial(self._finish, show, asked, self._cause(show)))
+        work = partial(_planned, show.arm, poses, request, self.limits, show.tolerances, scene)
+        return Job("plan", "planning the motion", work, partial(self._finish, show, request, self._cause(show)))
 
     def _cause(self, show: Show) -> tuple[Any, ...]:
         """What a plan follows from: the list, the tolerances and the obstacles."""
         return self.list.poses, show.tolerances, *(() if show.scene is None else show.scene.obstacles.values())
 
-    def _finish(self, show: Show, asked: MotionRequest, cause: tuple[Any, ...], result: Planned) -> None:
+    def _finish(self, show: Show, request: MotionRequest, cause: tuple[Any, ...], result: Planned) -> None:
         poses, (planned, path) = cause[0], result
         if isinstance(planned, PathError):
             show.draw_path(path, lambda: same(cause, self._cause(show)))
@@ -172,7 +172,7 @@ class Program(Part):
         if show.driven:
             raise InputError("the motion was planned and not loaded: a servo drives the arm meanwhile")
         self._motion = planned
-        self._through, self._asked = _listed(poses), asked
+        self._through, self._request = _moves(poses), request
         before = show.playback or Playback(planned)
         show.load(planned, before.speed, before.loop)
         show.draw_path(NO_PATH)
@@ -182,27 +182,27 @@ class Program(Part):
 def _planned(
     arm: Arm,
     poses: tuple[RecordedPose, ...],
-    asked: MotionRequest,
+    request: MotionRequest,
     limits: JointLimits,
     tolerances: Mapping[str, Any],
     scene: Scene | None,
     progress: Progress,
 ) -> Planned:
     """Plan in a thread."""
-    beside = {"ideal": ideal_way(arm, poses), **_ghosts(poses)}
-    shared: dict[str, Any] = {"kind": asked.kind, "limits": limits, "scene": scene, "progress": progress}
-    shared |= {"torques": asked.torques, "payload": asked.payload}
+    drawn = {"ideal": ideal_path(arm, poses), **_ghosts(poses)}
+    shared: dict[str, Any] = {"kind": request.kind, "limits": limits, "scene": scene, "progress": progress}
+    shared |= {"torques": request.torques, "payload": request.payload}
     try:
-        if asked.through_joints(poses):
+        if request.through_joints(poses):
             points = np.array([pose.theta for pose in poses])
-            motion = plan_joint(arm, points, stop_at_waypoints=asked.stop, **shared)
+            motion = plan_joint(arm, points, stop_at_waypoints=request.stop, **shared)
         else:
-            moves = segments(arm, poses, 0.0 if asked.stop else asked.corner)
-            speed = asked.linear_speed or None
+            moves = segments(arm, poses, 0.0 if request.stop else request.corner)
+            speed = request.linear_speed or None
             motion = plan(arm, moves, start=poses[0].theta, linear_speed=speed, **tolerances, **shared)
     except PathError as error:
-        return error, {**tool_path(arm, poses[0].theta[None]), **beside, "stopped": _stop(arm, error, scene)}
-    return motion, {**tool_path(arm, motion), **beside}
+        return error, {**tool_path(arm, poses[0].theta[None]), **drawn, "stopped": _stop(arm, error, scene)}
+    return motion, {**tool_path(arm, motion), **drawn}
 
 
 def _stop(arm: Arm, error: PathError, scene: Scene | None) -> dict[str, Any] | None:
@@ -228,7 +228,7 @@ def _ends(poses: Sequence[RecordedPose]) -> list[RecordedPose]:
     return [pose for pose in poses[1:] if pose.by != "via"]
 
 
-def _elsewhere(arm: Arm, motion: Trajectory, poses: Sequence[RecordedPose]) -> Iterator[str]:
+def _other_configurations(arm: Arm, motion: Trajectory, poses: Sequence[RecordedPose]) -> Iterator[str]:
     """The poses that the motion meets with the tool, and not in the recorded configuration."""
     for pose, theta in zip(_ends(poses), motion.waypoints[1:], strict=False):
         j = int(np.abs(theta - pose.theta).argmax())
@@ -242,6 +242,6 @@ def _of_poses(note: str, poses: Sequence[RecordedPose]) -> str:
     return re.sub(r"segment (\d+) \(\w+\)", lambda found: f"'{_ends(poses)[int(found[1]) - 1].name}'", note)
 
 
-def _listed(poses: Sequence[RecordedPose]) -> tuple[tuple[int, str], ...]:
+def _moves(poses: Sequence[RecordedPose]) -> tuple[tuple[int, str], ...]:
     """What the plan depends on: the poses in order and the move to each."""
     return tuple((pose.id, pose.by if i else "") for i, pose in enumerate(poses))

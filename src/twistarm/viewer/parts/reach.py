@@ -23,26 +23,26 @@ SMOOTHINGS = 2
 
 
 class Reach(Part):
-    """A map as it is `drawn`, made when its layer is first switched on without one."""
+    """A `map` as pages draw it, made when its layer is first switched on without one."""
 
     def __init__(self) -> None:
-        self.drawn: Message | None = None
-        self._asked = False
+        self.map: Message | None = None
+        self._requested = False
 
     def due(self, show: Show) -> Job | None:
         """A job that makes a quick map, if a page needs one."""
-        if self._asked or self.drawn is not None or "reach" not in show.needed:
+        if self._requested or self.map is not None or "reach" not in show.needed:
             return None
-        self._asked = True
+        self._requested = True
         return Job("reach", "mapping the reach", partial(quick, show.arm), self._finish)
 
     def messages(self, show: Show) -> Iterator[Message]:
         """The map, once it is there."""
-        if self.drawn is not None:
-            yield self.drawn
+        if self.map is not None:
+            yield self.map
 
-    def _finish(self, made: Message) -> None:
-        self.drawn = self.drawn or made  # the program may have given one meanwhile
+    def _finish(self, message: Message) -> None:
+        self.map = self.map or message  # the program may have given one meanwhile
 
 
 def quick(arm: Arm, progress: Progress) -> Message:

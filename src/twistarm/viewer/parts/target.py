@@ -34,7 +34,7 @@ class TargetPart(Part):
 
     def __init__(self) -> None:
         self._status = NO_TARGET
-        self._shown: Array | None = None  # the configuration on show, where it is the target's answer
+        self._answer: Array | None = None  # the configuration on show, where it is the target's answer
         self.routes = {
             "target": Route(self._take, moves=True),
             "release": Route(lambda show, now: self._release()),
@@ -59,26 +59,26 @@ class TargetPart(Part):
         """
         if stage != show.number:
             raise InputError("another arm was loaded meanwhile: give the target again")
-        target_asked(show.arm, given)
+        target_from(show.arm, given)
         answer, free = checked_theta(show.arm, theta), checked_theta(show.arm, ghost or theta)
         require_all_inside(show.arm, answer)
         show.show(answer)
-        self._shown = answer
+        self._answer = answer
         ghost_shown = free.tolist() if ghost else None
         self._status = {"type": "target", "given": given, "converged": converged, "words": words, "ghost": ghost_shown}
 
     def messages(self, show: Show) -> Iterator[Message]:
         """The target given, whether it is reached, and the words of its solution."""
-        if self._shown is not None and show.theta is not self._shown:
+        if self._answer is not None and show.theta is not self._answer:
             self._release()
         yield {"type": "tolerances", **{word: show.tolerances.get(f"{word}_tol", 0.0) for word in TOLERANCES}}
         yield self._status
 
     def _release(self) -> None:
-        self._status, self._shown = NO_TARGET, None
+        self._status, self._answer = NO_TARGET, None
 
 
-def target_asked(arm: Arm, fields: Mapping[str, Any]) -> Pose | Position | Approach:
+def target_from(arm: Arm, fields: Mapping[str, Any]) -> Pose | Position | Approach:
     """The requested target: {kind, position [m], xyzw}. A position needs no direction."""
     p, xyzw = np.array(fields["position"]), fields["xyzw"]
     length = math.hypot(*xyzw)
@@ -106,7 +106,7 @@ def _set_tolerances(show: Show, now: float, **fields: float) -> None:
 MAX_SHOWN = 32  # Most configurations to step through: the nearest inside the limits, then those beyond.
 AT_SOLUTION = 1e-3  # An arm within this [rad, m] of a configuration is at it.
 # The message before a search.
-NO_SOLUTIONS: Message = {"type": "solutions", "asked": False, "places": [], "words": "", "theta": []}
+NO_SOLUTIONS: Message = {"type": "solutions", "requested": False, "places": [], "words": "", "theta": []}
 
 
 class Choices(NamedTuple):
@@ -123,8 +123,8 @@ class Solutions(Part):
     def __init__(self) -> None:
         self._choices: Choices | None = None
         self._at: int | None = None  # the configuration that was chosen
-        self._stands: int | None = None  # the one where the arm stands
-        self._where: Array | None = None  # where the arm stands for it, or is on its way to
+        self._current: int | None = None  # the one where the arm stands
+        self._goal: Array | None = None  # where the arm stands for it, or is on its way to
         self._number = 0  # of the latest question
         self.routes = {
             "solutions": Route(self._find, moves=True),
@@ -134,15 +134,15 @@ class Solutions(Part):
 
     def messages(self, show: Show) -> Iterator[Message]:
         """The configurations, and which of them was chosen."""
-        if self._choices is not None and show.goal is not self._where:
+        if self._choices is not None and show.goal is not self._goal:
             self.release()
         yield NO_SOLUTIONS if self._choices is None else self._choices.message
-        yield {"type": "solution", "at": self._at, "stands": self._stands}
+        yield {"type": "solution", "at": self._at, "current": self._current}
 
     def _find(self, show: Show, now: float, **fields: Any) -> Job:
-        target, start = target_asked(show.arm, fields), show.goal
+        target, start = target_from(show.arm, fields), show.goal
         self._number += 1
-        find = partial(_found, show.arm, target, start, show.tolerances)
+        find = partial(_find_all, show.arm, target, start, show.tolerances)
         finish = partial(self._finish, show, start, self._number)
         return Job("solutions", "looking for all configurations", lambda _: find(), finish)
 
@@ -151,21 +151,21 @@ class Solutions(Part):
         if number == self._number and show.goal is start and not show.driven:
             self.take(choices, start)
 
-    def take(self, choices: Choices, where: Array) -> None:
+    def take(self, choices: Choices, goal: Array) -> None:
         """Hold these configurations; the arm stands at `where` (n,)."""
-        here = choices.inside > 0 and np.abs(choices.theta[0] - where).max(initial=0.0) < AT_SOLUTION
-        self._choices, self._where = choices, where
-        self._at = self._stands = 0 if here else None
+        here = choices.inside > 0 and np.abs(choices.theta[0] - goal).max(initial=0.0) < AT_SOLUTION
+        self._choices, self._goal = choices, goal
+        self._at = self._current = 0 if here else None
 
     def _step(self, show: Show, now: float, place: int, ease: bool) -> None:
         """Choose a configuration. The arm goes there if it is inside the limits; otherwise its ghost shows."""
         if self._choices is None or place >= len(self._choices.theta):
             raise InputError("the arm has moved since: press All configurations again")
-        assert self._where is not None
+        assert self._goal is not None
         inside = place < self._choices.inside
-        show.go(self._choices.theta[place] if inside else self._where, ease, now)
-        self._at, self._where = place, show.goal
-        self._stands = place if inside else self._stands
+        show.go(self._choices.theta[place] if inside else self._goal, ease, now)
+        self._at, self._goal = place, show.goal
+        self._current = place if inside else self._current
 
     @property
     def theta(self) -> Array | None:
@@ -174,10 +174,10 @@ class Solutions(Part):
 
     def release(self) -> None:
         """Let the configurations go."""
-        self._choices = self._at = self._stands = self._where = None
+        self._choices = self._at = self._current = self._goal = None
 
 
-def _found(arm: Arm, target: AnyTarget, start: Array, tolerances: Mapping[str, Any]) -> Choices:
+def _find_all(arm: Arm, target: AnyTarget, start: Array, tolerances: Mapping[str, Any]) -> Choices:
     """All configurations; joints that the target does not determine stay where they are."""
     held = {name: float(start[arm.joint_names.index(name)]) for name in closed_form_of(arm, target).held}
     values = [
@@ -192,7 +192,7 @@ def choices_of(solutions: AllSolutions, more: Sequence[str] = ()) -> Choices:
     theta = np.vstack([solutions.theta, solutions.outside])[:MAX_SHOWN]
     message = {
         "type": "solutions",
-        "asked": True,
+        "requested": True,
         "places": [_place(solutions, row, i) for i, row in enumerate(theta)],
         "words": "\n".join([*solutions.explain().splitlines(), *more]),
         "theta": theta.tolist(),

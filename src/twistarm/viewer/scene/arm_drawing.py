@@ -18,7 +18,7 @@ from ...theory import poe
 from ...theory.screws import to_screw
 from . import drawing
 from .drawing import STICK, Colour, link_path, rod_path, screw_path
-from .links import Drawn, Read, count_meshes, draw_meshes, draw_plain, lost_meshes
+from .links import MeshDrawing, Read, count_meshes, draw_meshes, draw_plain, missing_meshes
 
 BESIDE = "/beside"  # The node that carries all of a second arm.
 
@@ -47,14 +47,14 @@ class Drawing:
         self.notes: tuple[str, ...] = ()
         self._read = {} if read is None else read
         self._places: dict[str, range] = {}  # in `objects`, of each mesh drawn
-        self._meshes: Iterator[Drawn]
+        self._meshes: Iterator[MeshDrawing]
         self._turn, self._lock = threading.Lock(), threading.Lock()
         if arm.description is not None:
             self.links = {name: link_path(name) for name in arm.description.links}
-            self.notes = lost_meshes(arm.description)
+            self.notes = missing_meshes(arm.description)
         if beside is not None:
             self.objects += [drawing.below(BESIDE, part) for part in _plain(beside)]
-            self.notes += () if beside.description is None else lost_meshes(beside.description)
+            self.notes += () if beside.description is None else missing_meshes(beside.description)
         self.plain = len(self.objects)
         self._begin()
 
@@ -70,7 +70,8 @@ class Drawing:
 
     def successor(self, arm: Arm) -> Drawing:
         """The drawing of another arm. Unchanged files are not read again."""
-        return Drawing(arm, self.exact, {key: it for key, it in list(self._read.items()) if stamp(key[0]) == key[1]})
+        unchanged = {key: parts for key, parts in list(self._read.items()) if stamp(key[0]) == key[1]}
+        return Drawing(arm, self.exact, unchanged)
 
     def draw_again(self, exact: bool) -> None:
         """Draw the meshes again, with all triangles or simplified.
@@ -89,18 +90,18 @@ class Drawing:
                 meshes = self._meshes
             piece = next(meshes, None)
             with self._lock:
-                anew = meshes is not self._meshes
-                if piece is not None and not anew:
+                restarted = meshes is not self._meshes
+                if piece is not None and not restarted:
                     self._add(piece)
-                return anew or piece is not None
+                return restarted or piece is not None
 
-    def _add(self, piece: Drawn) -> None:
+    def _add(self, piece: MeshDrawing) -> None:
         """Draw a mesh in place of its last drawing, which is better than nothing where the mesh cannot be read."""
         self.left -= 1
         self.simplified = self.simplified or not piece.exact
         if piece.note and piece.note not in self.notes:
             self.notes += (piece.note,)
-        if piece.node in self._places and not piece.drawn:
+        if piece.node in self._places and not piece.readable:
             return
         for place in self._places.get(piece.node, ()):
             self.objects[place] = b""
@@ -134,10 +135,10 @@ def _plain(arm: Arm) -> list[bytes]:
     return draw_rods(arm) if arm.description is None else draw_plain(arm.description, arm_size(arm))
 
 
-def _below(piece: Drawn) -> Drawn:
+def _below(piece: MeshDrawing) -> MeshDrawing:
     """A mesh of the second arm, below its node."""
-    drawn = tuple(drawing.below(BESIDE, part) for part in piece.objects)
-    return replace(piece, node=BESIDE + piece.node, objects=drawn)
+    objects = tuple(drawing.below(BESIDE, part) for part in piece.objects)
+    return replace(piece, node=BESIDE + piece.node, objects=objects)
 
 
 # screws and rods, which need no description ------------------------------------------------------------
@@ -187,12 +188,12 @@ def screw_kinds(arm: Arm) -> list[str]:
 
 def draw_screws(arm: Arm) -> list[bytes]:
     """An arrow along each axis at theta = 0. The joint's partial product carries it."""
-    drawn: list[bytes] = []
+    objects: list[bytes] = []
     size = arm_size(arm)
     for i, (xi, anchor, kind) in enumerate(zip(arm.screws.T, anchors(arm), screw_kinds(arm), strict=True)):
-        half = AXIS_HALF * size * to_screw(xi).axis
-        drawn += drawing.arrow(f"{screw_path(i)}/axis", anchor - half, anchor + half, 0.0055 * size, KIND_COLOURS[kind])
-    return drawn
+        half, path = AXIS_HALF * size * to_screw(xi).axis, f"{screw_path(i)}/axis"
+        objects += drawing.arrow(path, anchor - half, anchor + half, 0.0055 * size, KIND_COLOURS[kind])
+    return objects
 
 
 def draw_rods(arm: Arm) -> list[bytes]:
@@ -200,15 +201,15 @@ def draw_rods(arm: Arm) -> list[bytes]:
     size = arm_size(arm)
     points = [np.zeros(3), *anchors(arm), arm.home[:3, 3]]
     paths = ["/arm/rod:base", *(rod_path(i) for i in range(arm.screws.shape[1]))]
-    drawn: list[bytes] = []
+    objects: list[bytes] = []
     for path, start, end in zip(paths, points[:-1], points[1:], strict=True):
-        drawn.append(drawing.sphere(f"{path}/origin", 0.02 * size, STICK, drawing.at(start)))
+        objects.append(drawing.sphere(f"{path}/origin", 0.02 * size, STICK, drawing.at(start)))
         if np.linalg.norm(end - start) > 1e-3 * size:
-            drawn.append(drawing.rod(f"{path}/rod", start, end, 0.012 * size, STICK))
+            objects.append(drawing.rod(f"{path}/rod", start, end, 0.012 * size, STICK))
     lower, upper = (np.clip(arm.coupling.A @ bound, -size, size) for bound in arm.sampling_bounds)
     for i, kind in enumerate(screw_kinds(arm)):
         if slides(kind):
             axis = to_screw(arm.screws[:, i]).axis
             ends = points[i + 1] + lower[i] * axis, points[i + 1] + upper[i] * axis
-            drawn.append(drawing.rod(f"{paths[i]}/rail", *ends, 0.006 * size, STICK))
-    return drawn
+            objects.append(drawing.rod(f"{paths[i]}/rail", *ends, 0.006 * size, STICK))
+    return objects

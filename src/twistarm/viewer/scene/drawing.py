@@ -162,11 +162,11 @@ def arrow(path: str, start: Array, end: Array, radius: float, colour: Colour) ->
     """An arrow from `start` to `end` [m], visible through other objects."""
     head = 6.0 * radius
     neck, tip = _along(start, end, 1.0, -head)[:3, 3], _along(start, end, 1.0, -0.5 * head)
-    drawn: list[bytes] = []
+    objects: list[bytes] = []
     for layer, tint, material in _visible_through(colour):
-        drawn.append(rod(f"{path}/{layer}-shaft", start, neck, radius, tint, **material))
-        drawn.append(cylinder(f"{path}/{layer}-head", 2.6 * radius, head, tint, tip, top=0.0, **material))
-    return drawn
+        objects.append(rod(f"{path}/{layer}-shaft", start, neck, radius, tint, **material))
+        objects.append(cylinder(f"{path}/{layer}-head", 2.6 * radius, head, tint, tip, top=0.0, **material))
+    return objects
 
 
 def _visible_through(colour: Colour) -> list[tuple[str, Colour, dict[str, Any]]]:

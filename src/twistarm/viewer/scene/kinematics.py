@@ -50,7 +50,7 @@ class _Tree:
         self._carrier = {joint.child: joint for joint in description.joints.values()}
         scalar = [joint for joint in description.joints.values() if joint.scalar]
         self._order = {
-            joint.name: i for i, joint in enumerate(sorted(scalar, key=lambda it: len([*self._way(it.child)])))
+            joint.name: i for i, joint in enumerate(sorted(scalar, key=lambda joint: len([*self._way(joint.child)])))
         }
 
     def described(self) -> dict[str, Any]:

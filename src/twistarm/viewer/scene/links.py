@@ -30,16 +30,16 @@ Read = dict[tuple[Path, "tuple[int, ...] | None", float], "list[Part] | str"]
 
 
 @dataclass(frozen=True)
-class Drawn:
+class MeshDrawing:
     """The result for the mesh at `node`: messages that draw it or its replacement, and a failure's reason.
 
-    `drawn`: it could be read. `exact`: it shows all triangles of the file.
+    `readable`: its file could be read. `exact`: it shows all triangles of the file.
     """
 
     node: str
     objects: tuple[bytes, ...]
     note: str
-    drawn: bool
+    readable: bool
     exact: bool
 
 
@@ -53,17 +53,17 @@ def draw_plain(description: Description, size: float) -> list[bytes]:
 
 def count_meshes(description: Description) -> int:
     """How many times `draw_meshes` yields."""
-    return sum(len(_found(link)) for link in description.links.values())
+    return sum(len(_meshes(link)) for link in description.links.values())
 
 
-def lost_meshes(description: Description) -> tuple[str, ...]:
+def missing_meshes(description: Description) -> tuple[str, ...]:
     """The meshes that were not found, in words."""
     visuals = [(link.name, visual) for link in description.links.values() for visual in link.visuals]
-    lost = [name for name, visual in visuals if visual.shape == "mesh" and visual.mesh is None]
-    return (f"meshes not found, drawn as simple shapes: {listed(dict.fromkeys(lost))}",) if lost else ()
+    missing = [name for name, visual in visuals if visual.shape == "mesh" and visual.mesh is None]
+    return (f"meshes not found, drawn as simple shapes: {listed(dict.fromkeys(missing))}",) if missing else ()
 
 
-def draw_meshes(description: Description, size: float, exact: bool, read: Read) -> Iterator[Drawn]:
+def draw_meshes(description: Description, size: float, exact: bool, read: Read) -> Iterator[MeshDrawing]:
     """Draw each mesh in its link's node.
 
     A file is read unless it is in `read`, which keeps it. Its fault is reported once.
@@ -73,23 +73,23 @@ def draw_meshes(description: Description, size: float, exact: bool, read: Read) 
     shares = {} if exact else _shares(description)
     reported = {""}
     for link in description.links.values():
-        found, replaced, any_drawn = _found(link), _is_only_meshes(link), False
-        for k, (node, visual, path) in enumerate(found, 1):
+        meshes, replaced, any_readable = _meshes(link), _is_only_meshes(link), False
+        for k, (node, visual, path) in enumerate(meshes, 1):
             most = shares.get(path, inf)
             key = path, stamp(path), most
             if key not in read:
                 read[key] = _parts_or_reason(path, most)
             parts = read[key]
             objects, note = ([], parts) if isinstance(parts, str) else (_mesh(node, visual, parts), "")
-            drawn, whole = bool(objects), isinstance(parts, str) or all(part.exact for part in parts)
-            any_drawn = any_drawn or drawn
-            if replaced and k == len(found):
-                objects += [drawing.removed(stand_in_path(link))] if any_drawn else lost_frame(link, size)
-            yield Drawn(node, tuple(objects), "" if note in reported else note, drawn, whole)
+            readable, whole = bool(objects), isinstance(parts, str) or all(part.exact for part in parts)
+            any_readable = any_readable or readable
+            if replaced and k == len(meshes):
+                objects += [drawing.removed(stand_in_path(link))] if any_readable else missing_frame(link, size)
+            yield MeshDrawing(node, tuple(objects), "" if note in reported else note, readable, whole)
             reported.add(note)
 
 
-def _found(link: Link) -> list[tuple[str, Geometry, Path]]:
+def _meshes(link: Link) -> list[tuple[str, Geometry, Path]]:
     """The link's meshes that were found: node, visual, file."""
     path = link_path(link.name)
     return [(f"{path}/visual{i}", visual, visual.mesh) for i, visual in enumerate(link.visuals) if visual.mesh]
@@ -102,7 +102,7 @@ def _is_only_meshes(link: Link) -> bool:
 
 def _shares(description: Description) -> Mapping[Path, int]:
     """Triangles for each file, by its size and number of uses."""
-    files = [path for link in description.links.values() for _, _, path in _found(link)]
+    files = [path for link in description.links.values() for _, _, path in _meshes(link)]
     sizes = {path: found[1] if (found := stamp(path)) else 0 for path in files}
     whole = max(sum(sizes[path] for path in files), 1)
     return {path: max(ceil(TRIANGLES * size / whole), FEWEST) for path, size in sizes.items()}
@@ -119,15 +119,15 @@ def _parts_or_reason(path: Path, most: float) -> list[Part] | str:
 
 def _plain(description: Description, link: Link, size: float) -> list[bytes]:
     path = link_path(link.name)
-    drawn = [
+    objects = [
         part
         for i, visual in enumerate(link.visuals)
         for part in shape(f"{path}/visual{i}", visual, visual.colour or PLAIN)
     ]
     if not _is_only_meshes(link):
-        return drawn
-    lost = link.visuals and not _found(link)
-    return [*stand_in(description, link, size), *(lost_frame(link, size) if lost else [])]
+        return objects
+    missing = link.visuals and not _meshes(link)
+    return [*stand_in(description, link, size), *(missing_frame(link, size) if missing else [])]
 
 
 def _mesh(path: str, visual: Geometry, parts: Sequence[Part]) -> list[bytes]:
@@ -148,20 +148,20 @@ def stand_in_path(link: Link) -> str:
 def stand_in(description: Description, link: Link, size: float) -> list[bytes]:
     """The link's collision primitives, or capsules from its origin to the joints that it carries."""
     path = stand_in_path(link)
-    drawn = [part for i, solid in enumerate(link.collisions) for part in shape(f"{path}/solid{i}", solid, STICK)]
+    objects = [part for i, solid in enumerate(link.collisions) for part in shape(f"{path}/solid{i}", solid, STICK)]
     carried = [joint.origin[:3, 3] for joint in description.joints.values() if joint.parent == link.name]
     ends = [end for end in carried if np.linalg.norm(end) > 1e-3 * size]
-    if drawn or not ends:
-        return drawn
+    if objects or not ends:
+        return objects
     radius = min(THICK * size, STOUT * max(float(np.linalg.norm(end)) for end in ends))
-    drawn = [drawing.sphere(f"{path}/origin", 1.3 * radius, STICK, np.eye(4))]
+    objects = [drawing.sphere(f"{path}/origin", 1.3 * radius, STICK, np.eye(4))]
     for i, end in enumerate(ends):
-        drawn.append(drawing.rod(f"{path}/stick{i}", np.zeros(3), end, radius, STICK))
-        drawn.append(drawing.sphere(f"{path}/end{i}", radius, STICK, drawing.at(end)))
-    return drawn
+        objects.append(drawing.rod(f"{path}/stick{i}", np.zeros(3), end, radius, STICK))
+        objects.append(drawing.sphere(f"{path}/end{i}", radius, STICK, drawing.at(end)))
+    return objects
 
 
-def lost_frame(link: Link, size: float) -> list[bytes]:
+def missing_frame(link: Link, size: float) -> list[bytes]:
     """The frame of a link with missing meshes."""
     return drawing.triad(f"{link_path(link.name)}/frame", FRAME * size)
 

@@ -35,7 +35,7 @@ def servo_words(answer: Cycle | ServoOutput) -> dict[str, Any]:
     {"status": status of a ServoOutput or null, "joint": name or null, "reason": text, "share": executed share of the
     command from 0 to 1, or null}.
     """
-    output, asked = answer, True
+    output, moving = answer, True
     if not isinstance(output, ServoOutput):
         cycle = require(answer, Cycle, "answer", "as stream.run hands to on_cycle, or a ServoOutput, or None")
         if cycle.setpoint is None or not cycle.delivered:
@@ -45,8 +45,8 @@ def servo_words(answer: Cycle | ServoOutput) -> dict[str, Any]:
             return NO_REPORT
         command = None if reading is None else reading.command
         # A stop is no share of anything.
-        asked = command is not None and (isinstance(command, PoseCommand) or bool(command.numbers.any()))
-    share = round(output.share, 2) if asked and output.status != "STALE" else None  # whole percents: pages get changes
+        moving = command is not None and (isinstance(command, PoseCommand) or bool(command.numbers.any()))
+    share = round(output.share, 2) if moving and output.status != "STALE" else None  # whole percents: pages get changes
     return {"status": output.status, "joint": output.joint, "reason": output.explain(), "share": share}
 
 
@@ -130,7 +130,7 @@ class Driver:
         elif drive.dropped:
             raise InputError("the last drive is coming to rest: switch Drive on again in a moment")
         else:
-            drive.asked_at = inf
+            drive.end_asked = inf
 
     @property
     def on(self) -> bool:
@@ -180,7 +180,7 @@ class Drive:
     """One drive, which `thread` runs. At its end the loop calls `ended(drive)`."""
 
     def __init__(self, stage: Stage, commands: PageCommands, post: Post, ended: Callable[[Drive], None]) -> None:
-        self.asked_at = inf  # when its end was asked for
+        self.end_asked = inf  # when somebody asked for its end [s]
         self.dropped = self.taken_over = False
         self.problem = ""
         self.thread = threading.Thread(target=self._run, name="twistarm drive", daemon=True)
@@ -188,11 +188,11 @@ class Drive:
         limits = stage.arm.limits
         self._joints = SimulatedJoints(stage.arm, np.clip(stage.theta, limits.lower, limits.upper))
         self._showing = threading.Lock()
-        self._shown: tuple[bytes, object] = (b"", None)
+        self._sent: tuple[bytes, object] = (b"", None)
 
     def end(self) -> None:
         """Bring the arm to rest, then end."""
-        self.asked_at = min(self.asked_at, time.monotonic())
+        self.end_asked = min(self.end_asked, time.monotonic())
 
     def drop(self, reason: str) -> None:
         """End, and show nothing after this returns. The first reason counts."""
@@ -203,7 +203,7 @@ class Drive:
 
     def read(self, now: float, state: ServoState | None) -> Reading:
         """The command of the pages; none after `end`."""
-        if self.asked_at <= now:
+        if self.end_asked <= now:
             return Reading(None, inf, "Drive was switched off", idle=True)
         return self._commands.inbox.read(now, state)
 
@@ -219,16 +219,16 @@ class Drive:
             self._post("drive", lambda stage: self._ended(self))
 
     def _done(self) -> bool:
-        since = time.monotonic() - self.asked_at
+        since = time.monotonic() - self.end_asked
         return since >= 0.0 and (since > STOP_TIMEOUT or not self._joints.theta_dot.any())
 
     def _show(self, cycle: Cycle) -> None:
         """Show only changes: an arm at rest sends nothing to the pages."""
         theta, words = self._joints.theta, servo_words(cycle)
         new = theta.tobytes(), words
-        if new == self._shown:
+        if new == self._sent:
             return
-        self._shown = new
+        self._sent = new
         with self._showing:
             if not self.dropped:
                 self._post("show", lambda stage: stage.show(theta))

@@ -74,10 +74,10 @@ class Download(NamedTuple):
 
 
 def _motion(kind: str, stage: Stage, drawing: Drawing) -> Callable[[], str | bytes]:
-    at = stage.playback
-    if at is None:
+    playback = stage.playback
+    if playback is None:
         raise InputError("nothing to export: no trajectory is loaded")
-    return partial(written, at.trajectory, kind, Writing(max(SAMPLE_TIME, at.duration / MOST_SAMPLES)))
+    return partial(written, playback.trajectory, kind, Writing(max(SAMPLE_TIME, playback.duration / MOST_SAMPLES)))
 
 
 def _page(stage: Stage, drawing: Drawing) -> Callable[[], str]:

@@ -93,7 +93,7 @@ class Server:
         self.commands.arm = stage.arm
         self.show_choice()
         self.driver = Driver(stage, self.commands, self.post)
-        self._news = ChangePublisher()
+        self._publisher = ChangePublisher()
 
     def start(self) -> None:
         """Return once pages are served."""
@@ -131,7 +131,7 @@ class Server:
         if not self._thread.is_alive():
             raise InputError("the viewer was closed: there is nothing to show an arm in")
         stage, drawing = Stage(arm), self.drawing.successor(arm)
-        return self.ask(lambda shown: self._exchange(stage, drawing))
+        return self.ask(lambda _: self._exchange(stage, drawing))
 
     def notify(self, words: str, wrong: bool = False) -> None:
         """Show a notice on the pages until the next one. `wrong` marks an error."""
@@ -216,12 +216,12 @@ class Server:
     def state(self) -> dict[str, str]:
         """The messages of the whole view, by type. Other pages get the recent changes too."""
         self._send_changes()
-        return self._news.everything()
+        return self._publisher.everything()
 
     def _send_changes(self) -> None:
         sources: list[Source] = [self._own_messages, *self.stage.sources()]
-        for kind, text in self._news.gather(sources).items():
-            self._tell(kind, text)
+        for kind, text in self._publisher.gather(sources).items():
+            self._send_to_all(kind, text)
 
     def _own_messages(self) -> list[Message]:
         jobs = [{"key": key, "share": share} for key, share in self._jobs.items() if share is not None]
@@ -334,9 +334,9 @@ class Server:
         try:
             action()
         except Exception as error:
-            self._tell("error", encode(failure(error)))
+            self._send_to_all("error", encode(failure(error)))
 
-    def _tell(self, kind: str, text: str) -> None:
+    def _send_to_all(self, kind: str, text: str) -> None:
         for client in self.clients:
             client.put(kind, text)
 
