@@ -19,7 +19,7 @@ level = Keep.level(TILT)
 cup = arm.fk(arm.ready)[:3, :3].T @ UP
 
 # From beside the table onto it. Straight in joint space the cup would tilt, or the arm would hit something.
-start = solve_ik(arm, level.at(arm, arm.fk(arm.ready)).met_by(Position([0.85, -0.3, 0.4]))).require()
+start = solve_ik(arm, level.at(arm, arm.fk(arm.ready)).constrain(Position([0.85, -0.3, 0.4]))).require()
 goal = Position([0.85, 0.3, TABLE + 0.1])
 
 

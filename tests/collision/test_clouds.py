@@ -39,15 +39,15 @@ def test_a_cloud_answers_as_boxes_in_place_of_its_voxels(name: str, margin: floa
     hit = boxes.collides(theta)
     assert 10 < hit.sum() < 90
     assert cloud.collides(theta).tolist() == hit.tolist()
-    apart = [x for x in theta[~hit] if boxes.distance(x).metres > 1e-6][:15]
-    assert [cloud.distance(x).metres for x in apart] == pytest.approx(
-        [boxes.distance(x).metres for x in apart], abs=1e-9
+    separate = [x for x in theta[~hit] if boxes.distance(x).metres > 1e-6][:15]
+    assert [cloud.distance(x).metres for x in separate] == pytest.approx(
+        [boxes.distance(x).metres for x in separate], abs=1e-9
     )
     ways = [(x, y) for x, y in zip(theta[~hit][:-1], theta[~hit][1:], strict=True)][:15]
     free = [boxes.is_free(*way) for way in ways]
     assert {*free} == {True, False}
     assert [cloud.is_free(*way) for way in ways] == free
-    state = ServoState.at(arm, apart[0])
+    state = ServoState.at(arm, separate[0])
     for _ in range(30):
         state, _ = servo_step(arm, state, TwistCommand([0.2, 0.2, -0.2, 0.0, 0.0, 0.0]), 0.02, scene=cloud)
         assert not boxes.collides(state.theta)

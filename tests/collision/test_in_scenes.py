@@ -175,18 +175,18 @@ def test_free_moves_are_planned_every_time(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("segments", "said"),
+    ("segments", "message"),
     [
         ([FreeMove([0.0, 0.0])], r"segment 1 .*goal collides: hand and wall overlap by 200 mm"),
         ([FreeMove([1.5, 0.0]), JointMove([0.0, 0.0])], r"segment 2 \(JointMove\): it collides .* hand and wall"),
         ([FreeMove([1.5, 0.0]), FreeMove([9.0, 0.0])], "segment 2 "),
     ],
 )
-def test_a_refusal_names_segment_and_pair(tmp_path: Path, segments: list[JointMove], said: str) -> None:
+def test_a_refusal_names_segment_and_pair(tmp_path: Path, segments: list[JointMove], message: str) -> None:
     arm = slider(tmp_path, SHAPES["sphere"])
     scene = Scene(arm)
     scene.add_box("wall", (0.2, 2.0, 4.0), (0.0, 0.0, -1.0))
-    with pytest.raises((PathError, LimitError), match=said):
+    with pytest.raises((PathError, LimitError), match=message):
         plan(arm, segments, start=[1.0, 0.0], scene=scene)
 
 

@@ -43,12 +43,12 @@ def test_no_near_pair_is_left_out_and_approaches_are_derivatives(name: str) -> N
         assert sorted(near) == np.flatnonzero(here < 0.02 + LOOK + pairs.speeds @ reach).tolist()
         assert found.distances[first] == pytest.approx(np.sort(here[near])[:8], abs=1e-6)
         slopes = (np.array(beside[: arm.n]) - beside[arm.n :]).T[near] / (2.0 * STEP)
-        apart = distances > 0.001
+        separate = distances > 0.001
         assert distances == pytest.approx(here[near], abs=1e-6)
         # Where nearest points jump within the step, the distance has no derivative.
-        differing = np.abs(approach + slopes)[apart].max(axis=1, initial=0.0) > 1e-3
+        differing = np.abs(approach + slopes)[separate].max(axis=1, initial=0.0) > 1e-3
         assert differing.mean() < 0.1
-        compared += apart.sum()
+        compared += separate.sum()
     assert compared > 25
 
 

@@ -147,8 +147,8 @@ def test_meshes_and_planes_of_moveit_scenes_are_read_and_saved(
     (tmp_path / name).write_text(text)
     scene = Scene.load(arm, tmp_path / name, exact=exact)
     again = Scene.load(arm, scene.save(tmp_path / "again.toml"), exact=exact)
-    for one in (scene, again):  # the tetrahedron's corner is at x = 1.5, and x ≥ 2 is solid
-        near, above = one.distance([1.0, 0.0]), one.distance([1.0, 1.5])
+    for loaded in (scene, again):  # the tetrahedron's corner is at x = 1.5, and x ≥ 2 is solid
+        near, above = loaded.distance([1.0, 0.0]), loaded.distance([1.0, 1.5])
         assert (near.links, above.links) == (("hand", "stone 1"), ("hand", "stone 2"))
         assert (near.metres, above.metres) == (pytest.approx(0.4, abs=1e-6), pytest.approx(0.9, abs=1e-6))
 

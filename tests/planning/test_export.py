@@ -210,10 +210,10 @@ def compiled(folder, language, *defines):
 
     def at(t, n):
         text = " ".join(map(repr, t.tolist()))
-        said = subprocess.run(
+        printed = subprocess.run(
             [folder / "run"], input=text, capture_output=True, text=True, check=True, timeout=60
         ).stdout
-        numbers, *words = said.splitlines()
+        numbers, *words = printed.splitlines()
         return np.array(numbers.split(), float).reshape(len(t), 3, n).transpose(1, 0, 2), words
 
     return at

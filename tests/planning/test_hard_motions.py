@@ -39,17 +39,17 @@ def judge(motion: Trajectory, limits: JointLimits, jerk: bool) -> None:
     """Every limit at twenty times the grid, rest at both ends and no leaps, as SciPy evaluates the polynomials."""
     if motion.duration == 0.0:
         return
-    told = PPoly(motion.coefficients, motion.breakpoints)
+    motion_of = PPoly(motion.coefficients, motion.breakpoints)
     h = np.diff(motion.breakpoints)
     t = motion.breakpoints[:-1, None] + h[:, None] * np.linspace(0.0, 1.0 - 1e-9, 21)
-    theta, velocity, acceleration, jolt = (told(t.ravel(), order) for order in range(4))
+    theta, velocity, acceleration, jolt = (motion_of(t.ravel(), order) for order in range(4))
     assert (np.maximum(limits.lower - theta, theta - limits.upper) <= 1e-9).all()
     assert (np.abs(velocity) <= limits.velocity * (1 + 1e-6)).all()
     assert (np.abs(acceleration) <= limits.acceleration * (1 + 1e-6)).all()
     assert not jerk or (np.abs(jolt) <= limits.jerk * (1 + 1e-6)).all()
     assert (np.abs(velocity[[0, -1]]) <= 1e-6 * limits.velocity).all()
     inner = motion.breakpoints[1:-1]
-    ends = told(np.concatenate([t[:-1, -1]])), told(inner)
+    ends = motion_of(np.concatenate([t[:-1, -1]])), motion_of(inner)
     np.testing.assert_allclose(*ends, rtol=0, atol=1e-7)
 
 

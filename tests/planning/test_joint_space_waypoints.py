@@ -43,9 +43,9 @@ def test_waypoints_may_be_mappings_and_names():
 
 
 @pytest.mark.parametrize(("kind", "stop"), WAYS)
-@pytest.mark.parametrize("apart", [0.0, 1e-7])
-def test_start_equal_to_goal_is_a_motion_of_no_length(kind, stop, apart):
-    motion = plan_joint(ARM, [PATH[1], PATH[1] + apart, PATH[1]], kind=kind, stop_at_waypoints=stop, limits=RATES)
+@pytest.mark.parametrize("distance", [0.0, 1e-7])
+def test_start_equal_to_goal_is_a_motion_of_no_length(kind, stop, distance):
+    motion = plan_joint(ARM, [PATH[1], PATH[1] + distance, PATH[1]], kind=kind, stop_at_waypoints=stop, limits=RATES)
     assert motion.duration == 0.0
     assert motion.times.tolist() == [0.0] * 3
     assert motion([-1, 0, 1]).tolist() == [PATH[1].tolist()] * 3
@@ -203,11 +203,11 @@ def test_for_a_missing_limit_the_usual_one_is_kept_and_said(kind):
     """1 rad/s, 0.25 m/s, 3 rad/s², 1 m/s²: what the command line and streams assume."""
     usual = {"velocity": {"slide": 0.25, "shoulder": 1.0, "elbow": 1.0}}
     usual["acceleration"] = {"slide": 1.0, "shoulder": 3.0, "elbow": 3.0}
-    told = plan_joint(ARM, PATH, kind=kind, limits=usual)
-    assert told.notes == ()
+    explicit = plan_joint(ARM, PATH, kind=kind, limits=usual)
+    assert explicit.notes == ()
     for given in ({}, {"velocity": {"slide": 0.25, "shoulder": 1.0}}, {"acceleration": usual["acceleration"]}):
         motion = plan_joint(ARM, PATH, kind=kind, limits=given)
-        assert motion.duration == told.duration
+        assert motion.duration == explicit.duration
         (note,) = motion.notes
         assert ("acceleration" in note) == ("acceleration" not in given)
         assert "elbow" in note
@@ -262,8 +262,8 @@ def test_unwrapped_waypoints_are_the_same_places_by_the_shorter_way(bounds: tupl
     plain, short = (plan_joint(arm, ENDS, limits=LIMITS, unwrap=unwrap) for unwrap in (False, True))
     assert plain.waypoints[:, 0].tolist() == [3.1, -3.1, 3.0]
     np.testing.assert_allclose(short.waypoints[:, 0], [3.1, TURN - 3.1, 3.0])
-    for one, other in zip(plain.waypoints, short.waypoints, strict=True):
-        np.testing.assert_allclose(pinocchio_fk(arm, one), pinocchio_fk(arm, other), atol=1e-12)
+    for before, after in zip(plain.waypoints, short.waypoints, strict=True):
+        np.testing.assert_allclose(pinocchio_fk(arm, before), pinocchio_fk(arm, after), atol=1e-12)
     assert short.duration < 0.2 * plain.duration
     assert "turns by 6.2 rad; unwrap=True makes that 0.08319 rad" in plain.notes[0]
     assert "'yaw' goes to 3.18319 rad in place of -3.1 rad" in short.notes[0]
@@ -307,6 +307,6 @@ def test_a_file_and_the_command_line_ask_for_it(here: Path, capsys: pytest.Captu
     start = ["--from", "3.1 0", "--rad", "--json"]
     for how, end in ((["m.toml"], TURN - 3.1), (["--to=-3.1 0.1", "--unwrap"], TURN - 3.1), (["--to=-3.1 0.1"], -3.1)):
         assert run(["plan", "arm.urdf", *how, *start]) == 0
-        said = capsys.readouterr()
-        assert json.loads(said.out)["waypoints"][-1][0] == pytest.approx(end, abs=1e-5)
-        assert ("makes that" in said.err) == (end < 0)
+        printed = capsys.readouterr()
+        assert json.loads(printed.out)["waypoints"][-1][0] == pytest.approx(end, abs=1e-5)
+        assert ("makes that" in printed.err) == (end < 0)

@@ -24,7 +24,7 @@ from twistarm import (
     plan,
     solve_ik,
 )
-from twistarm.planning.keep import Kept, rates
+from twistarm.planning.keep import Constraint, rates
 
 ARM = load_arm("ur5", limits={"acceleration": 3.0})
 DOWN, TOL = np.array([0.0, 0.0, -1.0]), 0.03
@@ -96,7 +96,7 @@ def test_an_arm_of_five_joints_keeps_what_it_can_and_says_so() -> None:
     scene, start, axis = Scene(arm), arm.ready, arm.tool_axis
     rolled = start + [0.3, 0.0, 0.0, 0.0, 0.7]  # beside it, and the tool rolls about its axis
     motion = plan(arm, FreeMove(rolled, keep=Keep(orientation=True, tol=TOL)), start=start, scene=scene)
-    (note,) = (each for each in motion.notes if "5 joints" in each)
+    (note,) = (note for note in motion.notes if "5 joints" in note)
     assert "segment 1" in note
     assert angles(poses(arm, motion), axis, arm.fk(start)[:3, :3] @ axis).max() <= TOL + 1e-8
     with pytest.raises(PathError, match=r"goal.*0\.7 rad off"):
@@ -117,14 +117,14 @@ def test_the_bounds_of_speeds_hold_for_all_joint_types() -> None:
 
 def test_a_proof_finds_what_samples_miss() -> None:
     """A motion beyond the tolerance for a thousandth of its time is not proven; a still one is."""
-    kept = Kept(ARM, Keep(direction=True, tol=0.01).at(ARM, ARM.fk(START)))
+    constraint = Constraint(ARM, Keep(direction=True, tol=0.01).at(ARM, ARM.fk(START)))
     t = np.array([0.0, 0.4995, 0.5005, 1.0])
     bump = np.zeros((3, 3, 6))
     bump[-1] = START
-    assert not kept.unproven(bump, np.diff(t)).any()
+    assert not constraint.unproven(bump, np.diff(t)).any()
     bump[0, 1, 3], bump[1, 1, 3] = -0.04 / 0.001**2, 0.04 / 0.001  # up to 0.01 rad halfway
     bump[:2, 1, 3] *= 1.1
-    assert kept.unproven(bump, np.diff(t)).tolist() == [False, True, False]
+    assert constraint.unproven(bump, np.diff(t)).tolist() == [False, True, False]
 
 
 @pytest.mark.parametrize(

@@ -45,8 +45,8 @@ def placed(model, data, transform):
     """The pose that Pinocchio has of the child in its parent, and the one of the message."""
     parent, child = (model.getFrameId(name) for name in (transform.header.frame_id, transform.child_frame_id))
     p, q = transform.transform.translation, transform.transform.rotation
-    told = pinocchio.SE3(pinocchio.Quaternion(q.w, q.x, q.y, q.z), np.array([p.x, p.y, p.z]))
-    return (data.oMf[parent].inverse() * data.oMf[child]).homogeneous, told.homogeneous
+    written = pinocchio.SE3(pinocchio.Quaternion(q.w, q.x, q.y, q.z), np.array([p.x, p.y, p.z]))
+    return (data.oMf[parent].inverse() * data.oMf[child]).homogeneous, written.homogeneous
 
 
 @pytest.mark.parametrize("name", ["rover_arm", "ur5"])
@@ -79,8 +79,8 @@ def test_others_read_the_motion_and_where_pinocchio_has_each_link(name, tmp_path
         elif topic == "/tf":
             children = {transform.child_frame_id for transform in message.transforms}
             assert children | {arm.description.root} == set(arm.frame_names)
-            for expected, told in (placed(model, data, transform) for transform in message.transforms):
-                np.testing.assert_allclose(told, expected, atol=1e-12)
+            for expected, written in (placed(model, data, transform) for transform in message.transforms):
+                np.testing.assert_allclose(written, expected, atol=1e-12)
                 seen += 1
     assert seen > len(samples.t)
     (trajectory,) = (transform for topic, _, transform in messages if topic == "/joint_trajectory")
@@ -137,7 +137,9 @@ def test_joint_states_of_a_robot_are_its_motion(rover, tmp_path):
     """Joints in another order, a gripper's among them, and messages of the gripper alone."""
     names, gripper = [*reversed(rover.joint_names), "gripper"], joints(["gripper"], [0.3])
     states = [(1000 + k, joints(names, [*(rover.ready[::-1] + 0.02 * k), 0.5])) for k in range(5)]
-    messages = [("/arm/joint_states", STATE, *said) for said in states] + [("/arm/joint_states", STATE, 1002, gripper)]
+    messages = [("/arm/joint_states", STATE, *state) for state in states] + [
+        ("/arm/joint_states", STATE, 1002, gripper)
+    ]
     motion = load_trajectory(rover, bag(tmp_path / "run", messages))
     np.testing.assert_allclose(motion.times, np.arange(5.0))
     np.testing.assert_allclose(motion([0.0, 2.5, 4.0]), rover.ready + np.array([[0.0], [0.05], [0.08]]), atol=1e-12)

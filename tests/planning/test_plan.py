@@ -82,9 +82,9 @@ def test_a_tour_keeps_every_limit_and_ends_at_rest(kind):
 def test_usual_limits_stand_in_for_missing_ones_and_are_named():
     free, move = load_arm("rover_arm", limits={"acceleration": np.inf}), LineMove.by([0.0, 0.0, 0.05])
     usual = {"acceleration": [{"m": 1.0, "rad": 3.0}[unit] for unit in free.units]}
-    motion, told = plan(free, move), plan(free, move, limits=usual)
-    assert motion.duration == told.duration
-    assert told.notes == ()
+    motion, explicit = plan(free, move), plan(free, move, limits=usual)
+    assert motion.duration == explicit.duration
+    assert explicit.notes == ()
     assert "acceleration 3 rad/s²" in motion.notes[0]
     assert active_limits(free, motion) == active_limits(free, motion, limits=usual)
 
@@ -211,12 +211,12 @@ def test_a_motion_says_at_which_corners_it_stops_though_they_were_to_be_rounded(
             ARM, [make(q, blend=blend * (i < 4)) for i, (make, q) in enumerate(zip(kinds, goals, strict=True))]
         )
         rests = np.flatnonzero(np.abs(motion(motion.times[1:-1], 1)).max(axis=1) < 1e-9) + 1
-        said = [note for note in motion.notes if note.startswith("stops at")]
-        assert len(said) == bool(len(rests))
+        stops = [note for note in motion.notes if note.startswith("stops at")]
+        assert len(stops) == bool(len(rests))
         if len(rests) not in (0, 4):
-            assert [int(number) for number in re.findall(r"segment (\d+)", said[0])] == rests.tolist()
-        elif said:
-            assert "every corner" in said[0]
+            assert [int(number) for number in re.findall(r"segment (\d+)", stops[0])] == rests.tolist()
+        elif stops:
+            assert "every corner" in stops[0]
         for only in rests:
             others = {*range(1, 5)} - {*rests.tolist()} | {int(only)}
             moves = [

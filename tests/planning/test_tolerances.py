@@ -173,9 +173,9 @@ def test_projected_configurations_meet_their_targets_inside_the_limits():
         theta, met = projected(ARM, like, ideal, wanted + rng.uniform(-0.1, 0.1, wanted.shape), ALL_BUT_EXACT)
         assert met.mean() > 0.9
         assert ARM.limits.contains(theta).all()
-        for g, one in zip(ideal[met], ARM.fk(theta[met]), strict=True):
-            assert like.at(g).position_error(one) <= 1e-9
-            assert like.at(g).orientation_error(one) <= 1e-8
+        for g, pose in zip(ideal[met], ARM.fk(theta[met]), strict=True):
+            assert like.at(g).position_error(pose) <= 1e-9
+            assert like.at(g).orientation_error(pose) <= 1e-8
 
 
 @pytest.mark.parametrize(("name", "kind"), [("rover_arm", "approach"), ("panda", "pose"), ("ur5", "approach")])

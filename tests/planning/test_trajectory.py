@@ -123,7 +123,7 @@ def test_parts_that_do_not_fit_are_refused():
 
 
 @pytest.mark.parametrize(
-    ("labels", "said"),
+    ("labels", "message"),
     [
         ([(1.0, "open"), (0.5, "close")], "must not decrease .* got 0.5 s of 'close'"),
         ([(5.1, "open")], r"lie within \[0, 5\] s; got 5.1 s"),
@@ -133,6 +133,6 @@ def test_parts_that_do_not_fit_are_refused():
         ("open", "labels must be pairs"),
     ],
 )
-def test_labels_that_are_none_are_refused(labels, said):
-    with pytest.raises(InputError, match=said):
+def test_labels_that_are_none_are_refused(labels, message):
+    with pytest.raises(InputError, match=message):
         replace(motion(), labels=labels)

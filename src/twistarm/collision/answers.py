@@ -29,9 +29,9 @@ class Distance:
     def __str__(self) -> str:
         if not self.links:
             return "nothing to collide with"
-        where, apart = f"{self.links[0]} and {self.links[1]}", in_millimetres(self.metres)
+        where, size = f"{self.links[0]} and {self.links[1]}", in_millimetres(self.metres)
         when = "" if self.time is None else f", at {self.time:.2f} s"
-        return (f"{where}, {apart} apart" if self.metres >= 0.0 else f"{where} overlap by {apart}") + when
+        return (f"{where}, {size} apart" if self.metres >= 0.0 else f"{where} overlap by {size}") + when
 
 
 @dataclass(frozen=True)

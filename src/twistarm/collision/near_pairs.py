@@ -43,8 +43,8 @@ class NearPairs(Checker):
     ) -> None:
         super().__init__(model, bodies, pairs, margins)
         parts = [getattr(body.shape, "parts", None) or [body.shape] for body in self.bodies]
-        self._shapes = shapes = [part for each in parts for part in each]
-        counts = np.array([len(each) for each in parts], dtype=int)
+        self._shapes = shapes = [part for of_body in parts for part in of_body]
+        counts = np.array([len(of_body) for of_body in parts], dtype=int)
         body_of = np.repeat(np.arange(len(parts)), counts)
         # The pair of bodies, and the two shapes, of each pair of parts.
         sides = np.array(self.pairs, dtype=int).reshape(-1, 2).T
@@ -81,9 +81,9 @@ class NearPairs(Checker):
         self.exact = balls[ball] & np.isin(kinds, ("Sphere", "Capsule", "Box", "Halfspace"))[box]
         # [p R] of each box in the frame of its joint.
         at = np.empty((len(objects), 3, 4))
-        for rows, each, middle in zip(at, objects, centre, strict=True):
-            rows[:, 0], rows[:, 1:] = each.placement.act(middle), each.placement.rotation
-        joints, around = [each.parentJoint for each in objects], radius[ball] + edge[box]
+        for rows, body, middle in zip(at, objects, centre, strict=True):
+            rows[:, 0], rows[:, 1:] = body.placement.act(middle), body.placement.rotation
+        joints, around = [body.parentJoint for body in objects], radius[ball] + edge[box]
         around[~self.exact] += ROUNDING
         sizes = np.column_stack([(half - edge[:, None])[box], around, self.exact])
         motion = self._motion(*self.body_pairs.T)

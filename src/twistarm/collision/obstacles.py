@@ -335,7 +335,7 @@ class Obstacles:
     def _beside_arm(self, points: Array, place: Array, theta: ArrayLike) -> Array:
         """The points (k, 3), in the frame at `place`, that are not the arm's own at theta (n,)."""
         coal = import_pinocchio().coal
-        own, x = np.zeros(len(points), dtype=bool), self._one(theta)
+        own, x = np.zeros(len(points), dtype=bool), self._configuration(theta)
         request, ball = coal.CollisionRequest(), coal.Sphere(OWN)
         for body in self._links:
             to_body = np.linalg.inv(self._relative(x, self.arm.base, body.carrier) @ body.pose) @ place
@@ -359,7 +359,7 @@ class Obstacles:
             raise unknown_name("obstacle", name, self._obstacles, within="the scene", listing=listing)
         return self._obstacles[name]
 
-    def _one(self, theta: ArrayLike) -> Array:
+    def _configuration(self, theta: ArrayLike) -> Array:
         """One configuration (n,), from numbers or a name."""
         x = self._plain(theta)
         if x is None:
@@ -375,7 +375,7 @@ class Obstacles:
         return None
 
     def _relative(self, theta: ArrayLike, frame: str, link: str) -> Array:
-        return self._model.link_poses([self._model.q(self._one(theta))], frame, [link])[link][0]
+        return self._model.link_poses([self._model.q(self._configuration(theta))], frame, [link])[link][0]
 
     def _joint_of(self, link: str) -> int:
         """The joint that carries a link, by Pinocchio's number; 0 for the world."""

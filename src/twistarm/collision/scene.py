@@ -264,7 +264,7 @@ class Scene(Obstacles):
 
     def distance(self, theta: ArrayLike) -> Distance:
         """The nearest pair at theta (n,), margins not counted."""
-        x, near = self._one(theta), self.near_pairs
+        x, near = self._configuration(theta), self.near_pairs
         if not len(near.body_pairs):
             return Distance(np.inf, (), np.empty((0, 3)))
         k, metres, points = near.nearest(x)
@@ -273,7 +273,7 @@ class Scene(Obstacles):
 
     def contacts(self, theta: ArrayLike) -> tuple[Contact, ...]:
         """The pairs that collide at theta (n,), the deepest first."""
-        q, checker = self._model.q(self._one(theta)), self._checker
+        q, checker = self._model.q(self._configuration(theta)), self._checker
         if not checker.collides(q):
             return ()
         hit = checker.overlapping(q)
@@ -337,14 +337,14 @@ class Scene(Obstacles):
             )
         return times, pieces
 
-    def is_free(self, one: ArrayLike, other: ArrayLike) -> bool:
+    def is_free(self, start: ArrayLike, end: ArrayLike) -> bool:
         """Whether the straight way in joint space from one configuration (n,) to another collides with nothing.
 
         Args:
-            one: A configuration (n,), or the name of one.
-            other: Another.
+            start: A configuration (n,), or the name of one.
+            end: Another.
         """
-        return self._sweep.straight(self._one(one), self._one(other))
+        return self._sweep.straight(self._configuration(start), self._configuration(end))
 
     def leaving(self, theta: Array) -> Scene:
         """The scene for a motion from theta (n,): bodies that collide there count only if they come 0.5 mm nearer.
@@ -370,8 +370,10 @@ class Scene(Obstacles):
     @property
     def near_pairs(self) -> NearPairs:
         """What finds the pairs that are near at a configuration."""
-        one = self._checker
-        return self._kept("near", lambda: NearPairs(self._model, one.bodies, one.pairs, one.margins, self._most))
+        checker = self._checker
+        return self._kept(
+            "near", lambda: NearPairs(self._model, checker.bodies, checker.pairs, checker.margins, self._most)
+        )
 
     def checks(self, clearance: float) -> Callable[[Array], bool]:
         """A quick check of one configuration (n,): whether every pair keeps its margin and this clearance [m]."""
@@ -449,12 +451,13 @@ class Scene(Obstacles):
             if name not in self._known_obstacles:
                 self._description.require_link(name, "margin")
 
-        def exempt(one: Body, other: Body) -> bool:
-            pair = sorted_pair(one.name, other.name)
+        def exempt(first: Body, second: Body) -> bool:
+            pair = sorted_pair(first.name, second.name)
             if pair in self._allowed_too:
                 return True
-            if one.obstacle or other.obstacle:
-                return other.name in self._touching.get(one.name, ()) or one.name in self._touching.get(other.name, ())
+            if first.obstacle or second.obstacle:
+                touching = self._touching
+                return second.name in touching.get(first.name, ()) or first.name in touching.get(second.name, ())
             return pair in self.find_allowed_pairs()
 
         joints = [self._joint_of(body.carrier) for body in bodies]

@@ -207,7 +207,7 @@ def scene_text(content: SceneFile, folder: Path) -> str:
 
 def _toml_value(value: Any) -> str:
     if isinstance(value, Mapping):
-        return f"{{ {', '.join(f'{toml_key(name)} = {_toml_value(each)}' for name, each in value.items())} }}"
+        return f"{{ {', '.join(f'{toml_key(name)} = {_toml_value(entry)}' for name, entry in value.items())} }}"
     if isinstance(value, (tuple, np.ndarray)):
         return f"[{', '.join(map(_toml_value, value))}]"
     if isinstance(value, str):
@@ -253,7 +253,7 @@ def _unread(kind: str, message: Mapping[str, Any]) -> Iterator[str]:
         if word not in PLAIN:
             yield f"{name} of the {kind}"
         else:
-            changed = [each["link_name"] for each in message[name] or () if each[word] != PLAIN[word]]
+            changed = [link["link_name"] for link in message[name] or () if link[word] != PLAIN[word]]
             yield from (f"{name} of {link}" for link in changed)
 
 
@@ -268,14 +268,14 @@ def _planning_scene(path: Path, links: Iterable[str]) -> SceneFile:
         unread = [*_unread("planning scene", scene), *_unread("world", world), *_unread("robot_state", state)]
         unread += _unread("allowed_collision_matrix", matrix)
         free = [
-            ({"object": each}, f"collision object {i + 1}")
-            for i, each in enumerate(world.get("collision_objects") or ())
+            ({"object": item}, f"collision object {i + 1}")
+            for i, item in enumerate(world.get("collision_objects") or ())
         ]
         held = [
-            ({"link_name": None, **each}, f"attached object {i + 1}")
-            for i, each in enumerate(state.get("attached_collision_objects") or ())
+            ({"link_name": None, **item}, f"attached object {i + 1}")
+            for i, item in enumerate(state.get("attached_collision_objects") or ())
         ]
-    objects = [(place, item) for each in (free, held) for item, place in _left(path, each)]
+    objects = [(place, item) for given in (free, held) for item, place in _left(path, given)]
     with _at(path, "octomap"):
         entries = _octomap(world.get("octomap") or {})
     parts = {entry.name: [entry.name] for entry in entries}
@@ -327,7 +327,7 @@ def _left(path: Path, objects: list[tuple[Any, str]]) -> Iterator[tuple[Any, str
             number = ord(given[:1] or "\0") if isinstance(given, (str, bytes)) and len(given) < 2 else given
             done = OPERATIONS[number] if number in (0, 1, 2, 3) else text_of.strip().upper()
             if done == "REMOVE":
-                left = {other: each for other, each in left.items() if name and other != name}
+                left = {other: placed for other, placed in left.items() if name and other != name}
             elif done == "ADD" or (done == "APPEND" and name not in left):
                 left[name] = item, place
             else:
@@ -353,7 +353,7 @@ def _objects(item: Mapping[str, Any]) -> Iterator[Entry]:
         if len(poses) > len(given):
             raise InputError(f"it has {len(poses)} {kind}_poses for {len(given)} {many}")
         placed: Iterator[tuple[Any, Any]] = zip_longest(given, poses, fillvalue={})
-        shapes += [(kind, *each) for each in placed]
+        shapes += [(kind, *pair) for pair in placed]
     for k, (kind, value, pose) in enumerate(shapes):
         size: tuple[float, ...] = ()
         mesh, own = None, np.eye(4)
@@ -408,21 +408,21 @@ def _matrix_pairs(
     rows = [row["enabled"] if isinstance(row, dict) else row for row in matrix.get("entry_values") or ()]
     if {len(rows), *map(len, rows)} - {len(names)}:
         raise InputError(f"allowed_collision_matrix has {len(names)} names, but not as many rows and columns")
-    default_of, default = (list(matrix.get(f"default_entry_{each}") or ()) for each in ("names", "values"))
+    default_of, default = (list(matrix.get(f"default_entry_{part}") or ()) for part in ("names", "values"))
     if len(default_of) != len(default):
         raise InputError(f"allowed_collision_matrix has {len(default_of)} default names for {len(default)} values")
     defaults = dict(zip(default_of, default, strict=True))
     row_of = {name: i for i, name in enumerate(names)}
     absent = {OCTOMAP} - parts.keys()
     every = dict.fromkeys(name for name in (*names, *links, *parts, *defaults) if name not in absent)
-    for one, other in combinations(every, 2):
-        if one in row_of and other in row_of:
-            allowed = rows[row_of[one]][row_of[other]]
+    for first, second in combinations(every, 2):
+        if first in row_of and second in row_of:
+            allowed = rows[row_of[first]][row_of[second]]
         else:
-            given = [defaults[name] for name in (one, other) if name in defaults]
+            given = [defaults[name] for name in (first, second) if name in defaults]
             allowed = bool(given) and all(given)
         if allowed:
-            yield from product(parts.get(one, [one]), parts.get(other, [other]))
+            yield from product(parts.get(first, [first]), parts.get(second, [second]))
 
 
 def _scene_text(path: Path) -> SceneFile:

@@ -59,7 +59,7 @@ def collision_shares(scene: Scene, thetas: Sequence[Array] | Array) -> dict[Pair
     """
     arm, bodies = scene.arm, scene.links
     assert arm.description is not None, "a scene has one"
-    names = (sorted_pair(one.name, other.name) for one, other in combinations(bodies, 2))
+    names = (sorted_pair(first.name, second.name) for first, second in combinations(bodies, 2))
     pairs = {(a, b) for a, b in names if a != b} - adjacent_pairs(arm.description, bodies)
     counts = collision_counts(arm.pinocchio, bodies, pairs, map(arm.pinocchio.q, thetas))
     return {pair: count / len(thetas) for pair, count in counts.items()}

@@ -83,15 +83,15 @@ class Sweep:
             if passed > needed and level < len(LEVELS) - 1:
                 level, passed = level + 1, 0
 
-    def straight(self, one: Array, other: Array) -> bool:
+    def straight(self, start: Array, end: Array) -> bool:
         """Whether the straight way in joint space from one configuration (n,) to another is free."""
-        way = other - one
+        way = end - start
         halvings = int(np.log2(np.clip(np.linalg.norm(way) / COARSE, 1.0, MOST_COARSE)))
         # Most ways that are not free are found so, without a clearance: halves first.
         places = ((k + 0.5) / 2**halved for halved in range(halvings + 1) for k in range(2**halved))
-        if any(self.checker(0.0).collides(self._model.q(one + t * way)) for t in places):
+        if any(self.checker(0.0).collides(self._model.q(start + t * way)) for t in places):
             return False
-        return self.first(np.array([0.0, 1.0]), np.array([[way], [one]])) is None
+        return self.first(np.array([0.0, 1.0]), np.array([[way], [start]])) is None
 
     def _reaching(self, most: Array) -> Sweep:
         """A sweep whose bounds hold while |theta| is at most `most` (n,): this one, or a wider one."""

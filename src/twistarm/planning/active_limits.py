@@ -59,7 +59,7 @@ def active_limits(
 
     It compares the shares |rate_j(t)| / limit_j of every rate of every joint and motor j at 2,000 instants. A stretch
     lasts as long as the same one is the greatest, to 0.05 % of the motion. Rates without a limit do not count, and
-    nothing binds a standing arm. Stretches shorter than 0.5 % of the motion join the one before.
+    nothing limits an arm at rest. Stretches shorter than 0.5 % of the motion join the one before.
 
     Args:
         arm: The arm, whose motors' limits count too.

@@ -84,7 +84,7 @@ def solve_near(
 
 def targets_at(like: AnyTarget, ideal: Array) -> Array | list[AnyTarget]:
     """Return targets like that one at poses (k, 4, 4), in the form that `searched` takes."""
-    return ideal if isinstance(like, Pose) else [like.at(each) for each in ideal]
+    return ideal if isinstance(like, Pose) else [like.at(g) for g in ideal]
 
 
 def projected(arm: Arm, like: AnyTarget, ideal: Array, theta: Array, within: Tolerances) -> Solutions:
@@ -197,9 +197,9 @@ def _by_closed_form(arm: Arm, target: AnyTarget, starts: Array) -> tuple[Array, 
     return theta, not found.left and not moving.any()
 
 
-def _by_searches(arm: Arm, target: AnyTarget, starts: Array, met: Tolerances) -> Array:
+def _by_searches(arm: Arm, target: AnyTarget, starts: Array, tolerances: Tolerances) -> Array:
     """Return what searches from each of the starts find, (k, n)."""
-    return searched(arm, [target] * len(starts), starts, met).solutions
+    return searched(arm, [target] * len(starts), starts, tolerances).solutions
 
 
 def _nearest(arm: Arm, target: AnyTarget, near: Array) -> Array:

@@ -129,7 +129,7 @@ def errors_from(like: AnyTarget, ideal: Array, g: Array) -> tuple[Array, Array]:
     """Return the distances (k,) of poses g (k, 4, 4) from targets at `ideal`: [m] and [rad]."""
     if isinstance(like, TolerancedPose):
         both = [
-            (t.position_error(one), t.orientation_error(one)) for t, one in zip(map(like.at, ideal), g, strict=True)
+            (t.position_error(pose), t.orientation_error(pose)) for t, pose in zip(map(like.at, ideal), g, strict=True)
         ]
         return np.array([p for p, _ in both]), np.array([r for _, r in both])
     position: Array = np.linalg.norm(g[:, :3, 3] - ideal[:, :3, 3], axis=-1)

@@ -105,9 +105,9 @@ class _Climber:
     def __init__(self, arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> None:
         self.arm, self.limits = arm, limits
         movings = {id(node.moving): node.moving for node in roots}
-        steps = max(max(each.curve.length / FIRST_STEP, each.angle / FIRST_TURN) for each in movings.values())
+        steps = max(max(moving.curve.length / FIRST_STEP, moving.angle / FIRST_TURN) for moving in movings.values())
         self.s = np.linspace(0.0, 1.0, int(np.clip(np.ceil(steps), MIN_RUNGS, MOST_RUNGS)) + 1)
-        self._poses = {key: each.curve(self.s) for key, each in movings.items()}
+        self._poses = {key: moving.curve(self.s) for key, moving in movings.items()}
         self.left = MOST_HALVINGS
         self.farthest: Blocked | None = None
 
@@ -123,17 +123,17 @@ class _Climber:
     def _step(self, nodes: list[Node], s: float, k: int | None) -> tuple[list[Node], list[Node]]:
         """Return the successors of the nodes, and the nodes that need a rung halfway."""
         here = np.array([node.theta for node in nodes])
-        theta, met = self._solved(nodes, s, k)
+        theta, converged = self._solved(nodes, s, k)
         moved, leap = efforts(here, theta, self.limits.velocity), np.abs(theta - here).max(axis=1) > LONGEST_JUMP
         found, halved, step = [], [], s - nodes[0].s
         for i, node in enumerate(nodes):
-            if met[i] and not leap[i]:
+            if converged[i] and not leap[i]:
                 found.append(Node(node.moving, s, theta[i], node.cost + float(moved[i]), node))
-            elif self.left > 0 and step > (LEAST_DISTANCE if met[i] else self.s[1] / SMALLEST_STEP):
+            elif self.left > 0 and step > (LEAST_DISTANCE if converged[i] else self.s[1] / SMALLEST_STEP):
                 self.left -= 1
                 halved.append(node)
             elif self.farthest is None or node.s > self.farthest.node.s:
-                self.farthest = Blocked(node, s, bool(met[i]))
+                self.farthest = Blocked(node, s, bool(converged[i]))
         return found, halved
 
     def _solved(self, nodes: list[Node], s: float, k: int | None) -> Solutions:
@@ -148,16 +148,16 @@ class _Climber:
         if method.core is None or method.swept:
             return None
         targets = targets_at(moving.like, ideal)
-        numbers = targets if isinstance(targets, np.ndarray) else np.array([each.numbers for each in targets])
+        numbers = targets if isinstance(targets, np.ndarray) else np.array([target.numbers for target in targets])
         answer = method.core.solve_batch(numbers, near, EXACT, EXACT, 1)
         if answer is None:
             return None
         found = ConfigurationsBatch(*answer)
-        theta, met = near.copy(), found.inside > 0
-        if found.families[~met].any():
+        theta, converged = near.copy(), found.inside > 0
+        if found.families[~converged].any():
             return None
-        theta[met] = found.rows[found.first[met], 0]
-        return theta, met
+        theta[converged] = found.rows[found.first[converged], 0]
+        return theta, converged
 
 
 def _ahead(node: Node, s: float) -> Array:

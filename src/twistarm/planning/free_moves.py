@@ -56,27 +56,27 @@ def free_path(
     # A curve may end beyond a limit by rounding, which OMPL would refuse.
     lower = np.where(np.isfinite(limits.lower), np.minimum(limits.lower, np.minimum(start, goal)), lower)
     upper = np.where(np.isfinite(limits.upper), np.maximum(limits.upper, np.maximum(start, goal)), upper)
-    kept = min(clearance, 0.5 * max(near, 0.0))
-    tries = (kept, STEPS, 1.0 - LAST_TIME), (LAST_SHARE * kept, LAST_STEPS, 1.0)
-    for apart, steps, share in tries:
-        is_free, ends = scene.checks(apart), began + share * max_time
+    room = min(clearance, 0.5 * max(near, 0.0))
+    tries = (room, STEPS, 1.0 - LAST_TIME), (LAST_SHARE * room, LAST_STEPS, 1.0)
+    for distance, steps, share in tries:
+        is_free, ends = scene.checks(distance), began + share * max_time
         for step in steps:
             path = _searched(is_free, start, goal, lower, upper, step, ends - time.monotonic(), seed)
             if path is None:
                 break
             free_way = scene.is_free if proven else partial(_seems_free, scene.checks(0.0))
-            if all(free_way(one, other) for one, other in pairwise(path)):
+            if all(free_way(before, after) for before, after in pairwise(path)):
                 return path
     raise PathError(
         Text(
             "no way round was found in {time:g} s of wall time ({spent:.2g} s spent, {worked:.2g} s of the processor), "
-            "with {kept} of clearance and at last {last}; give another goal, a longer {max_time}, or a smaller "
+            "with {room} of clearance and at last {last}; give another goal, a longer {max_time}, or a smaller "
             "{clearance}",
             spent=time.monotonic() - began,
             time=max_time,
             worked=time.process_time() - worked,
-            kept=Quantity(kept, "m"),
-            last=Quantity(LAST_SHARE * kept, "m"),
+            room=Quantity(room, "m"),
+            last=Quantity(LAST_SHARE * room, "m"),
             max_time=Argument("max_time"),
             clearance=Argument("clearance"),
         )
@@ -91,11 +91,11 @@ def require_clear(scene: Scene, start: Array, goal: Array) -> None:
             raise PathError(f"the {name} collides: {contacts[0]}", theta=theta)
 
 
-def _seems_free(is_free: Callable[[Array], bool], one: Array, other: Array) -> bool:
+def _seems_free(is_free: Callable[[Array], bool], start: Array, end: Array) -> bool:
     """Whether states at most `SMALL` [rad, m] apart on the straight way between two others are free."""
-    way = other - one
+    way = end - start
     shares = np.linspace(0.0, 1.0, int(np.linalg.norm(way) / SMALL) + 2)
-    return all(is_free(state) for state in one + shares[1:-1, None] * way)
+    return all(is_free(state) for state in start + shares[1:-1, None] * way)
 
 
 def _searched(

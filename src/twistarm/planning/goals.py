@@ -41,15 +41,15 @@ class Goals:
     exactly: bool = True
 
     def tolerances(self, move: JointMove | Curved) -> Tolerances:
-        """Return how far off the targets of a move still count as met."""
+        """Return how far off the targets of a move still count as reached."""
         return as_tolerances(move.position_tol, move.orientation_tol)
 
     def configuration(self, move: JointMove | Curved, theta: Array, where: str) -> Array:
         """Return the end of a move from theta (n,). Joints that a mapping leaves out stay."""
         goal: Any = move.to
-        met = self.tolerances(move)
+        tolerances = self.tolerances(move)
         if isinstance(goal, KINDS):
-            solution = solve_ik(self.arm, goal, theta, **met.keywords, posture="theta0")
+            solution = solve_ik(self.arm, goal, theta, **tolerances.keywords, posture="theta0")
             if not solution.converged:
                 raise NotConvergedError(joined(": ", [where, in_one_line(solution)]), solution)
             return solution.theta
@@ -66,7 +66,7 @@ class Goals:
 
     def moving(self, move: Curved, start: Array, where: str) -> list[MovingTarget]:
         """Return what to follow from start (n,), best first; nothing if the move ends there."""
-        g0, met = self.arm.fk(start), self.tolerances(move)
+        g0, tolerances = self.arm.fk(start), self.tolerances(move)
         if move.to is None:
             likes, curve = self._likes(move.constrain, g0), _free_curve(move, g0)
         else:
@@ -75,7 +75,7 @@ class Goals:
                 curve = _curve_to(move, g0, g1)
             except InputError as error:
                 raise InputError(joined(": ", [where, error.message])) from error
-        found = [MovingTarget(curve, like, met, self.exactly) for like in likes]
+        found = [MovingTarget(curve, like, tolerances, self.exactly) for like in likes]
         return [moving for moving in found if not moving.is_still]
 
     def _goal_pose(self, move: Curved, g0: Array, start: Array, where: str) -> tuple[list[AnyTarget], Array]:

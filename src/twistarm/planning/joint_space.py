@@ -153,8 +153,8 @@ def plan_joint(
     as_flag(stop_at_waypoints, "stop_at_waypoints")
     require_callback(progress, "progress", "(fraction)")
     as_flag(unwrap, "unwrap")
-    points, said = as_waypoints(require_arm(arm), waypoints, as_tolerances(position_tol, orientation_tol), unwrap)
-    bounds, notes = completed(arm, limits) if times is None else (as_limits(arm, limits), ())
+    points, notes = as_waypoints(require_arm(arm), waypoints, as_tolerances(position_tol, orientation_tol), unwrap)
+    bounds, usual = completed(arm, limits) if times is None else (as_limits(arm, limits), ())
     start, back = points[0].copy(), list[Text]()
     if len(points) > 1 or times is None:
         points[0], back = inside_from(start, bounds, arm.joint_names, arm.units)
@@ -169,7 +169,7 @@ def plan_joint(
     breakpoints, coefficients = np.zeros(2), points[None]
     if times is None:
         knots, owner, merged = distinct(points)
-        said += merged
+        notes += merged
         timed = shortest_motion(knots, chosen, inside, stop=stop_at_waypoints, progress=progress)
         ends = np.append(0.0, timed.ends)
         if back:
@@ -184,10 +184,10 @@ def plan_joint(
         points, ends = np.stack([start, points[0]]), np.append(0.0, ends)
     elif back:
         points[0], ends[0] = start, 0.0
-    notes = (*notes, *said, *back)
     motion = Trajectory(
-        arm.joint_names, arm.units, points, ends, breakpoints, coefficients, arm.actuators, notes=notes, limits=bounds
-    )
+        arm.joint_names, arm.units, points, ends, breakpoints, coefficients, arm.actuators, (),
+        (*usual, *notes, *back), bounds,
+    )  # fmt: skip
     if times is not None:
         require_rates(motion, bounds)
         if arm.actuators is not None:
@@ -228,8 +228,8 @@ def as_limits(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> Joint
 def completed(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> tuple[JointLimits, tuple[str, ...]]:
     """Return the limits that time a motion, completed by usual ones, and notes on these."""
     given = as_limits(arm, limits)
-    said = defaults_line(arm, given)
-    return with_defaults(arm, given), (said,) if said else ()
+    line = defaults_line(arm, given)
+    return with_defaults(arm, given), (line,) if line else ()
 
 
 def shortest_motion(
@@ -325,8 +325,8 @@ def _along_spline(points: Array, law: str, bounds: PathBounds) -> Motion:
     paths = spline_paths(points, bounds)
     laws = [time_optimal(path, bounds) for path, _ in paths]
     if law == "s_curve":
-        most = WORTH_A_LAW * min(each.duration for each in laws)
-        paths = [path for path, each in zip(paths, laws, strict=True) if each.duration <= most]
+        most = WORTH_A_LAW * min(candidate.duration for candidate in laws)
+        paths = [path for path, candidate in zip(paths, laws, strict=True) if candidate.duration <= most]
         if len(points) > MANY_WAYPOINTS:
             paths = [max(paths, key=lambda candidate: len(candidate[0].coefficients))]
         laws = [s_curve(path, bounds) for path, _ in paths]

@@ -145,8 +145,8 @@ class Keep(Brief):
         for axis in (arm.tool_axis, R.T @ VERTICAL):
             yield replace(self, orientation=None, tool_axis=axis, direction=R @ axis)
 
-    def met_by(self, target: AnyTarget) -> AnyTarget:
-        """The target, with the rotation that is kept where it leaves its own free."""
+    def constrain(self, target: AnyTarget) -> AnyTarget:
+        """Constrain a target by the rotation that is kept, where it leaves its rotation free."""
         if not isinstance(target, Position):
             return target
         if self.orientation is not None:
@@ -200,7 +200,7 @@ def _box(value: Any) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Kept:
+class Constraint:
     """A `Keep` of an arm, with numbers for all of its parts.
 
     Rotations: the error is φ u, the turn by φ [rad] about u in tool axes from what is kept. Its rate is u · ω.
@@ -266,18 +266,18 @@ class Kept:
         Manipulation Planning on Constraint Manifolds, ICRA 2009).
         """
         theta, open_ = np.array(theta), np.arange(len(theta))
-        met = np.zeros(len(theta), dtype=bool)
+        converged = np.zeros(len(theta), dtype=bool)
         for step in range(STEPS + 1):
             g, J = self.arm.fk(theta[open_]), self.arm.body_jacobian(theta[open_])
             e, rows = self._pull(g, J, share)
             done = ~e.any(axis=1)
-            met[open_[done]] = True
+            converged[open_[done]] = True
             open_, e, rows = open_[~done], e[~done], rows[~done]
             if not len(open_) or step == STEPS:
                 break
             by = np.clip(shortest(e, rows, DAMPING * np.eye(e.shape[1])), -LONGEST_STEP, LONGEST_STEP)
             theta[open_] = np.clip(theta[open_] + by, lower, upper)
-        return theta, met
+        return theta, converged
 
     def tangent(self, theta: Array, way: Array, share: float) -> Array:
         """The way (n,) without what would lead out of a share of the tolerances at theta (n,), or farther out."""

@@ -17,7 +17,7 @@ from ..support.checks import Array
 from ..support.messages import Argument, Text
 from .following import outside_limits
 from .free_moves import CLEARANCE, SMALL, UNLIMITED, require_clear
-from .keep import Flags, Kept
+from .keep import Constraint, Flags
 from .piecewise import JointPath
 from .refusal import PathError
 from .spline import interpolating
@@ -39,8 +39,8 @@ ROUNDING = 1e-9  # Beyond a limit by less [rad, m] is rounding.
 
 
 def keeping_path(
-    scene: Scene, kept: Kept, start: Array, goals: Array, part: float = 1.0, *, limits: JointLimits, max_time: float,
-    clearance: float = CLEARANCE, seed: int = 0, proven: bool = True,
+    scene: Scene, constraint: Constraint, start: Array, goals: Array, part: float = 1.0, *, limits: JointLimits,
+    max_time: float, clearance: float = CLEARANCE, seed: int = 0, proven: bool = True,
 ) -> JointPath:  # fmt: skip
     """A path from `start` (n,) to one of `goals` (k, n), best first, that keeps all and collides with nothing.
 
@@ -58,13 +58,13 @@ def keeping_path(
     ends, began = time.monotonic() + part * max_time, time.process_time()
     for goal in goals:
         straight = JointPath.straight(start, goal)
-        if not kept.unproven(straight.coefficients, np.ones(1)).any() and scene.is_free(start, goal):
+        if not constraint.unproven(straight.coefficients, np.ones(1)).any() and scene.is_free(start, goal):
             return straight
     filled = False
     for k in count():
         step, share, room = ATTEMPTS[min(k, len(ATTEMPTS) - 1)]
         is_free = _roomy(scene, room * clearance, np.array([start, *goals]))
-        search = Search(is_free, kept, limits, step, share, ends, np.random.default_rng(seed + k))
+        search = Search(is_free, constraint, limits, step, share, ends, np.random.default_rng(seed + k))
         states = search.found(start, goals)
         if states is not None:
             path = search.spline(search.smoothed(states))
@@ -77,7 +77,7 @@ def keeping_path(
         Text(
             "no way that keeps {what} was found in {time:g} s of wall time ({worked:.2g} s of the processor{filled}); "
             "give a larger {tol}, another goal, or a longer {max_time}",
-            what=kept.keep.describe(),
+            what=constraint.keep.describe(),
             time=max_time,
             worked=time.process_time() - began,
             filled=", the search came to its end" if filled else "",
@@ -138,10 +138,10 @@ class Search:
     """One search with states `step` [rad, m] from each other, within `share` of the tolerances."""
 
     def __init__(
-        self, is_free: Callable[[Array], bool], kept: Kept, limits: JointLimits, step: float, share: float, ends: float,
-        rng: np.random.Generator,
+        self, is_free: Callable[[Array], bool], constraint: Constraint, limits: JointLimits, step: float, share: float,
+        ends: float, rng: np.random.Generator,
     ) -> None:  # fmt: skip
-        self.is_free, self.kept, self.limits, self.step, self.share = is_free, kept, limits, step, share
+        self.is_free, self.constraint, self.limits, self.step, self.share = is_free, constraint, limits, step, share
         self.ends, self.rng = ends, rng
 
     @property
@@ -156,15 +156,15 @@ class Search:
             if straight is not None:
                 return straight
         samples = self._samples(np.array([start, *goals]))
-        one, other, stalled = Tree(start[None]), Tree(goals), 0
-        while stalled < STALLED and one.count + other.count < MOST_STATES and not self.late:
+        growing, joining, stalled = Tree(start[None]), Tree(goals), 0
+        while stalled < STALLED and growing.count + joining.count < MOST_STATES and not self.late:
             sample = next(samples)
-            i = self._grown(one, one.nearest(sample), sample)
+            i = self._grown(growing, growing.nearest(sample), sample)
             stalled = stalled + 1 if i is None else 0
-            if i is not None and (j := self._joined(other, one.states[i])) is not None:
-                whole = np.concatenate([one.way(i)[::-1], other.way(j)[1:]])
+            if i is not None and (j := self._joined(joining, growing.states[i])) is not None:
+                whole = np.concatenate([growing.way(i)[::-1], joining.way(j)[1:]])
                 return whole if (whole[0] == start).all() else whole[::-1]
-            one, other = other, one
+            growing, joining = joining, growing
         return None
 
     def _samples(self, ends: Array) -> Iterator[Array]:
@@ -173,7 +173,7 @@ class Search:
         upper = np.minimum(ends.max(axis=0) + UNLIMITED, self.limits.upper)
         while True:
             random = self.rng.uniform(lower, upper, (AT_ONCE, len(lower)))
-            yield from self.kept.projected(random, self.share, lower, upper)[0]
+            yield from self.constraint.projected(random, self.share, lower, upper)[0]
 
     def _grown(self, tree: Tree, i: int, target: Array) -> int | None:
         """Grow a tree from state i towards a target, by one reach at most. Return the new state."""
@@ -205,29 +205,31 @@ class Search:
             straight = self.between(state, target)
             if straight is not None:
                 return straight[1:], True
-        way = self.kept.tangent(state + way * (self.step / length), way, self.share)
+        way = self.constraint.tangent(state + way * (self.step / length), way, self.share)
         far = float(np.linalg.norm(way))
         steps = int(min(far, REACH) / self.step)
         if not steps:
             return np.empty((0, len(state))), False
         shares = np.arange(1, steps + 1)[:, None] * (self.step / far)
-        found, met = self.kept.projected(state + shares * way, self.share, self.limits.lower, self.limits.upper)
+        found, converged = self.constraint.projected(
+            state + shares * way, self.share, self.limits.lower, self.limits.upper
+        )
         gaps = _lengths(found - np.vstack([state, found[:-1]]))
         left = np.append(length, _lengths(target - found))
-        good = np.append(met & (gaps <= GAP * self.step) & (left[1:] < left[:-1]), False)
+        good = np.append(converged & (gaps <= GAP * self.step) & (left[1:] < left[:-1]), False)
         some = int(np.argmin(good))
         return found[: next((k for k in range(some) if not self.is_free(found[k])), some)], False
 
-    def between(self, one: Array, other: Array) -> Array | None:
+    def between(self, start: Array, end: Array) -> Array | None:
         """States (k, n) from one state to another: those of the straight way, projected; None if that fails."""
-        steps = int(np.ceil(np.linalg.norm(other - one) / self.step))
+        steps = int(np.ceil(np.linalg.norm(end - start) / self.step))
         if steps < 2:
-            return np.array([one, other])
-        inner = one + np.linspace(0.0, 1.0, steps + 1)[1:-1, None] * (other - one)
-        states, met = self.kept.projected(inner, self.share, self.limits.lower, self.limits.upper)
-        states = np.vstack([one, states, other])
+            return np.array([start, end])
+        inner = start + np.linspace(0.0, 1.0, steps + 1)[1:-1, None] * (end - start)
+        states, converged = self.constraint.projected(inner, self.share, self.limits.lower, self.limits.upper)
+        states = np.vstack([start, states, end])
         gaps = _lengths(np.diff(states, axis=0))
-        if not met.all() or (gaps > GAP * self.step).any() or not all(map(self.is_free, states[1:-1])):
+        if not converged.all() or (gaps > GAP * self.step).any() or not all(map(self.is_free, states[1:-1])):
             return None
         return states
 
@@ -247,8 +249,8 @@ class Search:
             if len(states) < 3 or self.late:
                 break
             mean = 0.5 * states[1:-1] + 0.25 * (states[:-2] + states[2:])
-            inner, met = self.kept.projected(mean, self.share, self.limits.lower, self.limits.upper)
-            good = met & np.array([self.is_free(state) for state in inner])
+            inner, converged = self.constraint.projected(mean, self.share, self.limits.lower, self.limits.upper)
+            good = converged & np.array([self.is_free(state) for state in inner])
             states = np.vstack([states[0], np.where(good[:, None], inner, states[1:-1]), states[-1]])
         return states
 
@@ -261,7 +263,7 @@ class Search:
                 states = self._halved(states, np.ones(len(states) - 1, dtype=bool))
             s = np.append(0.0, np.cumsum(_lengths(np.diff(states, axis=0))))
             path = JointPath(*interpolating(states, s, s[2:-2], ())).cut_at(s)
-            bad = self.kept.unproven(path.coefficients, np.diff(s)) | outside_limits(self.kept.arm, path)
+            bad = self.constraint.unproven(path.coefficients, np.diff(s)) | outside_limits(self.constraint.arm, path)
             if not bad.any():
                 return path
             if self.late:
@@ -273,7 +275,7 @@ class Search:
         """The states with one more in the middle of each marked interval."""
         at = np.flatnonzero(bad)
         middle = 0.5 * (states[at] + states[at + 1])
-        found, _ = self.kept.projected(middle, self.share, self.limits.lower, self.limits.upper)
+        found, _ = self.constraint.projected(middle, self.share, self.limits.lower, self.limits.upper)
         return np.insert(states, at + 1, found, axis=0)
 
 

@@ -33,7 +33,7 @@ from .within import inside_from
 if TYPE_CHECKING:
     from ..collision import Scene
     from .free_moves import Hit
-    from .keep import Kept
+    from .keep import Constraint
 
 MotionKind = Literal["s_curve", "time_optimal", "quintic"]
 LAWS: dict[str, Callable[[JointPath, PathBounds], TimeLaw]] = {
@@ -125,23 +125,25 @@ def plan(
     effort = torque_limits(arm, bounds.effort, torques, payload)
     rates = PathBounds(bounds, arm.actuators, torques=effort)
     around, ways = _obstacles(arm, moves, origin, scene, {"limits": bounds, **how})
-    tell = _onward(progress)
+    report = _onward(progress)
     goals = Goals(ranged, bounds, as_flag(unwrap, "unwrap"))
 
     def planned(proven: bool) -> tuple[Trajectory, Hit | None]:
         free, keeping = (None if way is None else partial(way, proven=proven) for way in ways)
         # The ways are half of the work. A second round goes on where the first stopped.
         low, share = (0.5, 0.4) if proven else (0.0, 0.5)
-        router = Router(ranged, moves, goals, lambda done: tell(low + share * done / len(moves)), around, free, keeping)
-        parts, said = _route(router, inside)
+        router = Router(
+            ranged, moves, goals, lambda done: report(low + share * done / len(moves)), around, free, keeping
+        )
+        parts, route_notes = _route(router, inside)
         if back:
             parts.insert(0, PathPart(0, JointMove(inside), inside, JointPath.straight(origin, inside), last=False))
-        first, told = origin if back else inside, (*notes, *back, *said)
+        first, noted = origin if back else inside, (*notes, *back, *route_notes)
 
         def timed(parts: list[PathPart]) -> Trajectory:
-            return _in_time(ranged, first, parts, rates, kind, told)
+            return _in_time(ranged, first, parts, rates, kind, noted)
 
-        return (timed(parts), None) if around is None else _checked(around, timed, parts, router.kept)
+        return (timed(parts), None) if around is None else _checked(around, timed, parts, router.constraints)
 
     try:
         motion = _free(planned, moves)
@@ -153,20 +155,20 @@ def plan(
         raise make(Text("{why}; the start collides: {contact}", why=why, contact=contact), *known) from error
     if scene is not None and around is not scene and (contacts := scene.contacts(motion.waypoints[-1])):
         raise PathError(f"the motion ends in collision, as it began: {contacts[0]}", reason="collision")
-    tell(1.0)
+    report(1.0)
     return motion
 
 
 def _onward(progress: Progress | None) -> Callable[[float], None]:
     """Report each fraction that is more than any before: a route that is tried again begins anew."""
-    told = [0.0]
+    reported = [0.0]
 
-    def tell(done: float) -> None:
-        if progress is not None and done > told[0]:
-            told[0] = done
+    def report(done: float) -> None:
+        if progress is not None and done > reported[0]:
+            reported[0] = done
             progress(done)
 
-    return tell
+    return report
 
 
 def _route(router: Router, origin: Array) -> tuple[list[PathPart], list[str]]:
@@ -216,7 +218,8 @@ def _free(planned: Callable[[bool], tuple[Trajectory, Hit | None]], moves: list[
 
 
 def _checked(
-    around: Scene, timed: Callable[[list[PathPart]], Trajectory], parts: list[PathPart], kept: Mapping[int, Kept]
+    around: Scene, timed: Callable[[list[PathPart]], Trajectory], parts: list[PathPart],
+    constraints: Mapping[int, Constraint],
 ) -> tuple[Trajectory, Hit | None]:  # fmt: skip
     """The motion along the parts, or the one with sharp corners on the ways of free moves, and its first collision.
 
@@ -226,7 +229,7 @@ def _checked(
 
     motion, stops = timed(parts), list[str]()
     for before in (0, 1):  # the corner at the end of such a move, then that at its beginning
-        left = {k - before for k, held in kept.items() if not _keeps(held, motion, *motion.times[k : k + 2])}
+        left = {k - before for k, constraint in constraints.items() if not _keeps(constraint, motion, k)}
         sharp = [part for part in parts if part.last and part.blend and part.index in left]
         if sharp:
             parts = [replace(part, blend=0.0) if part in sharp else part for part in parts]
@@ -241,11 +244,12 @@ def _checked(
     return motion, hit
 
 
-def _keeps(kept: Kept, motion: Trajectory, begin: float, end: float) -> bool:
-    """Whether a motion is proven to keep all between two times [s]."""
+def _keeps(constraint: Constraint, motion: Trajectory, k: int) -> bool:
+    """Whether a motion is proven to keep all in its segment k."""
+    begin, end = motion.times[k : k + 2]
     middle = 0.5 * (motion.breakpoints[:-1] + motion.breakpoints[1:])
     piece = (middle > begin) & (middle < end)
-    return not kept.unproven(motion.coefficients[:, piece], np.diff(motion.breakpoints)[piece]).any()
+    return not constraint.unproven(motion.coefficients[:, piece], np.diff(motion.breakpoints)[piece]).any()
 
 
 def _in_time(

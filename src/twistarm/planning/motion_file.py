@@ -196,23 +196,23 @@ class _Reader:
         if "xyz" in value or not value.keys() & {*names}:
             return self._target(value, name)
         only(value, names)
-        return {joint: as_number(each, joint) * sizes[names.index(joint)] for joint, each in value.items()}
+        return {joint: as_number(entry, joint) * sizes[names.index(joint)] for joint, entry in value.items()}
 
     def _target(self, value: Any, name: str) -> Pose | Position | Approach | TolerancedPose:
         table = fields(value, name, self.checks(("xyz",)), self.checks((*ROTATIONS, *GO_WITH)))
-        turned = [each for each in ROTATIONS if each in table]
-        if len(turned) > 1:
-            which = " or ".join(turned)
+        rotations = [entry for entry in ROTATIONS if entry in table]
+        if len(rotations) > 1:
+            which = " or ".join(rotations)
             raise InputError(f"give {which}, not both: a whole orientation, or only where the tool points")
-        for one, others in GO_WITH.items():
-            if one in table and not table.keys() & {*others}:
-                raise InputError(f"{one} goes with {' or '.join(others)}, and it is missing beside it")
+        for entry, others in GO_WITH.items():
+            if entry in table and not table.keys() & {*others}:
+                raise InputError(f"{entry} goes with {' or '.join(others)}, and it is missing beside it")
         if "direction" in table:
             return Approach(table["xyz"], table["direction"], table.get("tool_axis"))
-        if not turned:
+        if not rotations:
             return Position(table["xyz"])
         g = np.eye(4)
-        g[:3, 3], g[:3, :3] = table["xyz"], table[turned[0]]
+        g[:3, 3], g[:3, :3] = table["xyz"], table[rotations[0]]
         if "tolerance" not in table:
             return Pose(g)
         return TolerancedPose(g, table["tolerance"], table.get("frame", "target"))

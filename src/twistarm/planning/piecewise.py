@@ -73,7 +73,7 @@ def bisected(before: Callable[[Array], NDArray[np.bool_]], low: Array, high: Arr
 def side_by_side(pieces: Sequence[Array]) -> Array:
     """Join pieces one after the other, with the highest degree among them."""
     degree = max(map(len, pieces))
-    return np.concatenate([np.pad(each, ((degree - len(each), 0), (0, 0), (0, 0))) for each in pieces], axis=1)
+    return np.concatenate([np.pad(piece, ((degree - len(piece), 0), (0, 0), (0, 0))) for piece in pieces], axis=1)
 
 
 def composed(outer: Array, inner: Array) -> Array:
@@ -159,16 +159,16 @@ def largest(coefficients: Array, durations: Array) -> float:
     is within 1e-10 of a value. Pieces whose powers add up to less than a value at an end need no such look.
     """
     powers = rescaled(coefficients, durations).reshape(len(coefficients), -1)
-    taken = max(float(np.abs(ends).max()) for ends in (powers[-1], powers.sum(axis=0)))
-    powers = powers[:, np.abs(powers).sum(axis=0) > taken * (1.0 + PRECISION)]
+    greatest = max(float(np.abs(ends).max()) for ends in (powers[-1], powers.sum(axis=0)))
+    powers = powers[:, np.abs(powers).sum(axis=0) > greatest * (1.0 + PRECISION)]
     b = powers.T @ _from_powers(len(coefficients) - 1).T
     while len(b):
-        taken = max(taken, float(np.abs(b[:, [0, -1]]).max()))
-        above = np.abs(b).max(-1) > taken * (1.0 + PRECISION)
+        greatest = max(greatest, float(np.abs(b[:, [0, -1]]).max()))
+        above = np.abs(b).max(-1) > greatest * (1.0 + PRECISION)
         if not above.any():
-            return taken * (1.0 + PRECISION)
+            return greatest * (1.0 + PRECISION)
         b = (b[above] @ _halving(b.shape[1] - 1)).reshape(-1, b.shape[1])
-    return taken * (1.0 + PRECISION)
+    return greatest * (1.0 + PRECISION)
 
 
 @cache
@@ -246,8 +246,8 @@ class JointPath:
         """Cut the path at these places (k,) too, but at none that only rounding tells from a breakpoint."""
         before = self.piece_at(places)
         gaps = places - self.breakpoints[before], self.breakpoints[before + 1] - places
-        apart = np.minimum(*gaps) > STILL * self.length
-        breakpoints = np.union1d(self.breakpoints, places[apart])
+        distinct = np.minimum(*gaps) > STILL * self.length
+        breakpoints = np.union1d(self.breakpoints, places[distinct])
         piece = self.piece_at(breakpoints[:-1])
         moved = shifted(self.coefficients[:, piece], breakpoints[:-1] - self.breakpoints[piece])
         return JointPath(breakpoints, moved)

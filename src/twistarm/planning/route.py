@@ -21,7 +21,7 @@ from .configurations import branches
 from .curves import MovingTarget
 from .following import Blocked, Node, climb, efforts, follow, way
 from .goals import CURVED, Goals
-from .keep import Keep, Kept
+from .keep import Constraint, Keep
 from .piecewise import JointPath
 from .refusal import PathError, refusal
 from .segments import Dwell, FreeMove, JointMove, Move, Segment, place
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 # Waypoints (k, n) of a path that collides with nothing, from a start to a goal (n,).
 FreePath = Callable[[Array, Array], Array]
 # A path that keeps something too, from a start (n,) to one of some goals (k, n), with a share of the time.
-KeepingPath = Callable[[Kept, Array, Array, float], JointPath]
+KeepingPath = Callable[[Constraint, Array, Array, float], JointPath]
 GOAL_SHARE = 0.6  # Share of the kept angle that a goal may use up: the way to it needs the rest.
 MOST_GOALS = 4  # Configurations that meet the target of a free move that keeps something, and are tried.
 NEAREST = 8  # How many of the nearest start configurations of a run of curves are tried before all others.
@@ -86,7 +86,7 @@ class Router:
     """Finds the parts of a motion's path. It calls `report(k)` when k segments have theirs.
 
     A `FreeMove` goes along `free_path`, and to a target to the configuration that `scene` leaves free. One that keeps
-    something goes along `keeping_path`. `kept` then has what is kept, by the index of the segment.
+    something goes along `keeping_path`. `constraints` then has what is kept, by the index of the segment.
     """
 
     arm: Arm
@@ -97,7 +97,7 @@ class Router:
     free_path: FreePath | None = None
     keeping_path: KeepingPath | None = None
     notes: list[str] = field(default_factory=list)
-    kept: dict[int, Kept] = field(default_factory=dict)
+    constraints: dict[int, Constraint] = field(default_factory=dict)
 
     def parts(self, origin: Array) -> list[PathPart]:
         """Return the parts from `origin` (n,) on. Raises PathError, LimitError or NotConvergedError if none exist."""
@@ -171,9 +171,9 @@ class Router:
             raise InputError(joined(": ", [self._place(i), error.message])) from error
         wanted, errors = [whole, *(whole.weaker(self.arm) if self.arm.n < 6 else ())], list[TwistarmError]()
         for candidate in wanted:
-            kept = Kept(self.arm, candidate)
+            constraint = Constraint(self.arm, candidate)
             try:
-                path = self._kept_path(i, segment, kept, theta, 1.0 / len(wanted))
+                path = self._kept_path(i, segment, constraint, theta, 1.0 / len(wanted))
             except (PathError, NotConvergedError) as error:  # the whole may have no configuration at the goal
                 errors.append(error)
                 continue
@@ -182,43 +182,45 @@ class Router:
                 self.notes.append(
                     Text(template, place=self._place(i), n=self.arm.n, what=what, less=candidate.describe())
                 )
-            self.kept[i] = kept
+            self.constraints[i] = constraint
             return self._part(i, theta if path is None else path.end, path)
         raise errors[0]
 
-    def _kept_path(self, i: int, segment: FreeMove, kept: Kept, theta: Array, share: float) -> JointPath | None:
+    def _kept_path(
+        self, i: int, segment: FreeMove, constraint: Constraint, theta: Array, share: float
+    ) -> JointPath | None:
         """The path from theta (n,) to the goal, with a share of the time; None if it stays. PathError without one."""
         assert self.keeping_path is not None
         how: dict[str, Any] = {"segment": i, "place": self._place(i)}
-        goals = self._kept_goals(i, segment, kept, theta)
+        goals = self._kept_goals(i, segment, constraint, theta)
         for at, name in ((theta, "start"), (goals[0], "goal")):
-            if fault := kept.fault(at):
+            if fault := constraint.fault(at):
                 remedy = Text("give another {name}, or a larger {tol} or box", name=name, tol=Argument("tol"))
                 what = Text("at its {name} {fault}: {remedy}", name=name, fault=fault, remedy=remedy)
                 raise PathError(what, theta=at, reason="not kept", **how)
         if (goals[0] == theta).all():
             return None
         try:
-            return self.keeping_path(kept, theta, goals, share)
+            return self.keeping_path(constraint, theta, goals, share)
         except PathError as error:
             at = theta if error.theta is None else error.theta
             raise PathError(error.message, theta=at, reason="collision", **how) from error
 
-    def _kept_goals(self, i: int, segment: FreeMove, kept: Kept, theta: Array) -> Array:
+    def _kept_goals(self, i: int, segment: FreeMove, constraint: Constraint, theta: Array) -> Array:
         """Configurations (k, n) at the end of a move that keeps something, nearest first: those that do, or one."""
         if not isinstance(segment.to, KINDS):
             return self._unwrapped_goal(i, segment, theta)[None]
         assert self.scene is not None
-        tolerances, target = self.goals.tolerances(segment), kept.keep.met_by(segment.to)
+        tolerances, target = self.goals.tolerances(segment), constraint.keep.constrain(segment.to)
         nearest = solve_ik(self.arm, target, theta, scene=self.scene, **tolerances.keywords)
         if not nearest.converged and target is not segment.to:  # the rotation comes from what is kept, within its tol
-            tolerances = replace(tolerances, orientation=GOAL_SHARE * kept.keep.tol)
+            tolerances = replace(tolerances, orientation=GOAL_SHARE * constraint.keep.tol)
             nearest = solve_ik(self.arm, target, theta, scene=self.scene, **tolerances.keywords)
         if not nearest.converged:
             raise NotConvergedError(joined(": ", [self._place(i), in_one_line(nearest)]), nearest)
         found = branches(self.arm, target_for(self.arm, target), theta, tolerances)
-        good = [end for end in found if not kept.fault(end) and not self.scene.collides(end)][:MOST_GOALS]
-        return np.array([nearest.theta, *good] if not kept.fault(nearest.theta) else good or [nearest.theta])
+        good = [end for end in found if not constraint.fault(end) and not self.scene.collides(end)][:MOST_GOALS]
+        return np.array([nearest.theta, *good] if not constraint.fault(nearest.theta) else good or [nearest.theta])
 
     def _straight(self, i: int, start: Array, end: Array) -> PathPart:
         return self._part(i, end, JointPath.straight(start, end) if np.abs(end - start).any() else None)

@@ -61,7 +61,7 @@ class PathBounds:
         """Velocity, acceleration and given jerk of every row (r,), inf where there is no limit."""
         both = [self.limits, *([] if self.actuators is None else [self.actuators.limits])]
         names = ("velocity", "acceleration", "jerk")
-        rates = {name: np.concatenate([getattr(each, name) for each in both]) for name in names}
+        rates = {name: np.concatenate([getattr(limits, name) for limits in both]) for name in names}
         return replace(JointLimits.unbounded(len(self.C)), **rates)
 
     @property

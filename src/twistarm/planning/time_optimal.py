@@ -113,7 +113,7 @@ class LimitedPath:
         missing = max(0, LEAST_DEGREE + 1 - len(coefficients))
         padded = np.concatenate([np.zeros((missing, *coefficients.shape[1:])), coefficients])
         limits = bounds.velocity, bounds.acceleration, bounds.ceiling_of(path)
-        return cls(path.breakpoints, np.ascontiguousarray(padded), *((1.0 - MARGIN) * each for each in limits))
+        return cls(path.breakpoints, np.ascontiguousarray(padded), *((1.0 - MARGIN) * limit for limit in limits))
 
 
 class Profile(NamedTuple):
@@ -134,7 +134,7 @@ def path_velocity(path: LimitedPath, grid: Array, rows: Array | None = None) -> 
     """
     core = engine.need(f"the shortest motion along a path{WITHOUT_CORE}")
     a, b = np.zeros((2, len(grid), 0)) if rows is None else rows
-    return Profile(*_taken(path, core.path_velocity(*vars(path).values(), grid, a, b, greatest_rate(path))))
+    return Profile(*_require_capacity(path, core.path_velocity(*vars(path).values(), grid, a, b, greatest_rate(path))))
 
 
 def shares_of_average(
@@ -146,10 +146,10 @@ def shares_of_average(
     samples between any two knots of the law and of the path give them. Raises as `path_velocity` does.
     """
     core = engine.need(f"the shortest motion along a path{WITHOUT_CORE}")
-    return _taken(path, core.shares_of_average(*vars(path).values(), grid, *rows, x, jerk, window))
+    return _require_capacity(path, core.shares_of_average(*vars(path).values(), grid, *rows, x, jerk, window))
 
 
-def _taken(path: LimitedPath, found: tuple[Array, Array] | None) -> tuple[Array, Array]:
+def _require_capacity(path: LimitedPath, found: tuple[Array, Array] | None) -> tuple[Array, Array]:
     if found is None:
         count, most = len(path.velocity), 2 * engine.MOST_JOINTS
         raise InputError(f"a path is timed for at most {most} joints and motors; this one has {count}")

@@ -160,9 +160,9 @@ def _require_usual(points: Points) -> None:
         if values is not None and not (np.abs(values) <= LARGEST).all():
             k, j = (int(index) for index in np.unravel_index(np.argmax(np.abs(values)), values.shape))
             raise InputError(f"{points.place(k)}: no arm moves so far or so fast; got {values[k, j]:g}")
-    apart: NDArray[np.bool_] = np.diff(points.t) >= SHORTEST_STEP
-    if not apart.all():
-        k = int(np.argmin(apart)) + 1
+    increasing: NDArray[np.bool_] = np.diff(points.t) >= SHORTEST_STEP
+    if not increasing.all():
+        k = int(np.argmin(increasing)) + 1
         raise InputError(f"{points.place(k)}: time must increase; got {points.t[k]:g} after {points.t[k - 1]:g}")
 
 

@@ -50,7 +50,7 @@ def as_tolerances(position_tol: float | None, orientation_tol: float | None) -> 
     )
 
 
-def as_waypoints(arm: Arm, waypoints: Waypoints, met: Tolerances, unwrap: bool) -> tuple[Array, list[str]]:
+def as_waypoints(arm: Arm, waypoints: Waypoints, tolerances: Tolerances, unwrap: bool) -> tuple[Array, list[str]]:
     """Return waypoints (k, n), k ≥ 1, from arrays, {joint: value} mappings, names and targets; and notes."""
     if isinstance(waypoints, str | Mapping) or not np.iterable(waypoints):
         raise InputError(f"waypoints must be a sequence of configurations; got {quote(waypoints)}")
@@ -60,10 +60,10 @@ def as_waypoints(arm: Arm, waypoints: Waypoints, met: Tolerances, unwrap: bool) 
     points: list[Array] = []
     notes: list[str] = []
     for i, waypoint in enumerate(waypoints):
-        theta = _configuration(arm, waypoint, i, points[-1] if points else arm.ready, met)
+        theta = _configuration(arm, waypoint, i, points[-1] if points else arm.ready, tolerances)
         if points and (unwrap or len(notes) < MOST_NAMED):
-            theta, said = unwrapped(arm, theta, points[-1], f"waypoint {i} (counted from 0)", unwrap)
-            notes += said
+            theta, shorter = unwrapped(arm, theta, points[-1], f"waypoint {i} (counted from 0)", unwrap)
+            notes += shorter
         points.append(theta)
     if not points:
         raise InputError("waypoints must be at least one configuration; got none")
@@ -72,10 +72,10 @@ def as_waypoints(arm: Arm, waypoints: Waypoints, met: Tolerances, unwrap: bool) 
     return np.array(points), notes
 
 
-def _configuration(arm: Arm, waypoint: Any, index: int, near: Array, met: Tolerances) -> Array:
+def _configuration(arm: Arm, waypoint: Any, index: int, near: Array, tolerances: Tolerances) -> Array:
     """The configuration (n,) of a waypoint. For a target, the one nearest to `near` (n,)."""
     if isinstance(waypoint, TARGETS) or _is_pose(waypoint):
-        solution = solve_ik(arm, waypoint, near, **met.keywords, posture="theta0")
+        solution = solve_ik(arm, waypoint, near, **tolerances.keywords, posture="theta0")
         if not solution.converged:
             why = joined(": ", [f"waypoint {index} (counted from 0)", in_one_line(solution)])
             raise NotConvergedError(why, solution)
@@ -105,10 +105,10 @@ def unwrapped(arm: Arm, theta: Array, near: Array, where: str, asked: bool) -> t
     notes: list[str] = []
     for j in np.flatnonzero(shorter & (np.abs(theta - near) > HALF_TURN)):
         unit = arm.units[j]
-        given, taken = Quantity(float(theta[j]), unit), Quantity(float(nearest[j]), unit)
+        given, chosen = Quantity(float(theta[j]), unit), Quantity(float(nearest[j]), unit)
         long, short = (Quantity(abs(float(value - near[j])), unit, 4) for value in (theta[j], nearest[j]))
         offered = Text("turns by {long}; {unwrap} makes that {short}", long=long, short=short, unwrap=UNWRAP)
-        done = Text("goes to {taken} in place of {given}, by whole turns", taken=taken, given=given)
+        done = Text("goes to {chosen} in place of {given}, by whole turns", chosen=chosen, given=given)
         does = done if asked else offered
         notes.append(Text("{where}: joint {joint!r} {does}", where=where, joint=arm.joint_names[j], does=does))
     return np.where(shorter, nearest, theta) if asked else theta, notes

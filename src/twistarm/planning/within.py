@@ -159,9 +159,9 @@ def inside_from(
         )
         raise _beyond(start, j, side, limits, names, units, "the start", remedy)
     out = np.flatnonzero(beyond > GIVEN_TOL).tolist()
-    said = [Text("{joint} by {beyond}", joint=names[k], beyond=Quantity(float(beyond[k]), units[k])) for k in out]
-    template = "the start is beyond the limits, {said}: the motion first returns inside, straight in joint space"
-    return inside, [Text(template, said=joined(", ", said))] if said else []
+    excesses = [Text("{joint} by {beyond}", joint=names[k], beyond=Quantity(float(beyond[k]), units[k])) for k in out]
+    template = "the start is beyond the limits, {excesses}: the motion first returns inside, straight in joint space"
+    return inside, [Text(template, excesses=joined(", ", excesses))] if excesses else []
 
 
 def returning(limits: JointLimits, start: Array, units: Sequence[str]) -> JointLimits:

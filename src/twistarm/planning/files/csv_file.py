@@ -61,7 +61,7 @@ def _tables(
     if trajectory.limits is not None and not counts:
         planned = [getattr(trajectory.limits, rate.removesuffix("_limit")) for rate in LIMITS]
         names = _columns(LIMITS, trajectory.joint_names, trajectory.units)
-        yield names, [np.broadcast_to(each, (len(t), each.size)) for each in planned]
+        yield names, [np.broadcast_to(limit, (len(t), limit.size)) for limit in planned]
 
 
 def _columns(rates: Mapping[str, str], names: Sequence[str], units: Sequence[str]) -> list[list[str]]:
@@ -144,7 +144,7 @@ def _groups(arm: Arm, header: list[str], file: str) -> tuple[list[list[str]], bo
             return counts, True
     for name in (TIME, *needed[0], *needed[1]):
         if header.count(name) != 1:
-            others = [each for each in header if each not in (*needed[0], *needed[1])]
+            others = [column for column in header if column not in (*needed[0], *needed[1])]
             what = f"twice: {listed([name])}" if name in header else f"no {listed([name])}{closest(name, others)}"
             raise InputError(f"{file}, line 1: it has {what}; a motion of {arm.name} has each column once")
     return [*needed, accelerations] if _has_columns([accelerations], header) else needed, False

@@ -50,7 +50,7 @@ def json_text(trajectory: Trajectory, dt: float, actuators: Actuators | None) ->
 
 def _points_of(names: tuple[str, ...], values: Sequence[Array]) -> list[dict[str, Any]]:
     """Return one mapping per row of these arrays (m, k)."""
-    return [dict(zip(names, rows, strict=True)) for rows in zip(*(each.tolist() for each in values), strict=True)]
+    return [dict(zip(names, rows, strict=True)) for rows in zip(*(column.tolist() for column in values), strict=True)]
 
 
 def read_message(arm: Arm, file: Path) -> Points:

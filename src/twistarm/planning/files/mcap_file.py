@@ -183,7 +183,7 @@ def _motion(arm: Arm, reader: Any, store: Any) -> dict[str, Any]:
 
     def heard(kind: str, ending: str = "") -> Iterator[tuple[int, Any]]:
         layout = store.get_msgdef(kind)
-        topics = [each for each in reader.connections if each.msgtype == kind and each.topic.endswith(ending)]
+        topics = [line for line in reader.connections if line.msgtype == kind and line.topic.endswith(ending)]
         for number, (_, time, data) in enumerate(reader.messages(topics) if topics else ()):
             if number == MAX_MESSAGES:
                 raise InputError(f"it has more than {MAX_MESSAGES:,} messages on *{ending}; split it")
@@ -194,13 +194,13 @@ def _motion(arm: Arm, reader: Any, store: Any) -> dict[str, Any]:
 
     names, points, begin = list(arm.joint_names), list[dict[str, Any]](), 0
     motions = list(dict(heard(TRAJECTORY, SETPOINTS)).items())  # of one instant the last counts
-    if not motions and sum(each.msgcount for each in reader.connections if each.msgtype == TRAJECTORY) == 1:
+    if not motions and sum(line.msgcount for line in reader.connections if line.msgtype == TRAJECTORY) == 1:
         motions = list(heard(TRAJECTORY))
     for time, motion in motions:
         names, begin = list(motion.joint_names), begin if points else time
-        for each in motion.points:
-            after = time - begin + each.time_from_start.sec * SECOND + each.time_from_start.nanosec
-            points.append(_point(after, each.positions, each.velocities, each.accelerations))
+        for point in motion.points:
+            after = time - begin + point.time_from_start.sec * SECOND + point.time_from_start.nanosec
+            points.append(_point(after, point.positions, point.velocities, point.accelerations))
     for time, state in () if motions else heard(STATE, "joint_states"):
         order = [state.name.index(name) for name in names if name in state.name]
         if len(order) == len(names) and len(state.position) == len(state.name):
