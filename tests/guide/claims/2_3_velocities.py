@@ -12,7 +12,7 @@ assert np.allclose(Ad, pin.SE3(g).action)  # Pinocchio's order is (v, ω) too
 assert np.allclose(Ad @ V_b, V_s, atol=1e-6)
 assert np.allclose(np.linalg.inv(Ad), screws.adjoint(screws.inverse(g)))
 
-# ## Who sees what
+# ## What depends on the frames
 assert np.allclose(same, V_s, atol=1e-6)
 assert np.allclose(other, screws.adjoint(screws.inverse(g_tn)) @ V_b, atol=1e-6)
 assert np.allclose(total, V_s, atol=1e-6)

@@ -5,7 +5,7 @@ assert off < 1e-9
 assert np.allclose(from_the_tool, g)
 assert np.allclose(body, arm.body_screws)
 
-# ## By hand, once in your life
+# ## By hand
 y = l1 * np.sin(pair[0]) + l2 * np.sin(pair.sum())
 assert np.allclose(planar.fk(pair)[:2, 3] - q1[:2], [x, y])
 turned = np.radians([25.0, 50.0, again, -50.0])

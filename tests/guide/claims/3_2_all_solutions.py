@@ -14,7 +14,7 @@ for crossing in crossings:
     assert np.abs(by_library - pair).max(axis=1).min() < 1e-9
 assert len(meetings) == 2
 
-# ## A wrist divides the question
+# ## A wrist divides the problem
 assert len(eight) == 8
 assert np.allclose(elbow_arm.fk(eight), g_d, atol=1e-9)
 

@@ -7,15 +7,15 @@ for i, step in enumerate(h * np.eye(arm.n)):
     column = screws.log(motion) / (2 * h)
     assert np.allclose(column, arm.body_jacobian(arm.ready)[:, i], atol=1e-5)
 
-# ## The gap, in six numbers
+# ## The error twist
 import pinocchio as pin
 
 way = pin.log6(pin.SE3(np.linalg.solve(arm.fk(start), g_d))).vector
 assert np.allclose(gap, way, atol=1e-9)
-assert abs(foretold - 1000 * l2 * np.radians(1.0)) < 1e-9  # the elbow's circle
+assert abs(predicted - 1000 * l2 * np.radians(1.0)) < 1e-9  # the elbow's circle
 assert abs(made - 2000 * l2 * np.sin(np.radians(0.5))) < 1e-9  # its chord
 
-# ## The nearest step, and the shortest
+# ## Least squares
 assert np.allclose(one_slide, [30])
 assert np.allclose(two_slides, [15, 15])
 
@@ -27,14 +27,14 @@ assert np.allclose(arm.fk(reached), g_d, atol=1e-8)
 assert np.isclose(sigma[0] * sigma[1], abs(np.linalg.det(tip_jacobian(stretched))))
 assert np.isclose(np.hypot(*sigma), np.linalg.norm(tip_jacobian(stretched)))
 
-# ## How it breaks
+# ## Where Newton's method fails
 straight = np.radians([20.0, 0.0])
 inward = -0.1 * planar.fk(straight)[:2, 3]
 assert np.allclose(newton_step(tip_jacobian(straight), inward), 0.0, atol=1e-9)
 assert abs(np.degrees(leap[1])) > 180
 assert np.allclose(J @ leap, e)
 
-# ## One number mends it
+# ## Damping
 stacked = np.vstack([J, 0.05 * np.eye(2)])  # the same, one least-squares problem
 by_lstsq = np.linalg.lstsq(stacked, np.append(e, [0, 0]), rcond=None)[0]
 assert np.allclose(damped_step(J, e, 0.05), by_lstsq)

@@ -1,4 +1,4 @@
-# ## The straight path, and its clock
+# ## The straight path and its time law
 assert np.allclose(cubic.coeffs, [-2.0, 3.0, 0.0, 0.0])
 
 # ## Two more conditions: the quintic

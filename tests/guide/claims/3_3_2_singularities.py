@@ -28,5 +28,5 @@ V = lost
 whole = J.T @ np.linalg.solve(J @ J.T + damping**2 * np.eye(6), V)
 assert np.isclose(np.linalg.norm(whole), sigma[rank - 1] / (sigma[rank - 1] ** 2 + damping**2))
 
-# ## What is lost for motion is won for force
+# ## Strength near a singularity
 assert np.isclose(stretched[0], 0, atol=1e-9)  # the force passes through the base

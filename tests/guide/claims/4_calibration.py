@@ -5,7 +5,7 @@ assert np.allclose(real_tool(np.zeros_like(hidden), fresh), arm.fk(fresh), atol=
 for xi, k in zip(arm.screws.T, changes, strict=True):
     assert k == (2 if np.linalg.norm(xi[3:]) < 1e-9 else 4)
 
-# ## What a measurement sees
+# ## What a measurement shows
 h = 1e-6
 for j, step in enumerate(h * np.eye(6 * (m + 1)).reshape(-1, m + 1, 6)):
     quotient = (real_tool(step, theta[:3]) - real_tool(-step, theta[:3]))[:, :3, 3] / (2 * h)
@@ -20,12 +20,12 @@ assert shown >= 0.5 * rank
 # ## Least squares in units of the noise
 assert 0.4 < np.sqrt(np.mean(surprise**2)) < 2.5
 
-# ## Rows that the fit has not seen
+# ## Rows left out of the fit
 assert np.all(np.diff(fit_error) < 1e-12)
 assert held_out[best] < held_out[0]
 assert fit_error[-1] < min(held_out[-1], 1.4 * rough)
 
-# ## All of it in one call
+# ## All steps in one call
 assert found.held_out < 0.5 * found.held_out_before
 assert after.mean() < 0.2 * off.mean()
 

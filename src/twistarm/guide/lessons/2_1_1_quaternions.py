@@ -1,28 +1,28 @@
 # %% [markdown]
 # # Quaternions
 #
-# The log of your arm says that the tool's orientation is four numbers. Which one is the scalar? In the next line all
-# four have changed their sign, and the gripper has not moved. And why four numbers? The lesson before needed only three
-# angles.
+# The log of your arm gives the tool's orientation as four numbers. Which one is the scalar? In the next line all four
+# have changed their sign, and the gripper has not moved. And why four numbers? Three angles were enough in the last
+# lesson.
 #
-# That lesson ends with the answer to the last question: any three angles fail somewhere. Four numbers do not. This
-# lesson says what the four are, how they multiply and what they ask of you in return.
+# The last question has an answer already: any three angles fail somewhere. Four numbers do not. This lesson explains
+# what the four are, how they multiply, and what you must take care of.
 #
 # ## From the plane to space
 #
-# In the plane you know such numbers. A complex number of length one, $\cos\theta + i\sin\theta$, turns every other
+# You know such numbers in the plane. A complex number of length one, $\cos\theta + i\sin\theta$, turns every other
 # complex number by $\theta$ when you multiply the two. A quaternion does the same in space. It has a scalar part $w$
 # and a vector part $v$ of three components, which we write as a pair:
 #
 # $$Q = w + x\,\mathbf{i} + y\,\mathbf{j} + z\,\mathbf{k} = (w, v), \qquad v = (x, y, z)$$
 #
 # To multiply two quaternions, multiply term by term. The rules are $\mathbf{i}^2 = \mathbf{j}^2 = \mathbf{k}^2 = -1$,
-# $\mathbf{i}\mathbf{j} = \mathbf{k}$, $\mathbf{j}\mathbf{k} = \mathbf{i}$ and $\mathbf{k}\mathbf{i} = \mathbf{j}$. If two
-# different letters change places, the sign changes. The product of any two quaternions is then
+# $\mathbf{i}\mathbf{j} = \mathbf{k}$, $\mathbf{j}\mathbf{k} = \mathbf{i}$ and $\mathbf{k}\mathbf{i} = \mathbf{j}$. If
+# you swap two different letters, the sign changes. The product of any two quaternions is then
 #
 # $$Q_1\,Q_2 = (w_1 w_2 - v_1 \cdot v_2,\;\; w_1\,v_2 + w_2\,v_1 + v_1 \times v_2)$$
 #
-# The cross product is what makes the order of the factors matter. The *conjugate* is $Q^* = (w, -v)$.
+# Because of the cross product, the order of the factors matters. The *conjugate* is $Q^* = (w, -v)$.
 #
 # ## The law
 #
@@ -34,12 +34,12 @@
 #
 # $$(0, p') = Q\,(0, p)\,Q^*$$
 #
-# Turns follow each other as matrices do: $Q_{sc} = Q_{st}\,Q_{tc}$ for a camera C on the tool. Source: Murray, Li and
+# Turns are composed as matrices are: $Q_{sc} = Q_{st}\,Q_{tc}$ for a camera C on the tool. Source: Murray, Li and
 # Sastry, *A Mathematical Introduction to Robotic Manipulation* (MLS), section 2.2.3.
 #
 # ## Your tool in four numbers
 #
-# Here is the orientation of the tool where the arm stands ready, as an axis with an angle and as a quaternion. Both
+# Here is the orientation of the tool in the ready configuration, as an axis with an angle and as a quaternion. Both
 # come from its rotation matrix.
 
 # %%
@@ -63,7 +63,7 @@ guide.table(
         ["scalar first, `wxyz`", *Q],
         ["half the angle, and the axis", np.cos(angle / 2), *(axis * np.sin(angle / 2))],
     ],
-    "Two ways to the same four numbers.",
+    "The same four numbers, computed in two ways.",
 )
 
 # %% [markdown]
@@ -95,9 +95,9 @@ guide.table(
 # %% [markdown]
 # ## Why half the angle
 #
-# $Q$ stands on both sides of the point, first plain, then conjugated, and each side brings half of the turn. Try
-# it with the axis $\mathbf{k}$, $Q = \cos\frac{\theta}{2} + \mathbf{k}\sin\frac{\theta}{2}$. For a point on the axis
-# the two sides cancel: $Q\,\mathbf{k}\,Q^* = \mathbf{k}\,Q\,Q^* = \mathbf{k}$. For one beside it they add up, because
+# $Q$ is on both sides of the point, once plain and once conjugated. Each side contributes half of the turn. Try it with
+# the axis $\mathbf{k}$, $Q = \cos\frac{\theta}{2} + \mathbf{k}\sin\frac{\theta}{2}$. For a point on the axis the two
+# sides cancel: $Q\,\mathbf{k}\,Q^* = \mathbf{k}\,Q\,Q^* = \mathbf{k}$. For a point beside the axis they add up, because
 # $\mathbf{i}\,Q^* = Q\,\mathbf{i}$:
 #
 # $$Q\,\mathbf{i}\,Q^* = Q\,Q\,\mathbf{i} = (\cos\theta + \mathbf{k}\sin\theta)\,\mathbf{i}
@@ -108,10 +108,12 @@ guide.table(
 # %%
 once_round = np.array([np.cos(np.pi), 0, 0, np.sin(np.pi)])
 guide.predict(
-    "You turn the tool about its own $z$ axis, by one full turn. The matrix is back where it began. Where is the "
-    "quaternion? And after how many degrees is it back?",
-    f"After 360° it is $({', '.join(f'{q:.0f}' for q in once_round + 0.0)})$, which is $-1$ times where it began. "
-    "It takes two full turns, 720°, until it is back.",
+    "You turn the tool about its own $z$ axis, by one full turn. The matrix is back where it began. What is "
+    "the quaternion then? And after how many degrees is it back?"
+    "",
+    f"After 360° it is $({', '.join(f'{q:.0f}' for q in once_round + 0.0)})$, which is $-1$ times the start. "
+    f"It is back after two full turns, 720°."
+    "",
 )
 
 # %%
@@ -133,16 +135,17 @@ guide.figure(
 
 # %% [markdown]
 # So $Q$ and $-Q$ are the same rotation: the sign occurs twice in $Q\,(0, p)\,Q^*$ and cancels. Unit quaternions are the
-# points of a sphere in four dimensions, and opposite points of this sphere mean the same. Mathematicians say that they
-# cover the rotations twice.
+# points of a sphere in four dimensions. Opposite points of this sphere are the same rotation. Unit quaternions *cover
+# the rotations twice*.
 #
-# This is the price for failing nowhere. The set of rotations closes upon itself in a way that no part of space does, so
-# no three numbers can list each rotation once without a seam. Four numbers have no seam, but they list each twice.
+# This is the price of four numbers that fail nowhere. The set of rotations closes upon itself, and no part of space
+# does that. So three numbers cannot list each rotation once without a seam. Four numbers have no seam, but they list
+# each rotation twice.
 
 # %%
 guide.slider(
     "axis_angle",
-    "Leave the axis alone and move the angle. At which angle is $w = 0$? And which two settings of the slider show "
+    "Keep the axis and move the angle. At which angle is $w = 0$? And which two settings of the slider show "
     "the same matrix and opposite quaternions?",
     f"At {np.degrees(2 * np.arccos(0)):.0f}°, a half turn: $\\cos(\\theta/2) = 0$ there, and the vector part is the "
     "unit vector of the axis itself. Angles that differ by 360° show the same matrix and opposite quaternions.",
@@ -153,16 +156,16 @@ guide.slider(
 # %% [markdown]
 # ## Your arm as a product of quaternions
 #
-# From here on, S is the frame of the base and T that of the tool; S is for *space*. Let the arm stand where all its
-# joints are at zero, with the tool at $Q_{st}(0)$, and let $\omega_i$ be the unit vector along the axis of joint $i$,
-# seen from S. Joint $i$ at the angle $\theta_i$ is the quaternion $Q_i = (\cos\frac{\theta_i}{2},
-# \omega_i\sin\frac{\theta_i}{2})$; a joint that slides turns nothing and is $(1, 0)$. The orientation of the tool is
-# the product of all, from the base to the tip:
+# From here on, S is the frame of the base (S for *space*) and T that of the tool. Let all joints be at zero. The tool
+# then has the orientation $Q_{st}(0)$. Let $\omega_i$ be the unit vector along the axis of joint $i$, seen from S.
+# Joint $i$ at the angle $\theta_i$ is the quaternion $Q_i = (\cos\frac{\theta_i}{2}, \omega_i\sin\frac{\theta_i}{2})$.
+# A joint that slides turns nothing: it is $(1, 0)$. The orientation of the tool is the product of all, from the base to
+# the tip:
 #
 # $$Q_{st}(\theta) = Q_1\,Q_2 \cdots Q_n\,Q_{st}(0)$$
 #
-# A program that knows nothing of your arm but these axes is compared with twistarm's own answer. All joints move, and
-# yet the product uses the axes as they stand at zero. Lesson 3.1 proves that it may.
+# The program below knows only these axes, and the table compares it with twistarm. All joints move, but the product
+# uses the axes at zero. Lesson 3.1 proves that this is right.
 
 # %%
 values = arm.coupling.A @ arm.ready  # of each moving joint, those that mimic others too
@@ -181,13 +184,13 @@ guide.table(
 # %% [markdown]
 # ## The norm, and the inverse
 #
-# The norm of a quaternion is its length, $\|Q\| = \sqrt{w^2 + x^2 + y^2 + z^2}$. Work out $Q\,Q^*$ with the
-# product above: the vector part cancels and the scalar part is the sum of the squares. Therefore
+# The norm of a quaternion is its length, $\|Q\| = \sqrt{w^2 + x^2 + y^2 + z^2}$. Compute $Q\,Q^*$ with the product
+# above. The vector part cancels, and the scalar part is the sum of the squares. Therefore
 #
 # $$\|Q\|^2 = Q\,Q^*, \qquad Q^{-1} = \frac{Q^*}{\|Q\|^2}$$
 #
-# The square is easily lost. If you take $Q\,Q^*$ for the norm itself, and square it again for the inverse, you
-# divide by the fourth power of the length.
+# The square is easy to forget. If you take $Q\,Q^*$ for the norm and square it again for the inverse, you divide by the
+# fourth power of the length.
 
 # %%
 four = np.array([1.0, 2.0, 3.0, 4.0])
@@ -198,15 +201,16 @@ right = product(four, conjugate(four) / square)
 guide.predict(
     "For $Q = (1, 2, 3, 4)$: what is $Q\\,Q^{-1}$ if $\\|Q\\|$ is taken to be $Q\\,Q^*$? What is it for a unit "
     "quaternion?",
-    f"$Q\\,Q^* = {square:.0f}$, and $Q\\,Q^{{-1}}$ comes out as $1/{1 / literal:.0f}$ where it has to be "
-    f"${right[0]:.0f}$. For a unit quaternion it comes out right, because $1 = 1^2$. So a test that tries unit "
-    "quaternions alone lets the slip pass.",
+    f"$Q\\,Q^* = {square:.0f}$, and $Q\\,Q^{{-1}}$ comes out as $1/{1 / literal:.0f}$ instead of "
+    f"${right[0]:.0f}$. For a unit quaternion it comes out right, because $1 = 1^2$. So a test with unit "
+    f"quaternions alone does not find the mistake."
+    "",
 )
 
 # %% [markdown]
-# A quaternion that has lost its unit length is no rotation any more: $Q\,(0, p)\,Q^*$ stretches every point by
-# $\|Q\|^2$. The remedy costs one division, $Q/\|Q\|$. A matrix that has lost its right angles costs more to mend. For
-# this reason filters and logs use quaternions, and because four numbers are fewer than nine.
+# A quaternion that has lost its unit length is no longer a rotation: $Q\,(0, p)\,Q^*$ stretches every point by
+# $\|Q\|^2$. The remedy is one division, $Q/\|Q\|$. A matrix that has lost its right angles takes more work. For this
+# reason, and because four numbers are fewer than nine, filters and logs use quaternions.
 
 # %%
 stretched = product(product(1.05 * Q, [0, *p]), conjugate(1.05 * Q))
@@ -218,9 +222,9 @@ guide.say(
 # %% [markdown]
 # ## The sign in your logs
 #
-# The arm has moved to a second orientation, and a teammate turns the tool once about its own axis while you record. The
-# program that turns matrices into quaternions has to choose between $Q$ and $-Q$, and like most of its kind it takes
-# the one with $w \geq 0$. Look at what this does.
+# The arm has moved to a second orientation. A teammate turns the tool once about its own axis while you record. The
+# program that converts matrices to quaternions must choose between $Q$ and $-Q$. Like most such programs, it takes the
+# one with $w \geq 0$. Look at what this does.
 
 # %%
 there = arm.fk(0.5 * arm.ready + 0.5 * arm.random_theta(3))[:3, :3] @ rotations.exp(arm.tool_axis, 0.6)
@@ -245,15 +249,14 @@ guide.figure(
     "The four components while the tool turns once. On the left, as logged, they jump to their negatives on the way. "
     "On the right, with signs made to agree with the neighbour's, they are smooth and end at the negative of where "
     "they began.",
-    "The tool moved evenly all the time. The jump on the left is a choice of sign.",
+    "The tool turned at a constant rate. The jump on the left is only a choice of sign.",
 )
 
 # %% [markdown]
 # The remedy is one rule: if the dot product of two neighbours is negative, change the sign of the second.
 #
-# The same rule belongs before every interpolation. Between two orientations there are two ways round, along the same
-# axis: by $\varphi$, or by $360° - \varphi$ the other way. Which one you get depends on the signs that the two
-# quaternions happen to have.
+# Apply the same rule before every interpolation. Between two orientations there are two ways round, about the same
+# axis: by $\varphi$, or by $360° - \varphi$ the other way. The signs of the two quaternions decide which one you get.
 
 # %%
 Q1, Q2 = Q, rotations.to_quaternion_wxyz(there)
@@ -264,40 +267,40 @@ halfway_cancelled = np.linalg.norm(Q1 + -Q1)
 guide.say(f"""
 From the orientation at ready to the second one of `{arm.name}`:
 
-- with signs that agree, $Q_1 \\cdot Q_2 \\geq 0$, the way between the two turns the tool by **{short:.1f}°**;
-- with one sign changed, to the same orientation, by **{long:.1f}°**.
+- with signs that agree, $Q_1 \\cdot Q_2 \\geq 0$, the interpolation turns the tool by **{short:.1f}°**;
+- with one sign changed, it turns the tool to the same orientation by **{long:.1f}°**.
 
-And the mean of $Q$ and $-Q$, two records of one orientation, has the length {halfway_cancelled:.0f}: it is no orientation at all.
+And the mean of $Q$ and $-Q$, two records of one orientation, has the length {halfway_cancelled:.0f}: it is not an orientation.
 """)
 
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# **The order of the four.** Some programs put the scalar first (`wxyz`: Eigen's constructor, MuJoCo), others put it
-# last (`xyzw`: the messages of ROS, SciPy, Pinocchio's configurations). No program complains when you mix them up, for
-# the numbers are a unit quaternion in either order. In twistarm the order is in the name of the function.
+# **The order of the four.** Eigen's constructor and MuJoCo put the scalar first (`wxyz`). The messages of ROS, SciPy
+# and Pinocchio's configurations put it last (`xyzw`). No program complains when you mix them up, because the numbers
+# are a unit quaternion in either order. In twistarm the order is in the name of the function.
 
 # %%
 misread = rotations.from_quaternion_wxyz(np.roll(Q2, -1))
 guide.say(
     f"The second orientation above, written scalar last and read scalar first, is off by "
-    f"**{np.degrees(rotations.angle_between(there, misread)):.0f}°**. Check with the identity: its scalar is the one "
-    "that is 1."
+    f"**{np.degrees(rotations.angle_between(there, misread)):.0f}°**. Check with the identity: there the "
+    f"scalar is 1, and the others are 0."
 )
 
 # %% [markdown]
 # **The half angle forgotten.** $(\cos\theta, \omega\sin\theta)$ is a unit quaternion too, and it turns by $2\theta$.
 # You notice it when a wrist turns by 180° instead of 90°.
 #
-# **Signs that jump.** A filter, a mean or a derivative across the jump gives a spike, or a tool that spins once round
-# on its way. Make the signs agree first.
+# **Signs that jump.** A filter, a mean or a derivative across the jump gives a spike. An interpolation across it spins
+# the tool once round. Make the signs agree first.
 #
-# **Length that drifts.** Thousands of products of rounded numbers leave the unit sphere. Divide by the norm after each
+# **Length that drifts.** After thousands of products, rounding has changed the length. Divide by the norm after each
 # update, not once a day.
 #
 # **The wrong side.** In $Q_{st}\,Q_{tc}$ the inner letters meet. To turn about the tool's own axes, multiply from the
-# right; about the base's axes, from the left. The conjugate takes $Q_{st}$ to $Q_{ts}$, and if you confuse the two, you
-# see a tool that tilts to the wrong side.
+# right; about the base's axes, from the left. The conjugate of $Q_{st}$ is $Q_{ts}$. If you confuse the two, the tool
+# tilts to the wrong side.
 
 # %%
 turns = {name: rotations.exp(unit, np.radians(60)) for name, unit in zip("xyz", np.eye(3), strict=True)}

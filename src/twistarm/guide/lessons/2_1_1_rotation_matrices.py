@@ -1,16 +1,15 @@
 # %% [markdown]
 # # Which way does the gripper point?
 #
-# The encoders have told you every joint angle, and the tool is somewhere in front of the arm. *Where* it is, three
-# numbers say. But which way does it point, and how far is it rolled? You need an answer that a program can multiply,
-# compare and send to a motor. And it must not break in the one configuration in which you pick things up.
+# The encoders report every joint angle, and the tool is somewhere in front of the arm. Three numbers say *where* it is.
+# But which way does it point, and how far is it rolled? You need an answer that a program can multiply, compare and
+# send to a motor. It must not fail in the configuration in which you pick things up.
 #
-# This lesson has two answers: nine numbers that never fail, and three that do.
+# This lesson gives two answers: nine numbers that never fail, and three numbers that fail in places.
 #
-# To have an example, bring your arm into some configuration. `arm.ready` holds the joint values with which it stands
-# ready. The program mixes them with random values inside the limits, 60 % of the one and 40 % of the other, so that no
-# angle is special. Then it asks twistarm for the pose of the tool in this configuration, a matrix $g$. Lesson 3.1 shows
-# how `arm.fk` finds it. Here you need only its upper left corner, three rows and three columns.
+# Take one configuration of your arm as the example. `arm.ready` holds the joint values in which it waits. The program
+# adds random values inside the limits, so that no angle is special. Then `arm.fk` computes the pose of the tool, a $4
+# \times 4$ matrix $g$. Lesson 3.1 shows how. Here you need only its upper left corner, three rows and three columns.
 
 # %% tags=["shown"]
 import numpy as np
@@ -25,13 +24,13 @@ R = g[:3, :3]
 # %% [markdown]
 # ## Nine numbers: the axes, written side by side
 #
-# Fix a frame S to the base and a frame T to the tool. Look at T's three axes from S and write each down as a column:
+# Fix a frame S to the base and a frame T to the tool. Write the three axes of T, seen from S, as three columns:
 #
 # $$R_{st} = \begin{bmatrix} x_{st} & y_{st} & z_{st} \end{bmatrix}$$
 #
-# That is the **rotation matrix** (Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation* (MLS),
-# section 2.2.1). Read it by columns: the third one says where the tool's $z$ axis points. Here it is for your arm,
-# stopped on its way.
+# This is the **rotation matrix**. Source: Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation*
+# (MLS), section 2.2.1. Read it by columns: the third column says where the tool's $z$ axis points. Here it is for your
+# arm.
 
 # %%
 guide.say(rf"The tool of `{arm.name}`: $$R_{{st}} = {guide.tex(R)}$$")
@@ -54,13 +53,13 @@ guide.figure(
 # %% [markdown]
 # ## What makes nine numbers a rotation
 #
-# The axes have length one, stand at right angles to each other, and make a right hand:
+# The axes have length one, are at right angles to each other, and form a right-handed frame:
 #
 # $$R^T R = I, \qquad \det R = +1$$
 #
-# $R^T R$ is symmetric, so that the first law is six equations for nine numbers and leaves three to choose. It allows
-# $\det R = \pm 1$; the second law takes one of the two. The set of all matrices that obey both is called $SO(3)$, the
-# *special orthogonal group*.
+# $R^T R$ is symmetric, so the first law is six equations for nine numbers. Three are left to choose. The first law
+# allows $\det R = \pm 1$, and the second law takes $+1$. The set of all matrices that obey both laws is called $SO(3)$,
+# the *special orthogonal group*.
 
 # %%
 off = np.abs(R.T @ R - np.eye(3)).max()
@@ -71,17 +70,18 @@ guide.say(
 
 mirror = np.diag([1.0, -1.0, 1.0])
 guide.predict(
-    r"A camera hands you $M = \mathrm{diag}(1, -1, 1)$. It has $M^T M = I$. Can the tool be made to point so?",
-    rf"No. $\det M = {np.linalg.det(mirror):.0f}$: it is a mirror, which makes a right-handed gripper a left-handed "
-    "one. No motor can do that. Whenever a matrix comes from outside, look at its determinant too.",
+    r"A camera hands you $M = \mathrm{diag}(1, -1, 1)$. It has $M^T M = I$. Can the tool have this orientation?",
+    rf"No. $\det M = {np.linalg.det(mirror):.0f}$: it is a mirror, which makes a right-handed gripper a "
+    rf"left-handed one. No motor can do that. Check the determinant of every matrix that comes from outside."
+    "",
 )
 
 # %% [markdown]
 # ## What it does
 #
 # An arrow with the coordinates $q_t$ along the tool's axes has the coordinates $q_s = R_{st}\, q_t$ along those of the
-# base. Frames are chained by multiplying, and indices that meet cancel; here C is a camera on the tool. The way back is
-# the transpose, for which no equation has to be solved:
+# base. To chain frames, multiply: indices that meet cancel. Let C be a camera on the tool. The inverse of a rotation is
+# its transpose, so no equation has to be solved:
 #
 # $$R_{sc} = R_{st} R_{tc}, \qquad R_{ts} = R_{st}^{-1} = R_{st}^T$$
 
@@ -98,8 +98,7 @@ guide.say(
 # %% [markdown]
 # ## Three turns to build from
 #
-# Turn a frame about one of its axes by an angle. That axis stays, and the columns for the other two follow from
-# the sine and the cosine:
+# Turn a frame about one of its axes. This axis stays. The columns of the other two follow from the sine and the cosine:
 #
 # $$R_x(\theta) = \begin{bmatrix} 1 & 0 & 0 \\ 0 & \cos\theta & -\sin\theta \\ 0 & \sin\theta & \cos\theta
 # \end{bmatrix}, \quad
@@ -109,11 +108,11 @@ guide.say(
 # $$R_z(\theta) = \begin{bmatrix} \cos\theta & -\sin\theta & 0 \\ \sin\theta & \cos\theta & 0 \\ 0 & 0 & 1
 # \end{bmatrix}$$
 #
-# In $R_y$ the minus stands below, because $z$ turns towards $x$.
+# In $R_y$ the minus is in the last row, because $z$ turns towards $x$.
 #
 # Their order matters. Take a book. Turn it by 90° about the vertical axis $z$, then by 90° about the axis $x$ that
-# points away from you. Begin again, and do the two in the other order. (Any two orientations differ by one turn about
-# one axis, as lesson 2.1.2 shows; its angle says how far apart they are.)
+# points away from you. Begin again, and do the two in the other order. Lesson 2.1.2 shows that two orientations differ
+# by one turn about one axis. Its angle says how far apart they are.
 
 # %%
 quarter = np.pi / 2
@@ -121,9 +120,10 @@ Rx, Rz = rotations.exp([1, 0, 0], quarter), rotations.exp([0, 0, 1], quarter)
 apart = np.degrees(rotations.angle_between(Rx @ Rz, Rz @ Rx))
 guide.predict(
     r"$R_x(90°) R_z(90°)$ or $R_z(90°) R_x(90°)$: by what angle do the two outcomes differ?",
-    rf"They differ by {apart:.0f}°. Read a product of rotations from the left, and each factor turns about the axes as "
-    "the factors before have left them; read it from the right, and each turns about the axes that stand still. Both "
-    "readings give the same matrix, and neither lets you swap two factors.",
+    rf"They differ by {apart:.0f}°. Read a product of rotations from the left: each factor turns about the "
+    rf"axes as the factors before have left them. Read it from the right: each factor turns about the fixed "
+    rf"axes. Both readings give the same matrix, and in both the order matters."
+    "",
 )
 
 # %%
@@ -141,17 +141,17 @@ guide.figure(
 # %% [markdown]
 # ## Three numbers: Euler angles
 #
-# Nine numbers under six equations: three should do. Turn about $z$ by $\alpha$, about the *new* $y$ by $\beta$, about
-# the *newest* $z$ by $\gamma$ (MLS, section 2.2.3). Each later turn is about an axis that the earlier ones have moved,
-# so each factor is written to the right:
+# Nine numbers under six equations leave three. Turn about $z$ by $\alpha$, about the *new* $y$ by $\beta$, about the
+# *newest* $z$ by $\gamma$ (MLS, section 2.2.3). Each turn is about an axis that the turns before it have moved. So each
+# new factor is written to the right:
 #
 # $$R = R_z(\alpha)\, R_y(\beta)\, R_z(\gamma) = \begin{bmatrix}
 # r_{11} & r_{12} & \cos\alpha \sin\beta \\ r_{21} & r_{22} & \sin\alpha \sin\beta \\
 # -\sin\beta \cos\gamma & \sin\beta \sin\gamma & \cos\beta \end{bmatrix}$$
 #
-# The way back is in the same matrix: the corner holds $\beta$, and as long as $\sin\beta$ is not 0, the third column
-# holds $\alpha$ and the third row $\gamma$. Other triples are in use too, and a file that says "Euler angles" must say
-# which. *URDF*, the format in which arms are described, calls its own three `rpy`: roll, pitch and yaw.
+# The matrix also gives the angles back. Its last entry holds $\beta$. If $\sin\beta$ is not 0, the third column holds
+# $\alpha$ and the third row $\gamma$. Other triples are in use too, so a file with "Euler angles" must say which.
+# *URDF*, the format in which arms are described, calls its three `rpy`: roll, pitch and yaw.
 
 # %%
 orders = {"ZYZ": "in MLS", "ZYX": "yaw, pitch, roll; `rpy` is the same three, listed backwards"}
@@ -160,20 +160,23 @@ for order, where in orders.items():
     angles = rotations.to_euler(order, R)
     rows.append([order, where, *(f"{angle:.2f}°".replace("-", "−") for angle in np.degrees(angles))])
 guide.table(
-    ["order", "used", "first", "second", "third"], rows, f"One orientation of `{arm.name}`, told twice."
+    ["order", "used", "first", "second", "third"],
+    rows,
+    f"One orientation of `{arm.name}`, in two triples of angles.",
 )
 
 # %% [markdown]
 # ## Where they fail
 #
 # Set the middle angle to zero. Then the first and the third turn are about the same axis. Only the sum of their angles
-# counts, so different triples give one orientation:
+# matters, so different triples give one orientation:
 
 # %%
 guide.slider(
     "frame",
-    r"Set $\beta$ to 0. Now move $\alpha$ up and $\gamma$ down by as much. What happens to the frame, and to the nine "
-    "numbers?",
+    r"Set $\beta$ to 0. Now move $\alpha$ up and $\gamma$ down by as much. What happens to the frame, and to "
+    r"the nine numbers?"
+    "",
     r"Nothing at all. At $\beta = 0$ the matrix is $R_z(\alpha + \gamma)$: only the sum matters, and the difference is "
     r"lost. Infinitely many triples are the same orientation, and for an orientation very close to it $\alpha$ and "
     r"$\gamma$ may have to jump. At $\beta = 180°$ it is the other way round: only the difference matters.",
@@ -184,23 +187,23 @@ guide.slider(
 )
 
 # %% [markdown]
-# It does not fail only *at* that point. Nearby, a small turn of the tool asks for large changes of the angles. Let the
-# tool turn. Its **angular velocity** $\omega$ is a vector along the axis about which it turns at this instant, seen
-# from the base. Its length is the rate in rad/s. With a dot for the rate of an angle,
+# Euler angles also behave badly *near* that point: a small turn of the tool needs large changes of the angles. Let the
+# tool turn. Its **angular velocity** $\omega$ is a vector, seen from the base. It points along the axis of the turn at
+# this instant. Its length is the rate in rad/s. With a dot for the rate of an angle,
 #
 # $$\omega = E(\alpha, \beta, \gamma)\, (\dot\alpha, \dot\beta, \dot\gamma)^T$$
 #
-# The columns of $E$ are the axes of the three turns, as they stand at this instant. The first turn is about $z$ of the
-# base. The second is about $y$, which the first has turned by $\alpha$. The third is about the tool's $z$ axis, the last
-# column of $R$ above:
+# The columns of $E$ are the axes of the three turns at this instant. The first turn is about $z$ of the base. The
+# second is about $y$, which the first has turned by $\alpha$. The third is about the tool's $z$ axis, the last column
+# of $R$ above:
 #
 # $$E = \begin{bmatrix} 0 & -\sin\alpha & \cos\alpha \sin\beta \\ 0 & \cos\alpha & \sin\alpha \sin\beta \\
 # 1 & 0 & \cos\beta \end{bmatrix}, \qquad \det E = -\sin\beta$$
 #
-# At $\beta = 0$ the first and the third column are equal, and $E$ has no inverse. To see how bad it is nearby, let the
-# angles change at rates of length one, and look at the length of $\omega$. It depends on the direction of the rates. The
-# greatest length divided by the least is the **condition number** of $E$. It says how many times faster the angles must
-# change, for the same rate of the tool, in the worst direction than in the best.
+# At $\beta = 0$ the first and the third column are equal, and $E$ has no inverse. The **condition number** of $E$ says
+# how bad it is nearby. Let the three rates be a vector of length one. The length of $\omega$ depends on the direction
+# of this vector. The condition number is the greatest length of $\omega$ divided by the least. For the same rate of the
+# tool, the angles change that many times faster in the worst direction than in the best.
 
 # %%
 beta = np.radians(np.linspace(1, 179, 179))
@@ -211,8 +214,9 @@ fastest = np.linalg.norm(rates, 2) / np.sqrt(2)  # of α and of γ, which share 
 guide.predict(
     r"At $\beta = 90°$ the three axes are at right angles: the condition number is 1. What is it at $\beta = 1°$?",
     rf"It is {condition[0]:.0f}. To turn the tool at one degree per second in the worst direction, $\alpha$ and "
-    rf"$\gamma$ must run at {fastest:.0f}° per second each, in opposite senses. A controller that works in Euler angles "
-    "asks the motors there for what they cannot do.",
+    rf"$\gamma$ must each change at {fastest:.0f}° per second, in opposite senses. A controller in Euler "
+    rf"angles asks the motors there for more than they can do."
+    "",
 )
 
 # %%
@@ -228,8 +232,8 @@ guide.figure(
 # %% [markdown]
 # ## On your arm
 #
-# Whether that hurts depends on where your tool points when it works. Here are the condition numbers where the arm
-# waits, on its way as above, and with the tool pointing straight down to pick something up.
+# Does this affect your arm? That depends on where its tool points. The table has the condition numbers for three
+# orientations: the arm waits, the arm is on its way as above, and the tool points straight down.
 
 # %%
 down = rotations.exp([1, 0, 0], np.pi)
@@ -245,31 +249,31 @@ for words, orientation in (("waiting", waiting), ("on its way", R), ("pointing s
 guide.table(
     ["tool", *orders],
     rows,
-    "Condition numbers; 1 is best, and where the first and third axis coincide, it fails.",
+    "Condition numbers. 1 is best. Where the first and third axis coincide, the angles fail.",
 )
 
 # %% [markdown]
-# Every choice of three angles fails somewhere: three numbers cannot cover all orientations without a seam, as no flat
-# map shows the whole globe. So compute with matrices, or with the quaternions of the next lesson, and use angles to talk
-# to people.
+# Every choice of three angles fails somewhere. Three numbers cannot cover all orientations without a seam, as no flat
+# map shows the whole globe. So compute with matrices, or with the quaternions of the next lesson. Use angles only to
+# show orientations to people.
 
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# - **Transposed.** $R_{st}$ in the place of $R_{ts}$: everything works where the tool is not turned, and nothing
+# - **Transposed.** With $R_{st}$ in place of $R_{ts}$, everything works where the tool is not turned, and nothing
 #   elsewhere. Name matrices by both frames, and let the indices cancel.
 # - **Degrees.** `sin(90)` is the sine of 90 radians.
-# - **Fixed or moving axes.** URDF's `rpy` turns about fixed axes, first $x$, then $y$, then $z$. This is the same as
-#   turning about moving axes in the order $z, y, x$, and another rotation than about moving $x, y, z$.
-# - **Not quite a rotation.** Typed with few decimals, or multiplied a million times, a matrix leaves $SO(3)$.
+# - **Fixed or moving axes.** URDF's `rpy` turns about fixed axes, first $x$, then $y$, then $z$. This equals turns
+#   about moving axes in the order $z, y, x$. It differs from turns about moving $x, y, z$.
+# - **Not quite a rotation.** A matrix that is typed with few decimals, or multiplied a million times, leaves $SO(3)$.
 
 # %%
 typed = np.round(R, 2)
 mended = rotations.nearest(typed)
 guide.say(
     rf"Rounded to two decimals, the orientation of your tool misses $R^TR = I$ by up to "
-    rf"{np.abs(typed.T @ typed - np.eye(3)).max():.4f}. The rotation that is nearest to it (`rotations.nearest`) is one "
-    rf"to all digits, and {np.degrees(rotations.angle_between(mended, R)):.2f}° from what was meant."
+    rf"{np.abs(typed.T @ typed - np.eye(3)).max():.4f}. `rotations.nearest` returns the nearest rotation. It "
+    rf"is exact to all digits, and {np.degrees(rotations.angle_between(mended, R)):.2f}° from what was meant."
 )
 
 # %% [markdown]

@@ -1,15 +1,15 @@
 # %% [markdown]
 # # Rotations as exponentials
 #
-# The motor of a joint knows one thing: an angle about its own shaft. The shaft seldom points along x, y or z of your
-# base. Which rotation matrix belongs to the shaft and the angle? And the other way round: your tool is to get from one
-# orientation to another; about which axis do you turn it, and how far?
+# The motor of a joint turns about its own shaft, by some angle. The shaft seldom points along x, y or z of your base.
+# Which rotation matrix belongs to the shaft and the angle? And the reverse: the tool shall go from one orientation to
+# another. About which axis do you turn it, and how far?
 #
-# Both questions have one answer, the exponential of a matrix and its inverse, the logarithm. All that follows in this
-# course is built on it.
+# The exponential of a matrix answers the first question, and its inverse, the logarithm, the second. The rest of this
+# course builds on them.
 #
-# Here again are two frames: S is the base of your arm and T its tool, moved to the base's origin so that you see the
-# turn alone. The columns of $R_{st}$ are the axes of T, seen from S.
+# S is the frame of the base and T that of the tool. The picture shows both with one origin, so that you see the turn
+# alone. The columns of $R_{st}$ are the axes of T, seen from S.
 
 # %%
 from math import factorial
@@ -46,8 +46,8 @@ guide.figure(
 # %% [markdown]
 # ## A group
 #
-# Do one turn after the other and you have a turn. A set with an operation of this kind is a *group* if four things
-# hold. For $R_1, R_2, R_3 \in SO(3)$, the rotation matrices of lesson 2.1.1:
+# Two turns, one after the other, are again a turn. A set with such an operation is a *group* if four laws hold. For
+# $R_1, R_2, R_3 \in SO(3)$, the rotation matrices of lesson 2.1.1:
 #
 # - closure: $R_1 R_2$ is in $SO(3)$ too;
 # - identity: $I R_1 = R_1 I = R_1$;
@@ -55,7 +55,7 @@ guide.figure(
 # - associativity: $(R_1 R_2) R_3 = R_1 (R_2 R_3)$, as for all matrices.
 #
 # Source: Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation* (MLS), section 2.2.1. Two things
-# are missing from the list: the sum $R_1 + R_2$, and $R_1 R_2 = R_2 R_1$.
+# are not in the list. The sum $R_1 + R_2$ is not a rotation. And $R_1 R_2 = R_2 R_1$ does not hold in general.
 
 # %%
 X, Y, Z = (rotations.exp(unit, np.pi / 2) for unit in np.eye(3))  # quarter turns
@@ -66,25 +66,26 @@ quarters, halves = (
 guide.predict(
     "Is the mean of $I$ and a quarter turn about $z$ an eighth of a turn? And when does the order of two turns not "
     "matter: for turns about one axis, quarter turns about $x$ and $y$, half turns about $x$ and $y$?",
-    f"The mean is no rotation: its determinant is {halved:.2f}, so it shrinks things. Rotations are multiplied; what can "
-    "be added and halved is their logarithm, at the end of this lesson. Turns about one axis may change places, for "
-    f"their angles add up. The two quarter turns come out {quarters:.0f}° apart, the two half turns {halves:.0f}°: half "
+    f"The mean is no rotation: its determinant is {halved:.2f}, so it shrinks things. Rotations are "
+    f"multiplied. You can add and halve their logarithms, which come at the end of this lesson. Turns about "
+    f"one axis commute, because their angles add up."
+    f" The two quarter turns come out {quarters:.0f}° apart, the two half turns {halves:.0f}°: half "
     "turns about axes at right angles are the only other pair that commutes.",
 )
 
 # %% [markdown]
 # ## A point goes round
 #
-# Fix a unit vector $\omega$, the shaft, and let a body turn about it at one radian per second. A point $q$ of the body,
-# seen from a point of the shaft, moves at right angles to the shaft and to $q$:
+# Fix a unit vector $\omega$, the shaft, and let a body turn about it at one radian per second. Measure a point $q$ of
+# the body from a point of the shaft. It moves at right angles to the shaft and to $q$:
 #
 # $$\dot q(t) = \omega \times q(t) = \hat\omega\, q(t), \qquad
 # \hat\omega = \begin{bmatrix} 0 & -\omega_3 & \omega_2 \\ \omega_3 & 0 & -\omega_1 \\
 # -\omega_2 & \omega_1 & 0 \end{bmatrix}$$
 #
-# The hat writes the cross product as a matrix. Its matrices are *skew-symmetric*, $\hat\omega^T = -\hat\omega$, and
-# their set is called $so(3)$. What we have is a linear differential equation with a constant matrix. Its solution is
-# the one that you know from numbers, where $\dot q = c q$ gives $q = e^{ct} q(0)$:
+# The hat writes the cross product as a matrix. Such matrices are *skew-symmetric*, $\hat\omega^T = -\hat\omega$, and
+# their set is called $so(3)$. This is a linear differential equation with a constant matrix. For numbers, $\dot q = c
+# q$ has the solution $q = e^{ct} q(0)$. For matrices it is the same:
 #
 # $$q(t) = e^{\hat\omega t} q(0)$$
 #
@@ -131,9 +132,9 @@ guide.figure(
 # $$e^{\hat\omega\theta} = I + \hat\omega\theta + \frac{(\hat\omega\theta)^2}{2!}
 # + \frac{(\hat\omega\theta)^3}{3!} + \cdots$$
 #
-# The powers repeat. For any $a$, the rule for a double cross product says $\hat a^2 = a a^T - \|a\|^2 I$, and because
-# $\hat a a = a \times a = 0$ it follows that $\hat a^3 = -\|a\|^2\,\hat a$ (MLS, lemma 2.3). For the unit vector
-# $\omega$ this is $\hat\omega^3 = -\hat\omega$. Sort the terms by $\hat\omega$ and $\hat\omega^2$:
+# The powers repeat. For any $a$, the rule for a double cross product says $\hat a^2 = a a^T - \|a\|^2 I$. Because $\hat
+# a a = a \times a = 0$, it follows that $\hat a^3 = -\|a\|^2\,\hat a$ (MLS, lemma 2.3). For the unit vector $\omega$
+# this is $\hat\omega^3 = -\hat\omega$. Sort the terms by $\hat\omega$ and $\hat\omega^2$:
 #
 # $$e^{\hat\omega\theta} = I + \left(\theta - \frac{\theta^3}{3!} + \frac{\theta^5}{5!} - \cdots\right)\hat\omega
 # + \left(\frac{\theta^2}{2!} - \frac{\theta^4}{4!} + \frac{\theta^6}{6!} - \cdots\right)\hat\omega^2$$
@@ -142,8 +143,9 @@ guide.figure(
 #
 # $$e^{\hat\omega\theta} = I + \hat\omega\sin\theta + \hat\omega^2(1 - \cos\theta), \qquad \|\omega\| = 1$$
 #
-# Source: MLS, section 2.2.2, equation (2.14). It always gives a rotation: the transpose of $e^{\hat\omega\theta}$ is
-# $e^{-\hat\omega\theta}$, its inverse, and the determinant, which is 1 at $\theta = 0$, cannot jump to $-1$ on the way.
+# Source: MLS, section 2.2.2, equation (2.14). It always gives a rotation. The transpose of $e^{\hat\omega\theta}$ is
+# $e^{-\hat\omega\theta}$, its inverse. The determinant is 1 at $\theta = 0$ and changes continuously, so it cannot
+# become $-1$.
 
 
 # %% tags=["shown"]
@@ -167,8 +169,9 @@ enough = {a: counts[np.argmax(np.array(e) < 5e-10)] for a, e in errors.items()}
 guide.predict(
     "How many terms of the series do you need for nine correct decimals, at half a radian and at six radians, nearly "
     "a full turn? And at which angle is the series cheaper than the formula?",
-    f"It takes {enough[0.5]} terms at half a radian and {enough[6.0]} at six radians. It is cheaper nowhere: the formula "
-    "needs one sine, one cosine and the square of one matrix, whatever the angle.",
+    f"It takes {enough[0.5]} terms at half a radian and {enough[6.0]} at six radians. The series is never "
+    f"cheaper. The formula needs one sine, one cosine and the square of one matrix at every angle."
+    "",
 )
 
 # %%
@@ -178,15 +181,16 @@ for a in angles:
 ax.legend()
 guide.figure(
     fig,
-    "The error of the series against the number of its terms, on a logarithmic scale. For half a radian it falls at "
-    "once. For six radians it first grows, then falls. All three end where rounding begins.",
+    "The error of the series against the number of its terms, on a logarithmic scale. For half a radian it "
+    "falls at once. For six radians it first grows, then falls. All three end at the level of rounding."
+    "",
     "The larger the angle, the longer the series; for six radians its terms first grow.",
 )
 
 # %% [markdown]
-# ### The condition that is easily lost
+# ### The axis must have length one
 #
-# Rodrigues' formula holds for a **unit** vector. For any other, divide first:
+# Rodrigues' formula holds for a **unit** vector. For any other vector, divide by its length first:
 #
 # $$e^{\hat\omega\theta} = I + \frac{\hat\omega}{\|\omega\|}\sin(\|\omega\|\theta)
 # + \frac{\hat\omega^2}{\|\omega\|^2}\,(1 - \cos(\|\omega\|\theta))$$
@@ -208,9 +212,9 @@ guide.predict(
 # %% [markdown]
 # ## The shafts of your arm
 #
-# For $\omega$ along $x$, $y$ or $z$ Rodrigues' formula gives $R_x$, $R_y$ and $R_z$ of the first lesson. For the shafts
-# of your arm, as they stand where it waits, it gives the rotation that each joint would add. Here each joint was moved
-# alone, and $e^{\hat\omega\theta}R$ was compared with the orientation that the tool then had.
+# For $\omega$ along $x$, $y$ or $z$, Rodrigues' formula gives $R_x$, $R_y$ and $R_z$ of the first lesson. For a shaft
+# of your arm in the ready configuration, it gives the rotation that this joint adds. For the table, each joint moved
+# alone. The last column compares $e^{\hat\omega\theta}R$ with the orientation that the tool then had.
 
 # %%
 turning = guide.arm_with(
@@ -232,13 +236,13 @@ guide.table(
 )
 
 # %% [markdown]
-# The new factor stands on the **left**, because the shaft is seen from the base. A shaft that is seen from the tool
-# would stand on the right.
+# The new factor is on the **left**, because the shaft is seen from the base. For a shaft that is seen from the tool, it
+# would be on the right.
 #
 # ## The way back: the logarithm
 #
-# Every rotation is a turn about one axis: this is **Euler's theorem**. The axis is a direction that stays where it is,
-# $R\omega = \omega$. There is one if $R - I$ has the determinant 0. And it has:
+# Every rotation is a turn about one axis: this is **Euler's theorem**. The axis is a direction that the rotation does
+# not change, $R\omega = \omega$. It exists if $R - I$ has the determinant 0. And it has:
 #
 # $$\det(R - I) = \det(R - RR^T) = \det R\,\det(I - R)^T = -\det(R - I)$$
 #
@@ -248,8 +252,8 @@ guide.table(
 # $$\theta = \cos^{-1}\frac{\mathrm{tr}\,R - 1}{2}, \qquad
 # \omega = \frac{1}{2\sin\theta}\begin{bmatrix} r_{32} - r_{23} \\ r_{13} - r_{31} \\ r_{21} - r_{12} \end{bmatrix}$$
 #
-# Source: MLS, section 2.2.2. The product $\omega\theta$ is the *logarithm* of $R$; its three numbers are also called the
-# exponential coordinates. So one turn takes the tool from one orientation to another, however many joints moved.
+# Source: MLS, section 2.2.2. The product $\omega\theta$ is the *logarithm* of $R$; its three numbers are also called
+# the exponential coordinates. So one turn takes the tool from one orientation to another, even if many joints moved.
 
 # %%
 start, end = arm.fk(arm.ready)[:3, :3], R  # from where the arm waits to where it is on its way
@@ -259,7 +263,7 @@ turn = np.linalg.norm(w)
 
 halfway = rotations.exp(w / 2) @ start
 guide.say(
-    f"From where it waits to the orientation of the first picture, `{arm.name}` turns its tool by **{np.degrees(turn):.1f}°** "
+    f"From the ready configuration to the first picture, `{arm.name}` turns its tool by **{np.degrees(turn):.1f}°** "
     f"about $({', '.join(f'{x:.3f}' for x in (w / turn if turn else w) + 0.0)})$, seen from the base. Half the "
     f"logarithm is half the way: {np.degrees(rotations.angle_between(start, halfway)):.1f}° from the one and "
     f"{np.degrees(rotations.angle_between(halfway, end)):.1f}° from the other."
@@ -269,9 +273,10 @@ guide.say(
 guide.slider(
     "axis_angle",
     "Set a half turn, 180°. Then reverse the axis. What happens to the matrix? Try the same at 90°.",
-    "At a half turn $\\omega$ and $-\\omega$ give the same matrix: there the logarithm has two values, and a program "
-    "has to choose one. A controller that follows the axis sees a jump there. At 90° the two turns are inverse to "
-    "each other.",
+    "At a half turn $\\omega$ and $-\\omega$ give the same matrix: there the logarithm has two values, and a "
+    "program must choose one. A controller that follows the axis sees a jump there. At 90° the two turns are "
+    "inverse to each other."
+    "",
     axis=(1, 0, 1),
     angle=180,
 )
@@ -279,17 +284,17 @@ guide.slider(
 # %% [markdown]
 # ### Where the formula for the logarithm fails
 #
-# At $\theta = 0$ there is no axis to find, and the logarithm is $0$. At a half turn $\sin\theta = 0$ leaves nothing to
-# divide by, but the axis is still there. Rodrigues' formula with $\theta = \pi$, and $\hat\omega^2 = \omega\omega^T - I$
-# from above, give
+# At $\theta = 0$ there is no axis, and the logarithm is $0$. At a half turn $\sin\theta = 0$, so the formula divides by
+# zero, but there is an axis. Rodrigues' formula with $\theta = \pi$, and $\hat\omega^2 = \omega\omega^T - I$ from
+# above, give
 #
 # $$R + I = 2\,\omega\,\omega^T$$
 #
-# Every column of this matrix is a multiple of $\omega$. Take the longest, divide it by its length, and you have
-# $\omega$ or $-\omega$: both are right (Lynch & Park, section 3.2.3.3).
+# Every column of this matrix is a multiple of $\omega$. Divide the longest column by its length: this is $\omega$ or
+# $-\omega$, and both are right (Lynch & Park, section 3.2.3.3).
 #
-# Near both ends rounding is magnified, because the cosine is flat there. A turn by a few billionths of a radian is no
-# rarity: it is what an iteration sees just before it ends.
+# Near 0 and $\pi$ rounding is magnified, because the cosine is flat there. Turns by a few billionths of a radian are
+# common: an iteration meets them in its last steps.
 
 # %%
 sizes = np.logspace(-10, 0, 21)
@@ -305,23 +310,24 @@ guide.figure(
     fig,
     "The relative error of two ways to find a small angle. By the arc cosine of the trace all digits are lost below "
     "ten to the minus eight radians. The careful logarithm keeps them.",
-    f"Below some ${guide.rough(sizes[abs(by_cosine / sizes - 1) > 0.5].max())}$ rad the arc cosine returns nothing but "
-    "zero or noise.",
+    f"Below about ${guide.rough(sizes[abs(by_cosine / sizes - 1) > 0.5].max())}$ rad the arc cosine returns "
+    f"only zero or noise."
+    "",
 )
 
 # %% [markdown]
-# `rotations.log` goes by the quaternion of the lesson before, which is accurate at both ends; so does SciPy's
-# `Rotation.as_rotvec`. Write the formula once yourself, in the exercise below, and use one of these from then on.
+# `rotations.log` and SciPy's `Rotation.as_rotvec` use the quaternion, which is accurate at both ends. Write the formula
+# once yourself, in the exercise below. From then on, use one of these functions.
 #
 # ## In use: which way is down?
 #
-# You know gravity in the axes of the base, $g_s$, and your gripper needs it in its own, $g_t$: to keep a bottle
-# upright, say. The matrix $R_{st}$ takes coordinates of the tool T to coordinates of the base S, $g_s = R_{st}\, g_t$.
+# You know gravity in the axes of the base, $g_s$. To keep a bottle upright, the gripper needs it in the axes of the
+# tool, $g_t$. The matrix $R_{st}$ takes coordinates of the tool T to coordinates of the base S, $g_s = R_{st}\, g_t$.
 # You need the opposite direction:
 #
 # $$g_t = R_{st}^T\,g_s$$
 #
-# (An accelerometer in the gripper, at rest, reads $-g_t$: it feels what holds it up, not what pulls it down.)
+# (An accelerometer in the gripper, at rest, reads $-g_t$: it measures the force that holds it up.)
 
 # %%
 g_s = np.array([0.0, 0.0, -9.81])  # downward, the base standing upright [m/s²]
@@ -335,9 +341,9 @@ guide.table(
 )
 
 # %% [markdown]
-# Two habits keep you from the slip. Write the indices, and let the inner ones meet: $g_s = R_{st}\, g_t$. Test with a
-# turn about a level axis, where you know the answer. A turn about the vertical leaves gravity unchanged and hides the
-# slip.
+# Two habits prevent this mistake. Write the indices, and let the inner ones meet: $g_s = R_{st}\, g_t$. Test with a
+# turn about a level axis, where you know the answer. A turn about the vertical does not change gravity, so it hides the
+# mistake.
 #
 # ## What goes wrong in practice
 #
@@ -350,11 +356,11 @@ lost = rotations.angle_between(
 guide.say(f"90 radians in place of 90° leave the tool {np.degrees(lost):.0f}° off.")
 
 # %% [markdown]
-# **Left and right.** A shaft seen from the base multiplies from the left, one seen from the tool from the right. While
-# all shafts are parallel, the slip does not show. The first shaft that is not parallel shows it.
+# **Left and right.** A shaft seen from the base multiplies from the left. A shaft seen from the tool multiplies from
+# the right. The mistake does not show while all shafts are parallel.
 #
-# **A program that multiplies for hours.** Rounding carries the product out of $SO(3)$ slowly. Put it back now and
-# then, with `rotations.nearest`.
+# **A program that multiplies for hours.** Rounding slowly moves the product out of $SO(3)$. Call `rotations.nearest`
+# from time to time.
 #
 # ## Exercises
 

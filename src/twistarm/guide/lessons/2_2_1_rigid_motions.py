@@ -1,19 +1,19 @@
 # %% [markdown]
 # # Rigid motions
 #
-# A camera on a link of your arm sees a rock and says where it lies: so much to the right, so much ahead, all of it
-# measured from the lens. You want the tip of the screwdriver that the gripper holds to touch the rock. Where is the
-# rock, seen from the base? Where is the tip? And how far does the tip have to go to touch the rock?
+# A camera on a link of your arm sees a rock and reports its position, measured from the lens. The gripper holds a
+# screwdriver, and its tip shall touch the rock. Where is the rock, seen from the base? Where is the tip? And how far
+# must the tip go to touch the rock?
 #
-# Frames that have moved and turned lie between the questions and their answers. This lesson puts a turn and a shift
-# into one matrix, so that passing from frame to frame becomes a product.
+# To answer, you change from one frame to another. This lesson puts a turn and a shift into one matrix. To change the
+# frame, you then multiply.
 #
 # ## The law
 #
-# A **rigid motion** keeps every distance, and it keeps a right hand a right hand. Every such motion of space is a turn
-# and a shift (Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation* (MLS), section 2.1). Let
-# $R_{st}$ be the orientation of frame T seen from S, and $p_{st}$ the place of its origin. A point with coordinates
-# $q_t$ in T has in S the coordinates
+# A **rigid motion** keeps every distance, and it keeps a right-handed frame right-handed. Every such motion is a turn
+# and a shift. Source: Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation* (MLS), section 2.1.
+# Let $R_{st}$ be the orientation of frame T seen from S, and $p_{st}$ the position of its origin. A point with the
+# coordinates $q_t$ in T has the coordinates in S
 #
 # $$q_s = R_{st}\,q_t + p_{st}$$
 #
@@ -25,10 +25,10 @@
 # The matrix $g_{st}$ is called the **pose** of T seen from S. The set of all of them, with $p \in \mathbb{R}^3$ and
 # $R \in SO(3)$, is called $SE(3)$, the *special Euclidean group*. Source: MLS, section 2.3.1.
 #
-# A **vector** is the difference of two points, so it carries a 0 underneath. The shift then drops out, as it should: a
+# A **vector** is the difference of two points, so its last entry is 0. The shift then drops out, as it should: a
 # direction does not change when the origin moves.
 #
-# Four frames on your arm: S is the base, T the tool, F the tip of a screwdriver in the gripper, and C a camera.
+# Your arm has four frames here. S is the base, T the tool, F the tip of a screwdriver in the gripper, and C a camera.
 
 # %%
 import numpy as np
@@ -53,9 +53,9 @@ guide.table(
 #
 # $$g_{sf} = g_{st}\,g_{tf} = \begin{bmatrix} R_{st}R_{tf} & R_{st}\,p_{tf} + p_{st} \\ 0 & 1 \end{bmatrix}$$
 #
-# The letters that meet in the middle cancel. Check each product by its letters and you will not go wrong.
+# The letters that meet in the middle cancel. Check each product by its letters.
 #
-# On your arm, frame F at the tip of the screwdriver is shifted along the tool's $z$ axis and tilted about its $x$ axis.
+# Frame F at the tip of the screwdriver is shifted along the tool's $z$ axis and tilted about its $x$ axis.
 
 # %%
 g_tf = np.eye(4)
@@ -63,16 +63,18 @@ g_tf[:3, :3], g_tf[:3, 3] = rotations.exp([1, 0, 0], 0.5), point[:3]
 g_sf, swapped = g_st @ g_tf, g_tf @ g_st
 miss = np.linalg.norm((g_sf - swapped)[:3, 3])
 guide.predict(
-    "Somebody writes $g_{tf}\\,g_{st}$ instead of $g_{st}\\,g_{tf}$. Does the tip come out in the same place? Why, or why "
-    "not?",
-    f"It does not: the screwdriver lies along the tool's axes. The swapped product adds it along the base's, and tilts "
-    f"the place of the tool with it. On `{arm.name}` the tip is at $({', '.join(f'{x:.3f}' for x in g_sf[:3, 3] + 0.0)})$ m, and the swapped "
+    "A teammate writes $g_{tf}\\,g_{st}$ instead of $g_{st}\\,g_{tf}$. Does the tip come out in the same "
+    "place? Why, or why not?"
+    "",
+    f"It does not: the screwdriver lies along the tool's axes. The swapped product adds it along the base's "
+    f"axes, and turns the tool's position with it."
+    f" On `{arm.name}` the tip is at $({', '.join(f'{x:.3f}' for x in g_sf[:3, 3] + 0.0)})$ m, and the swapped "
     f"product says $({', '.join(f'{x:.3f}' for x in swapped[:3, 3] + 0.0)})$ m, {100 * miss:.1f} cm away.",
 )
 
 # %% [markdown]
-# Why the order matters is best seen in the plane. Take one turn and one shift. Each new factor on the right is done in
-# the axes that the motions before have left.
+# The plane shows best why the order matters. Take one turn and one shift. Each new factor on the right moves along the
+# axes that the factors before it have turned.
 
 # %%
 turn, shift = np.eye(4), np.eye(4)
@@ -93,17 +95,17 @@ guide.figure(
     fig,
     "Two plane drawings. On the left a frame turns by sixty degrees and then moves along its own new x axis, up and to "
     "the right. On the right it moves along x first and turns on the spot. The two end in different places.",
-    "The same turn and the same shift in two orders. The orientations agree, the places do not.",
+    "The same turn and the same shift in two orders. The orientations agree, the positions do not.",
 )
 
 # %% [markdown]
 # ## The way back
 #
-# The motion that undoes $g_{st}$ is T's view of S:
+# The inverse of $g_{st}$ is the pose of S seen from T:
 #
 # $$g_{ts} = g_{st}^{-1} = \begin{bmatrix} R_{st}^T & -R_{st}^T p_{st} \\ 0 & 1 \end{bmatrix}$$
 #
-# The shift is not $-p$ alone: seen from T, the origin of S lies in the direction $-p$ *turned into T's axes*.
+# The shift is not $-p$ alone. Seen from T, the origin of S lies at $-p$ *written in T's axes*.
 
 # %% tags=["shown"]
 g_ts = screws.inverse(g_st)
@@ -117,13 +119,13 @@ guide.say(
 )
 
 # %% [markdown]
-# With an identity, an inverse, a product that stays inside and associativity, $SE(3)$ is a group, as $SO(3)$ is. The
-# sum of two poses is no pose: its last row ends with a 2.
+# $SE(3)$ has an identity, inverses, products and associativity, so it is a group, as $SO(3)$ is. The sum of two poses
+# is not a pose: its last row ends with a 2.
 #
 # ## In use: the camera and the rock
 #
-# Camera C sits on a link of your arm, half way along the chain where the description has links. The rock is where the
-# camera says, at $q_c$. Three lines answer the questions of the beginning; $p_{tf}$ is the tip, seen from the tool:
+# Camera C sits on a link of your arm, half way along the chain if the description has links. It reports the rock at
+# $q_c$. Let $p_{tf}$ be the tip, seen from the tool. Three equations answer the questions of the beginning:
 #
 # $$\bar q_s = g_{sc}\,\bar q_c, \qquad \bar q_t = g_{st}^{-1}\,\bar q_s, \qquad d_t = q_t - p_{tf}$$
 
@@ -151,7 +153,7 @@ guide.table(
         ["$q_t$, seen from the tool", *q_t[:3]],
         ["$d_t$, from the tip, in the tool's axes", *d_t[:3]],
     ],
-    f"One rock, four views. From the tip of the screwdriver it is {100 * np.linalg.norm(d_t):.1f} cm away.",
+    f"One rock, seen from four frames. From the tip of the screwdriver it is {100 * np.linalg.norm(d_t):.1f} cm away.",
 )
 
 # %%
@@ -173,8 +175,9 @@ guide.figure(
     fig,
     f"{arm.name} with the frames of its base, of a camera on one of its links and of its tool, which holds a "
     "screwdriver. One arrow goes from the camera to a rock, another from the tip of the screwdriver to the same rock.",
-    "Base $s$, camera $c$, tool $t$ with the screwdriver, grey. What is known is the arrow $q$ from the camera to the "
-    "rock; what is asked for is the arrow $d$ from the tip.",
+    "Base $s$, camera $c$, tool $t$ with the screwdriver, grey. The arrow $q$ from the camera to the rock is "
+    "known. The arrow $d$ from the tip is the answer."
+    "",
 )
 
 # %%
@@ -190,21 +193,21 @@ guide.scene(arm, theta=theta, caption="The arm as in the picture above.", quanti
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# **The letters do not meet.** A transform that is named `T_base_tool` in one program and `tool_to_base` in another is
-# often the same matrix. Ask of each: which point's coordinates go in, and which come out?
+# **The letters do not meet.** `T_base_tool` in one program and `tool_to_base` in another are often the same matrix. Ask
+# of each: in which frame are the coordinates that go in, and in which those that come out?
 #
-# **The inverse by changing signs.** It works while nothing is turned, and fails on the first day that something is.
+# **The inverse by changing signs.** It works while nothing is turned, and fails as soon as something is.
 #
-# **The 1 forgotten, or put under a direction.** With a 0 under a point every frame seems to sit at the base. With a 1
-# under a direction, the place of the frame is added to it, and the gripper approaches from the wrong side.
+# **The 1 forgotten, or put under a direction.** With a 0 under a point every frame seems to be at the base. With a 1
+# under a direction, the position of the frame is added to it. The gripper then approaches from the wrong side.
 #
-# **The camera's axes.** Optical frames have $z$ ahead, $x$ right and $y$ down; frames of links mostly have $x$ ahead
-# and $z$ up. The turn between the two is a constant matrix, and it belongs in the chain.
+# **The camera's axes.** Optical frames have $z$ ahead, $x$ right and $y$ down. Most frames of links have $x$ ahead and
+# $z$ up. The turn between the two is a constant matrix. Put it in the chain.
 
 # %%
 guide.say(
     f"**Millimetres.** CAD exports in mm, URDF means metres. The tip of a tool that is {100 * point[2]:.0f} cm long "
-    f"ends {1000 * point[2]:.0f} m away, which shows at once; a shift in inches does not."
+    f"ends {1000 * point[2]:.0f} m away, which you see at once. A shift in inches is harder to see."
 )
 
 # %% [markdown]

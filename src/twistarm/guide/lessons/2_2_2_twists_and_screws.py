@@ -1,14 +1,14 @@
 # %% [markdown]
 # # Twists and screws
 #
-# The driver moves all joints at once, and the gripper goes from one pose to another. Can you say in one sentence what
-# it did? You can: it turned about **one line** and slid along it, as a nut does on its bolt. A single joint of your
-# arm, of any type, does the same to everything beyond it.
+# The driver moves all joints at once, and the gripper goes from one pose to another. One sentence describes what it
+# did: it turned about **one line** and slid along it, as a nut does on its bolt. Each single joint of your arm does the
+# same to everything beyond it.
 #
 # ## What a joint does to a point
 #
-# Let $\omega$ be the unit vector along a joint's axis, $q$ any point on that axis, and $p$ a point of the link beyond
-# it. A revolute joint, which turns, gives this point at one radian per second the velocity
+# Let $\omega$ be the unit vector along a joint's axis and $q$ any point on that axis. Let $p$ be a point of the link
+# beyond the joint. A revolute joint turns. At one radian per second it gives this point the velocity
 #
 # $$\dot p = \omega \times (p - q)$$
 #
@@ -17,13 +17,13 @@
 #
 # $$\dot p = \omega \times (p - q) + h\,\omega, \qquad\qquad \dot p = v$$
 #
-# One pair of vectors serves for all three. With $v = -\omega \times q + h\,\omega$,
+# One pair of vectors describes all three. With $v = -\omega \times q + h\,\omega$,
 #
 # $$\begin{bmatrix} \dot p \\ 0 \end{bmatrix}
 # = \begin{bmatrix} \hat\omega & v \\ 0 & 0 \end{bmatrix} \begin{bmatrix} p \\ 1 \end{bmatrix} = \hat\xi\,\bar p,
 # \qquad \xi = \begin{bmatrix} v \\ \omega \end{bmatrix}$$
 #
-# $\xi$ is the **twist** of the joint. It is six numbers, the linear part first. Source: Murray, Li and Sastry, *A
+# $\xi$ is the **twist** of the joint: six numbers, the linear part first. Source: Murray, Li and Sastry, *A
 # Mathematical Introduction to Robotic Manipulation* (MLS), section 2.3.2.
 
 # %%
@@ -75,8 +75,8 @@ guide.figure(
 # %%
 origin_rate = (screws.hat(kinds["revolute"]) @ [0, 0, 0, 1])[:3]
 guide.predict(
-    "The revolute joint of the table turns on the spot, and yet its $v$ is not zero. Which point "
-    "moves with the velocity $v$?",
+    "The revolute joint of the table does not slide, but its $v$ is not zero. Which point moves with the velocity $v$?"
+    "",
     "The point of the moving body that is now at the origin of the frame, if you imagine the body "
     "large enough to have one there: "
     f"its velocity, the upper part of $\\hat\\xi\\,(0, 0, 0, 1)$, is ${guide.tex(origin_rate, 1)}$. It is "
@@ -86,8 +86,8 @@ guide.predict(
 # %% [markdown]
 # ## The twists of your arm
 #
-# The table shows the twist of each moving joint, seen from the base while all joints stand at zero, and the screw that
-# the twist describes. Axis point and pitch are read off a twist with $\omega \neq 0$ by
+# The table shows the twist of each moving joint and the screw that the twist describes. Both are seen from the base,
+# with all joints at zero. A twist with $\omega \neq 0$ gives the pitch and a point of the axis by
 #
 # $$h = \frac{\omega^T v}{\|\omega\|^2}, \qquad q = \frac{\omega \times v}{\|\omega\|^2}, \qquad M = \|\omega\|$$
 #
@@ -110,18 +110,18 @@ guide.table(
 )
 guide.scene(
     arm,
-    caption="The axes of these screws, named with their pitches. The table holds for joints at zero: move one, and the "
-    "axes after it come along.",
+    caption="The axes of these screws, labelled with their pitches. The table is for joints at zero. Move a joint: the axes after it move too."
+    "",
     quantity="screws",
 )
 
 # %% [markdown]
 # ## The exponential
 #
-# What does a joint do that moves on, by $\theta$ radians? $\dot{\bar p} = \hat\xi\,\bar p$ is again a linear
-# differential equation, and so $\bar p(\theta) = e^{\hat\xi\theta}\,\bar p(0)$. You can see what this matrix must do.
-# With $\omega = 0$ every point is shifted by $v\theta$. With $\|\omega\| = 1$ a point turns about the axis, which passes
-# through $q$, and slides along it:
+# Now let the joint move by $\theta$ radians. $\dot{\bar p} = \hat\xi\,\bar p$ is again a linear differential equation,
+# so $\bar p(\theta) = e^{\hat\xi\theta}\,\bar p(0)$. Geometry says what this matrix must do. With $\omega = 0$ every
+# point is shifted by $v\theta$. With $\|\omega\| = 1$ a point turns about the axis, which passes through $q$, and
+# slides along it:
 #
 # $$p(\theta) = q + e^{\hat\omega\theta}\,(p(0) - q) + h\,\theta\,\omega$$
 #
@@ -135,8 +135,8 @@ guide.scene(
 #
 # $$e^{\hat\xi\theta} = \begin{bmatrix} I & v\theta \\ 0 & 1 \end{bmatrix}$$
 #
-# Source: MLS, section 2.3.2, equations (2.32) and (2.36). Any other $\omega$ is brought to length one: only the product
-# $\xi\theta$ counts, so divide $\xi$ by $\|\omega\|$ and multiply $\theta$ by it.
+# Source: MLS, section 2.3.2, equations (2.32) and (2.36). Only the product $\xi\theta$ matters. So for any other
+# $\omega$, divide $\xi$ by $\|\omega\|$ and multiply $\theta$ by it.
 
 
 # %% tags=["shown"]
@@ -159,10 +159,10 @@ first = arm.screws[:, 0]  # of the joint nearest to the base
 moved = exponential(first, step) @ arm.home
 forgotten = np.linalg.norm((moved - exponential(first, step))[:3, 3])
 guide.say(
-    "The exponential is a motion. It moves points *within one frame*, the base's: what was at $g(0)$ "
-    r"is then at $g(\theta) = e^{\hat\xi\theta}\,g(0)$. "
-    f"Without $g(0)$ you would look for the tool of `{arm.name}` {forgotten:.2f} m away from where it "
-    "is."
+    "The exponential is a motion. It moves points *within one frame*, that of the base. A body at $g(0)$ is "
+    "afterwards at"
+    r" $g(\theta) = e^{\hat\xi\theta}\,g(0)$. "
+    f"Without $g(0)$ the computed tool of `{arm.name}` is {forgotten:.2f} m off."
 )
 
 # %%
@@ -177,10 +177,9 @@ guide.slider(
 # %% [markdown]
 # ## Back again: the logarithm, and Chasles' theorem
 #
-# Take any two poses of a body. There is a line about which it can turn and along which it can slide to get from the one
-# to the other. That is **Chasles' theorem**. In formulas: every $g = (p, R) \in SE(3)$, which takes the point at the
-# origin to $p$, is $e^{\hat\xi\theta}$ for some twist, and $\xi\theta$ is its *logarithm*. The proof is a way to compute
-# it, in three cases:
+# Take any two poses of a body. There is a line such that a turn about it and a slide along it lead from the one to the
+# other. This is **Chasles' theorem**. As a formula: every $g = (p, R) \in SE(3)$ is $e^{\hat\xi\theta}$ for some twist,
+# and $\xi\theta$ is its *logarithm*. The proof computes it in three cases:
 #
 # - $R = I$: the body is only shifted; $\omega = 0$ and $v\theta = p$.
 # - $0 < \theta < \pi$: $\omega\theta$ is the logarithm of $R$, from the lesson on exponentials of rotations. The upper right
@@ -209,7 +208,7 @@ def logarithm(g):
 
 
 # %% [markdown]
-# Your arm goes from ready to another pose. All joints move. Here is the one screw that takes the tool there.
+# Your arm goes from ready to another configuration, and all joints move. One screw motion takes the tool there:
 
 # %%
 start = arm.fk(arm.ready)
@@ -222,7 +221,7 @@ places = path[:, :3, 3]
 straight = np.linalg.norm(places[-1] - places[0])
 length = np.linalg.norm(np.diff(places, axis=0), axis=1).sum()
 if np.isinf(screw.pitch):
-    words = f"it slides by **{screw.magnitude:.3f} m** and turns nothing"
+    words = f"it slides by **{screw.magnitude:.3f} m** and does not turn"
 else:
     slide = 1000 * float(screw.pitch * screw.magnitude)
     way = "in the direction of its axis" if slide > 0 else "against the direction of its axis"
@@ -274,20 +273,20 @@ guide.figure(
 )
 
 # %% [markdown]
-# A twist is a velocity: the screw motion of one instant. Let it go on unchanged for a while, and you have the screw
-# motion itself. (Some texts call the twist the time derivative of the screw motion. It is that at the start only.)
+# A twist is a velocity: the screw motion at one instant. If it stays constant for a while, the result is a screw
+# motion. (Some texts call the twist the time derivative of the screw motion. This is true at the start only.)
 #
-# The logarithm is not unique. A full turn more about the same line, with the same slide in all, leads to the same pose:
-# the turn is $\theta + 2\pi$, so the pitch is less. At a half turn the line may be taken in either direction.
+# The logarithm is not unique. One more full turn about the same line, with the same total slide, leads to the same
+# pose. The turn is then $\theta + 2\pi$, and the pitch is smaller. At a half turn the line may have either direction.
 # `screws.log` takes the turn of at most half a circle.
 #
 # ## What goes wrong in practice
 #
 # **The order of the six.** MLS and Pinocchio write $(v, \omega)$; Lynch & Park, *Modern Robotics*, write $(\omega, v)$.
-# No program complains when you mix them: a turn becomes a slide.
+# If you mix them, no program complains, and a turn becomes a slide.
 #
-# **The sign of $v$.** It is $-\omega \times q$, which is $q \times \omega$. With the other sign each joint turns
-# about the parallel line on the other side of the origin, through $-q$. A joint through the origin does not show it.
+# **The sign of $v$.** It is $-\omega \times q$, which is $q \times \omega$. With the other sign each joint turns about
+# the parallel line on the other side of the origin, through $-q$. A joint through the origin does not show the mistake.
 
 # %%
 wrong = np.array([*np.cross(axis, q), *axis])
@@ -297,11 +296,11 @@ guide.say(
 )
 
 # %% [markdown]
-# **$v$ taken for the speed of the joint or of the tool.** It belongs to the point at the origin. A joint far from the
-# origin has a large $v$, even if it turns slowly.
+# **$v$ taken for the speed of the joint or of the tool.** It is the velocity of the point at the origin. A joint far
+# from the origin has a large $v$, even if it turns slowly.
 #
-# **A pitch per turn.** Lead screws are sold by millimetres per turn. The pitch $h$ here is per radian: divide by
-# $2\pi$, and the carriage moves as the data sheet says.
+# **A pitch per turn.** Data sheets of lead screws give millimetres per turn. The pitch $h$ here is per radian: divide
+# by $2\pi$.
 #
 # **The start forgotten.** $e^{\hat\xi\theta}$ is a motion, not a pose. If the computed tool sits at the origin while all
 # joints are at zero, the factor $g(0)$ is missing.

@@ -1,23 +1,23 @@
 # %% [markdown]
 # # Velocities and wrenches
 #
-# The gyro in the gripper says one thing, the camera on the mast another, and both measure the same motion. The driver
-# pushes the stick forward: forward of the rover, or forward of the gripper? And when the gripper pulls at a drawer,
-# what does the shoulder feel of it?
+# The gyro in the gripper and the camera on the mast measure the same motion and report different numbers. The driver
+# pushes the stick forward. Is that forward of the rover, or of the gripper? And when the gripper pulls at a drawer,
+# what torque must the shoulder hold?
 #
-# A velocity is a motion *and* the frame from which it is seen. One $6 \times 6$ matrix leads from frame to frame, for
-# velocities and, transposed, for forces.
+# A velocity always belongs to a frame from which it is seen. One $6 \times 6$ matrix, the Adjoint, takes velocities
+# from frame to frame. Its transpose does the same for forces.
 #
 # ## Angular velocity
 #
-# The tool turns, $R(t)$. Differentiate $R R^T = I$, and you have $\dot R R^T + (\dot R R^T)^T = 0$: the matrix
-# $\dot R R^T$ is skew-symmetric, that is, $\hat\omega$ of some vector $\omega$. So is $R^T \dot R$.
+# The tool turns, $R(t)$. Differentiate $R R^T = I$: $\dot R R^T + (\dot R R^T)^T = 0$. So the matrix $\dot R R^T$ is
+# skew-symmetric: it is $\hat\omega$ of some vector $\omega$. So is $R^T \dot R$.
 #
 # $$\hat\omega^s = \dot R R^T, \qquad \hat\omega^b = R^T \dot R, \qquad \omega^s = R\,\omega^b$$
 #
-# The two are one vector, the **angular velocity**, written in the axes of the base ($s$, for *space*) and in those of
-# the tool ($b$, for *body*). Source: Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation*
-# (MLS), section 2.4.1.
+# Both are the same vector, the **angular velocity**. It is written in the axes of the base ($s$, for *space*) or in
+# those of the tool ($b$, for *body*). Source: Murray, Li and Sastry, *A Mathematical Introduction to Robotic
+# Manipulation* (MLS), section 2.4.1.
 #
 # ## Two velocities of one motion
 #
@@ -30,7 +30,7 @@
 # $V^s = (v^s, \omega^s)$ is the **spatial** velocity and $V^b = (v^b, \omega^b)$ the **body** velocity. Read the linear
 # parts off the corners: $v^s = \dot p - \omega^s \times p$ and $v^b = R^T \dot p$. Source: MLS, section 2.4.2.
 #
-# On your arm all joints move at once. Here $\dot g$ comes from two positions a moment apart, and from nothing else.
+# Now all joints of your arm move at once. The program computes $\dot g$ only from two poses a moment apart.
 
 # %% tags=["shown"]
 import numpy as np
@@ -58,7 +58,7 @@ guide.table(
 speed = np.linalg.norm(g_dot[:3, 3])
 guide.predict(
     "How fast does the tool move? In two of the three rows of the table the linear part has this "
-    "length. Which row is the other one, and the velocity of which point does it show?",
+    "length. Which row is the third one, and which point has the velocity that it shows?",
     f"At {speed:.3f} m/s. $v^b$ is the velocity of the tool's origin, written in the tool's axes, and "
     f"has this length. $v^s$, here of length {np.linalg.norm(V_s[:3]):.3f} m/s, is the velocity of "
     r"the point of the moving body that is now at the *base's* origin. The tool's origin has $\dot p "
@@ -87,16 +87,16 @@ guide.figure(
 # %% [markdown]
 # ## The Adjoint
 #
-# From the two definitions, $\hat V^s = g\,\hat V^b g^{-1}$. What does this do to the six numbers of a twist $(v, \omega)$?
-# A rotation carries a cross product along, $R(\omega \times x) = R\omega \times Rx$. As matrices,
-# $R\,\hat\omega R^T = (R\omega)^{\wedge}$, where the hat stands behind a longer term. Multiply out:
+# From the two definitions, $\hat V^s = g\,\hat V^b g^{-1}$. What does this do to the six numbers of a twist $(v,
+# \omega)$? A rotation turns a cross product along with its factors, $R(\omega \times x) = R\omega \times Rx$. As
+# matrices, $R\,\hat\omega R^T = (R\omega)^{\wedge}$. (The hat of a longer term is written behind it.) Multiply out:
 #
 # $$g\,\hat\xi\, g^{-1} = \begin{bmatrix} (R\omega)^{\wedge} & Rv - R\omega \times p \\ 0 & 0 \end{bmatrix}
 # = (\mathrm{Ad}_g\,\xi)^{\wedge}, \qquad
 # \mathrm{Ad}_g = \begin{bmatrix} R & \hat p R \\ 0 & R \end{bmatrix}$$
 #
 # because $-\,R\omega \times p = p \times R\omega$. So $V^s = \mathrm{Ad}_g V^b$. This matrix is the **Adjoint** of $g =
-# (p, R)$. It takes a twist seen from T to the same twist seen from S, if $g = g_{st}$. It follows the product,
+# (p, R)$. It takes a twist seen from T to the same twist seen from S, if $g = g_{st}$. It respects the product,
 # $\mathrm{Ad}_{g_1 g_2} = \mathrm{Ad}_{g_1}\mathrm{Ad}_{g_2}$, and the inverse, $(\mathrm{Ad}_g)^{-1} =
 # \mathrm{Ad}_{g^{-1}}$. Source: MLS, section 2.4.2.
 
@@ -110,9 +110,9 @@ guide.say(
 )
 
 # %% [markdown]
-# ## Who sees what
+# ## What depends on the frames
 #
-# Which of the two velocities depends on where you put a frame? You can find out without a formula.
+# Which of the two velocities depends on where you put the frame of the tool, and which on that of the base?
 
 # %%
 g_tn = screws.exp([0.1, 0, 0.2, 0, 0.4, 0])  # a longer tool, shifted and tilted
@@ -124,13 +124,13 @@ guide.predict(
     f"$V^b$, by up to {np.abs(other - V_b).max():.3f}. $V^s$ changes by no more than "
     f"${guide.rough(np.abs(same - V_s).max())}$, the error of the small differences: it does not "
     "depend on where on the body you put the tool frame. In the same way $V^b$ does not depend on "
-    "where you put the base. Therefore a driver who looks through the gripper's camera commands $V^b$.",
+    "where you put the base. So a driver who looks through the gripper's camera commands $V^b$.",
 )
 
 # %% [markdown]
-# Velocities that are seen from **one** frame add. The velocity of an arm's tool is such a sum: each joint turns about
-# its axis, which the joints before it have carried to another place. Their motion $g$ carries the twist $\xi_i$ that
-# the joint had at zero to $\xi_i' = \mathrm{Ad}_g\,\xi_i$. (MLS, section 2.4.4.)
+# Velocities that are seen from **one** frame add. The velocity of an arm's tool is such a sum. Each joint turns about
+# its axis, and the joints before it have moved that axis. Their motion $g$ takes the joint's twist $\xi_i$ at zero to
+# $\xi_i' = \mathrm{Ad}_g\,\xi_i$ (MLS, section 2.4.4).
 
 # %%
 total, before = np.zeros(6), np.eye(4)
@@ -141,8 +141,9 @@ for xi, value, rate in zip(arm.screws.T, values, speeds, strict=True):
 guide.say(
     f"The sum over the {len(values)} moving joints of `{arm.name}` differs from $V^s$ by "
     f"${guide.rough(np.abs(total - V_s).max())}$. The twists $\\xi_i$ are spatial, seen from the "
-    "base. Some texts call them body velocities; the numbers of those, seen from the tool, differ "
-    f"from these by up to {np.abs(arm.body_screws - arm.screws).max():.2f}."
+    "base. Some texts call them body velocities. But the twists seen from the tool are other numbers: they "
+    "differ by up to"
+    f" {np.abs(arm.body_screws - arm.screws).max():.2f}."
 )
 
 # %% [markdown]
@@ -153,13 +154,13 @@ guide.say(
 #
 # $$F_s^T V^s = F_t^T V^b$$
 #
-# With $V^s = \mathrm{Ad}_{g_{st}} V^b$ for every $V^b$, this leaves one law for wrenches:
+# This holds for every $V^b$, and $V^s = \mathrm{Ad}_{g_{st}} V^b$. So wrenches have the law
 #
 # $$F_t = \mathrm{Ad}_{g_{st}}^T F_s$$
 #
-# The matrix that takes velocities from T to S takes wrenches, transposed, from S to T. Source: MLS, section 2.5.1. The
-# tool exerts a force on a drawer, along its own $z$ axis. Seen from the base the same wrench also has a torque, force
-# times lever arm.
+# $\mathrm{Ad}_{g_{st}}$ takes velocities from T to S. Its transpose takes wrenches from S to T. Source: MLS, section
+# 2.5.1. Let the tool pull at a drawer along its own $z$ axis. Seen from the base, the same wrench also has a torque,
+# force times lever arm.
 
 # %%
 pull = 20.0  # [N]
@@ -174,10 +175,10 @@ guide.table(
 )
 
 # %% [markdown]
-# A wrench has a screw, as a twist has: a force along a line, and a torque about this line (Poinsot; MLS, section
+# A wrench has a screw, as a twist has. It is a force along a line and a torque about this line (Poinsot; MLS, section
 # 2.5.2). The product $F_s^T\xi_i'$ is the power that joint $i$ delivers at a rate of one. So it is the torque that its
-# motor must hold, or the force of a slide. Where it is zero, twist and wrench are called **reciprocal** (MLS, section
-# 2.5.3): the bearing carries the whole load, as a door's hinges carry the door.
+# motor must hold, or the force of a slide. If it is zero, twist and wrench are called **reciprocal** (MLS, section
+# 2.5.3). The bearing then carries the whole load, as a door's hinges carry the door.
 
 # %%
 torques = arm.spatial_jacobian(theta).T @ F_s
@@ -188,8 +189,9 @@ held = [
     if abs(t) >= 1e-6
 ]
 guide.predict(
-    "Which joints of your arm hold this pull without their motors? Look for axes that the line of the force meets or "
-    "runs parallel to, and for slides at right angles to it.",
+    "Which joints of your arm hold this pull without their motors? Look for axes that meet the line of the "
+    "force or are parallel to it, and for slides at right angles to it."
+    "",
     f"Without a motor: {', '.join(idle) or 'none of them here'}. "
     + (f"With their motors, gravity left out: {', '.join(held)}." if held else ""),
 )
@@ -197,21 +199,21 @@ guide.predict(
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# **$v^s$ taken for the tool's speed.** A controller that limits its length slows down joints with axes far from the
-# base's origin. A joint with an axis through the origin may turn at any speed. Limit $v^b$.
+# **$v^s$ taken for the tool's speed.** A controller that limits its length slows down joints far from the base's
+# origin. A joint with an axis through the origin may turn at any speed. Limit $v^b$.
 #
 # **$(v, \omega)$ or $(\omega, v)$.** Lynch & Park write the second, and their Adjoint has its $\hat p R$ at the lower
-# left. A program from one book with a matrix from the other gives no error, only wrong numbers.
+# left. If you mix the two books, there is no error message, only wrong numbers.
 #
 # **$\mathrm{Ad}_g$ for a wrench.** From tool to base a wrench needs the transpose of the inverse. With $\mathrm{Ad}_g$
-# the pull of the table keeps its force and loses its torque about the base. Where $p = 0$ the mistake does not show, so
+# the pull of the table keeps its force and loses its torque about the base. At $p = 0$ the mistake does not show, so
 # test with a lever arm.
 #
-# **Adding twists of different frames.** The gyro's reading and the base's velocity are six numbers each, and their sum
-# means nothing until one of them has passed through an Adjoint.
+# **Adding twists of different frames.** The gyro's reading and the base's velocity are six numbers each. Take one of
+# them to the frame of the other by an Adjoint before you add them.
 #
-# **The stick in the wrong frame.** Roll the gripper by a quarter turn. If the same push of the stick now moves it
-# another way, its command is read in the tool's axes; if you meant the base's, that is the mistake.
+# **The stick in the wrong frame.** Roll the gripper by a quarter turn and push the stick as before. If the tool now
+# moves another way, the command is read in the tool's axes. Check that you meant these and not the base's.
 #
 # ## Exercises
 

@@ -1,9 +1,9 @@
 # %% [markdown]
 # # A rail, a bearing and a threaded rod
 #
-# They lie on your bench, and the arm is not built yet. What does each one let the tool do, how many motors does it need,
-# and what do you write down for it? Two rigid parts can slide on each other over a whole surface in six ways only. Such
-# joints are called **lower pairs**. This lesson builds all six out of two moves, a turn and a slide.
+# These parts lie on your bench, and the arm is not built yet. How can each of them move the tool? How many motors does
+# it need? And which numbers describe it? Two rigid parts can slide on each other over a whole surface in only six ways.
+# Such joints are called **lower pairs**. This lesson builds all six from two motions, a turn and a slide.
 
 # %%
 import numpy as np
@@ -16,12 +16,12 @@ arm = guide.arm()
 # %% [markdown]
 # ## One freedom: revolute, prismatic, helical
 #
-# You have met the first three, with their twists, in the lesson on twists and screws. Take a point $q$ on the axis of a
-# joint and the unit vector $\omega$ along it.
+# The lesson on twists and screws has the first three, with their twists. Take a point $q$ on the axis of a joint and
+# the unit vector $\omega$ along it.
 #
 # - A part in a **bearing** turns about the axis.
 # - On a **rail** it slides, along the unit vector $v$.
-# - On a **threaded rod** it does both at once in a fixed proportion, the **pitch** $h$: metres of slide for each radian.
+# - On a **threaded rod** it does both in a fixed ratio, the **pitch** $h$: metres of slide for each radian.
 #
 # Their twists $\xi = (v, \omega)$, in this order:
 #
@@ -72,8 +72,8 @@ guide.figure(
 lead = 0.00125  # [m] for a whole turn: the thread of an M8 rod
 pitch = lead / (2 * np.pi)
 guide.predict(
-    f"An M8 rod carries its nut {1000 * lead:.2f} mm for each whole turn. What is its pitch $h$, as a "
-    "twist has it?",
+    f"An M8 rod moves its nut by {1000 * lead:.2f} mm in each whole turn. What is the pitch $h$ of its twist?"
+    "",
     f"{1000 * pitch:.3f} mm per radian, which is {pitch:.6f} m/rad. The workshop calls "
     f"{1000 * lead:.2f} mm the pitch of the thread. It is the **lead**, the advance in a whole turn. "
     f"The pitch of a twist is the advance in a radian, {2 * np.pi:.2f} times less. If you put the "
@@ -87,8 +87,8 @@ guide.predict(
 #
 # $$g(\theta) = e^{\hat\xi_1 \theta_1} \cdots e^{\hat\xi_k \theta_k}$$
 #
-# - A **cylindrical** joint is a rod in a plain bush. It turns and slides along one line, each by itself: two freedoms.
-# - A **planar** joint is a block on a table. It slides two ways and turns about the normal: three.
+# - A **cylindrical** joint is a rod in a plain bush. It turns and slides along one line, independently: two freedoms.
+# - A **planar** joint is a block on a table. It slides in two directions and turns about the normal: three.
 # - A **spherical** joint is a ball in a socket. It turns about three axes that meet in its centre: three.
 
 # %%
@@ -146,18 +146,19 @@ guide.table(
 # %%
 guide.slider(
     "joint",
-    "Choose each type in turn. Which one never turns the frame? Then take the spherical joint and set "
-    "its middle turn, about $y'$, to 90°. What do the other two sliders do to the frame now?",
-    "Only the prismatic joint never turns it. In the ball, at 90°, the two other sliders turn the "
-    "frame about the same line, in opposite directions. Move both up by the same angle, and the frame "
-    "stands as it did.",
+    "Choose each type in turn. Which one never turns the frame? Then take the spherical joint and set its "
+    "middle turn, about $y'$, to 90°. What do the other two sliders do to the frame now?"
+    "",
+    "Only the prismatic joint never turns it. For the ball at 90°, the two other sliders turn the frame "
+    "about the same line, in opposite directions. Move both up by the same angle: the frame does not move."
+    "",
     type="spherical",
 )
 
 # %% [markdown]
 # ## Does the order matter?
 #
-# A product of matrices has an order. For some joints it makes no difference.
+# The order of the factors matters in a product of matrices. For some joints it makes no difference.
 
 
 # %%
@@ -171,7 +172,7 @@ x_slide, _, plane_turn = several["planar"].T
 by_order = [g[:3, 3] for g in carried(x_slide, plane_turn, 0.3, np.pi / 2)]
 apart = np.linalg.norm(by_order[0] - by_order[1])
 guide.predict(
-    "For a rod in a bush, does it matter which of its two exponentials stands on the left? And for a "
+    "For a rod in a bush, does it matter which of its two exponentials is on the left? And for a "
     "block on a table that slides 30 cm and turns by 90°?",
     "Not for the rod: its two moves are about and along one line, and commute. The block ends in two "
     f"places that are {100 * apart:.0f} cm apart: in one order the slide carries the axis of the turn "
@@ -182,8 +183,8 @@ guide.predict(
 # %% [markdown]
 # ## The ball and its coordinates
 #
-# A ball in its socket can turn in every direction, from every position. Its three coordinates are Euler angles, and you
-# have met the place where those fail: turn the middle one by 90°, and the first and the third axis lie on one line.
+# A ball in its socket can turn in every direction, from every position. Its three coordinates are Euler angles, and
+# they fail where Euler angles fail. Turn the middle one by 90°: the first and the third axis then lie on one line.
 
 # %%
 z_turn, y_turn, x_turn = several["spherical"].T
@@ -199,17 +200,17 @@ angles = (0.0, 1.0, np.pi / 2)
 ranks = [int(np.linalg.matrix_rank(axes_now(angle), tol=1e-9)) for angle in angles]
 guide.say(
     f"Of the three axes, {ranks[0]} are independent at 0°, {ranks[1]} at {np.degrees(1.0):.0f}° and "
-    f"{ranks[2]} at 90°. The ball itself is as free there as anywhere; its coordinates have lost a "
-    "direction. A wrist of three motors whose axes meet in a point is such a product of three turns, "
-    "and in this configuration *it* loses the direction: it is singular, as a later lesson calls it."
+    f"{ranks[2]} at 90°. The ball itself is as free there as anywhere. Only its coordinates have lost a "
+    f"direction. A wrist of three motors with axes through one point is the same product of three turns. In "
+    f"this configuration the *wrist* loses a direction: it is singular, which is the subject of a later lesson."
 )
 
 # %% [markdown]
 # ## Build all six
 #
-# Now build an arm of each, with one joint and a tool, and let another program judge it. Pinocchio, a library of robot
-# dynamics, has a model for each of the six joints. `crosscheck` compares its poses and velocities with those
-# of the product of exponentials.
+# Now build an arm from each joint and a tool, and check it with another program. Pinocchio, a library of robot
+# dynamics, has a model for each of the six joints. `crosscheck` compares its poses and velocities with those of the
+# product of exponentials.
 
 # %% tags=["shown"]
 home = np.eye(4)
@@ -235,18 +236,18 @@ for name, proof in proofs.items():
 guide.table(
     ["joint", "coordinates", "largest difference from Pinocchio"],
     rows,
-    "Six arms of one joint each, judged by Pinocchio.",
+    "Six arms of one joint each, compared with Pinocchio.",
 )
 
 # %% [markdown]
-# Of the six, a URDF file, the description of a robot, knows three: revolute, prismatic and planar. The others are
-# written as several joints in one place, with links of no length between them. A thread is a turn and a slide that
-# follows it (`<mimic>`, with the pitch for its multiplier). The builder writes such a file: `builder.urdf()`.
+# A URDF file describes a robot. It has three of the six: revolute, prismatic and planar. The others become several
+# joints in one place, with links of no length between them. A threaded rod becomes a turn and a slide that follows it
+# (`<mimic>`, with the pitch as multiplier). `builder.urdf()` writes such a file.
 #
 # ## Your arm
 #
-# The other way round, a chain of turns and slides may contain joints without a name. A turn and a slide on one line
-# make a cylindrical joint. Three turns with axes through one point make a spherical one.
+# Conversely, a chain of turns and slides may contain lower pairs that the file does not name. A turn and a slide on one
+# line make a cylindrical joint. Three turns with axes through one point make a spherical one.
 
 # %%
 pairs = lower_pairs(arm.screws, arm.coupling.A)
@@ -261,13 +262,14 @@ for pair in pairs:
         [names, pair.kind, str(len(pair.rows)), guide.tex(np.round(pair.axis, 3) + 0.0).join("$$")]
     )
 guide.predict(
-    f"`{arm.name}` moves {len(arm.moving_names)} joints with {arm.n} coordinates. Into which of the "
-    "six types do they group, base to tip? In how many independent ways does the tool move in the "
-    "ready configuration?",
+    f"`{arm.name}` moves {len(arm.moving_names)} joints with {arm.n} coordinates. Which of the six types do "
+    f"they form, from base to tip? In how many independent ways can the tool move in the ready configuration?"
+    "",
     "As "
     + ", ".join(pair.kind for pair in pairs)
-    + f". The tool moves in {spanned} independent ways: so many of its joints' twists are independent there. There cannot be "
-    "more than six, and joints with parallel axes may give fewer than their number.",
+    + f". The tool moves in {spanned} independent ways, because {spanned} of its joints' twists are "
+    f"independent there. There are at most six. Joints with parallel axes may give fewer ways than joints."
+    "",
 )
 guide.table(
     ["moving joints", "make a joint that is", "freedoms", "along, or about [x, y, z]"],
@@ -293,13 +295,13 @@ guide.figure(
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# - **Lead for pitch.** The box says how far the nut goes in a turn, the twist how far in a radian.
-# - **A slide that turns.** Nut and rod are a helical joint. A carriage that is fixed to the nut and has no rail is free
-#   to turn about the rod, and turns while it advances. With a rail that keeps it from turning, and a rod that a motor
-#   turns, the carriage only slides: the three parts together are a prismatic joint.
+# - **Lead for pitch.** The data sheet gives the advance in a turn. The twist has the advance in a radian.
+# - **A slide that turns.** Nut and rod are a helical joint. A carriage that is fixed to the nut and has no rail turns
+#   about the rod while it advances. Add a rail that keeps it from turning, and a motor that turns the rod. The carriage
+#   then only slides: together the parts are a prismatic joint.
 # - **The axis of a planar joint.** In URDF it is the normal of the plane, not a direction of sliding.
 # - **A joint in a file with no limits.** A `revolute` joint turns as far as its limits; a `continuous` one has none. If
-#   the file mixes them up, the solver stays away from half of the room, or winds up your cable.
+#   the file mixes them up, the solver leaves out half of the workspace, or winds up your cable.
 # - **A ball in three numbers.** Its angles fail at 90°. Turn the joint's frame so that these 90° lie where the arm
 #   never goes.
 
@@ -317,8 +319,9 @@ guide.table(
     [
         [
             "lead for pitch",
-            f"after {turns} turns {1000 * with_lead:.0f} mm are computed, and {1000 * with_pitch:.0f} "
-            "mm made",
+            f"after {turns} turns the program says {1000 * with_lead:.0f} mm, and the nut has moved "
+            f"{1000 * with_pitch:.0f} mm"
+            "",
         ],
         [
             "a slide that turns",

@@ -1,10 +1,9 @@
 # %% [markdown]
 # # Where is the tool?
 #
-# You have bolted the arm together, and its encoders report an angle for every joint that turns and a length for every
-# joint that slides. Before you can reach for anything you need one function: from those numbers to the pose of the tool.
-# This is **forward kinematics**. It always has exactly one answer, and there are two ways to write it down. Both are
-# short.
+# The arm is built. Its encoders report an angle for every joint that turns and a length for every joint that slides.
+# First you need a function from these numbers to the pose of the tool. This is **forward kinematics**. It always has
+# exactly one answer. There are two short ways to write it.
 
 # %% tags=["shown"]
 import numpy as np
@@ -17,16 +16,16 @@ theta = arm.ready  # the configuration in which the arm waits
 # %% [markdown]
 # ## Link by link
 #
-# The file that describes your arm says two things of each joint. One is where its frame sits on the link before it,
-# $g_0$. The other is about or along which axis of this frame it moves: a twist $\eta$ in the joint's own frame. At
+# The file that describes your arm says two things about each joint. The first is the pose $g_0$ of its frame on the
+# link before it. The second is the axis about or along which it moves: a twist $\eta$ in the joint's own frame. At
 # $\theta$ the pose of its link, seen from the link before, is $g_0\, e^{\hat\eta\theta}$. Go from base to tip and
 # multiply, and the indices cancel as they did for rotations:
 #
 # $$g_{st} = g_{s1}\, g_{12} \cdots g_{nt}$$
 #
-# There are as many frames as links, and a person has chosen each. Many books write each factor by four numbers, the
-# Denavit–Hartenberg parameters, for which the frames must be placed by rules. Your file needs no such rules, and the
-# second way needs no frames on the links at all.
+# There are as many frames as links, and a person has chosen each of them. Many books write each factor with four
+# numbers, the Denavit–Hartenberg parameters. For these, the frames must be placed by rules. Your file needs no such
+# rules. The second way needs no frames on the links at all.
 
 # %%
 fig, ax = guide.axes3(width=5.0, height=4.2)
@@ -50,21 +49,22 @@ guide.figure(
 # %% [markdown]
 # ## Two frames and the axes: the product of exponentials
 #
-# Put every joint to zero, which is called the **home** configuration, and take two photographs. One shows the tool: its
-# pose $g_{st}(0)$. The other shows the axes of the joints, all seen from the base: their twists $\xi_1, \dots, \xi_n$.
-# For a joint that turns about a line through $q$ along the unit vector $\omega$, and for one that slides along $v$:
+# Set every joint to zero. This is the **home** configuration. Take two photographs of it. One shows the tool: its pose
+# $g_{st}(0)$. The other shows the axes of the joints, seen from the base: their twists $\xi_1, \dots, \xi_n$. Here are
+# the twists of a joint that turns about a line through $q$ along the unit vector $\omega$, and of a joint that slides
+# along $v$:
 #
 # $$\xi = \begin{bmatrix} -\omega \times q \\ \omega \end{bmatrix}, \qquad \xi = \begin{bmatrix} v \\ 0 \end{bmatrix}$$
 #
 # Now move the joints one after the other, **the last one first**. It moves the tool: $e^{\hat\xi_n\theta_n} g_{st}(0)$.
-# It does not move the axes before it, so the next joint still finds its axis where the photograph shows it. That joint
-# moves all that is beyond it, and so on down to the base:
+# It does not move the axes before it. So the axis of the next joint is still where the photograph shows it. That joint
+# moves everything beyond it, and so on down to the base:
 #
 # $$g_{st}(\theta) = e^{\hat\xi_1\theta_1}\, e^{\hat\xi_2\theta_2} \cdots e^{\hat\xi_n\theta_n}\, g_{st}(0)$$
 #
-# This is the **product of exponentials** (Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation*
-# (MLS), section 3.2.2; Lynch & Park, section 4.1, who write $M$ for $g_{st}(0)$). Each twist may be taken from the
-# photograph, because in this order no axis has moved before it is used.
+# This is the **product of exponentials**. Source: Murray, Li and Sastry, *A Mathematical Introduction to Robotic
+# Manipulation* (MLS), section 3.2.2; Lynch & Park, section 4.1, write $M$ for $g_{st}(0)$. Every twist comes from the
+# photograph, because in this order no axis moves before it is used.
 
 # %%
 rows = []
@@ -101,15 +101,15 @@ for k, (xi, near) in enumerate(zip(arm.screws.T, at_home[1:-1], strict=True), st
 guide.figure(
     fig,
     f"{arm.name} with all joints at zero and the axis of each of its joints",
-    "The second photograph: the axes, all joints at zero. Arrows slide, lines turn.",
+    "The second photograph: the axes, with all joints at zero. Arrows are slides, lines are axes of turns.",
 )
 
 # %% [markdown]
 # ## The formula at work
 #
-# It takes a short loop and a function for $e^{\hat\xi\theta}$. A joint that follows another one (a mimic joint) has an
-# axis but no coordinate: the matrix `coupling.A` turns the coordinates $\theta$ into one value $x$ for each axis.
-# Without mimics $x = \theta$.
+# The program is a short loop with a function for $e^{\hat\xi\theta}$. A joint that follows another one (a mimic joint)
+# has an axis but no coordinate. The matrix `coupling.A` turns the coordinates $\theta$ into one value $x$ for each
+# axis. Without mimic joints $x = \theta$.
 
 # %% tags=["shown"]
 values = arm.coupling.A @ theta
@@ -119,13 +119,13 @@ for xi, value in reversed(list(zip(arm.screws.T, values, strict=True))):
 
 # %%
 guide.say(
-    rf"$$g_{{st}}(\theta) = {guide.tex(g)}$$ The tool stands at $x = {g[0, 3]:.3f}$, $y = "
+    rf"$$g_{{st}}(\theta) = {guide.tex(g)}$$ The tool is at $x = {g[0, 3]:.3f}$, $y = "
     f"{g[1, 3]:.3f}$, $z = {g[2, 3]:.3f}$ m from the base."
 )
 
 # %% [markdown]
-# Is it right? Ask a program that does it the other way. The library Pinocchio reads your file by itself and goes link by
-# link.
+# Is it right? Compare it with a program that works the other way. The library Pinocchio reads your file itself and goes
+# link by link.
 
 # %%
 by_pinocchio = (
@@ -133,9 +133,8 @@ by_pinocchio = (
 )
 off = np.abs(g - by_pinocchio).max()
 guide.say(
-    f"The largest of the sixteen differences between the two is ${guide.rough(off)}$, which is "
-    "rounding. twistarm makes this comparison whenever it loads an arm, and refuses the arm if they "
-    "differ."
+    f"The largest of the sixteen differences between the two is ${guide.rough(off)}$, which is rounding. "
+    f"twistarm makes this comparison whenever it loads an arm, and refuses the arm if they differ."
 )
 
 # %% [markdown]
@@ -160,7 +159,7 @@ guide.predict(
         f"The tool is {lever:.3f} m from that axis, and 1° is {small:.4f} rad: lever times angle, "
         f"{1000 * lever * small:.1f} mm. Keep that number in mind when you choose encoders."
         if np.isfinite(lever) and lever > 1e-6
-        else "It lies on the axis, or slides along it: there is no lever."
+        else "The tool lies on the axis, or the joint slides: there is no lever."
     ),
 )
 
@@ -173,22 +172,23 @@ guide.scene(
 )
 guide.predict(
     "In this view, which axes move when the last joint moves, and which when the first one does?",
-    "With the last joint none: only what is beyond it moves, and that is the tool. With the first "
-    "joint, which is nearest to the base, all axes but its own.",
+    "With the last joint, none: only the tool is beyond it. With the first joint, which is nearest to the "
+    "base, all axes except its own."
+    "",
 )
 
 # %% [markdown]
 # ## The same from the tool's side
 #
-# You may look at the axes from the tool instead. Their twists are then $\xi^b_i = \mathrm{Ad}_{g_{st}(0)}^{-1}\,\xi_i$
-# (Lynch & Park write $B_i$), and the home pose comes first:
+# You can also write the axes as seen from the tool. Their twists are then $\xi^b_i =
+# \mathrm{Ad}_{g_{st}(0)}^{-1}\,\xi_i$ (Lynch & Park write $B_i$), and the home pose comes first:
 #
 # $$g_{st}(\theta) = g_{st}(0)\, e^{\hat\xi^b_1\theta_1} \cdots e^{\hat\xi^b_n\theta_n}$$
 #
-# It is the same formula. You know $g\,\hat\xi\,g^{-1} = (\mathrm{Ad}_g\,\xi)^{\wedge}$ from the lesson on velocities. The
-# same holds for each power of $\hat\xi$ and so for the series: $e^{\hat\xi_i\theta_i} g_{st}(0) =
-# g_{st}(0)\,e^{\hat\xi^b_i\theta_i}$. So the home pose can pass from the right end of the product to the left one. Some
-# texts say that the product of exponentials needs the Adjoint; only this form does.
+# It is the same formula. You know $g\,\hat\xi\,g^{-1} = (\mathrm{Ad}_g\,\xi)^{\wedge}$ from the lesson on velocities.
+# The same holds for each power of $\hat\xi$ and so for the series: $e^{\hat\xi_i\theta_i} g_{st}(0) =
+# g_{st}(0)\,e^{\hat\xi^b_i\theta_i}$. So the home pose can pass from the right end of the product to the left. Some
+# texts say that the product of exponentials needs the Adjoint. Only this form does.
 
 # %%
 body = screws.adjoint(screws.inverse(arm.home)) @ arm.screws
@@ -198,9 +198,10 @@ for xi, value in zip(body.T, values, strict=True):
 guide.say(f"On `{arm.name}` the two forms differ by ${guide.rough(np.abs(from_the_tool - g).max())}$.")
 
 # %% [markdown]
-# ## By hand, once in your life
+# ## By hand
 #
-# For two links in a plane, a triangle is enough. With $l_1$ and $l_2$ between the axes and the tool:
+# For two links in a plane, a triangle is enough. Let the first link have the length $l_1$ and the second, with the
+# tool, $l_2$:
 #
 # $$x = l_1\cos\theta_1 + l_2\cos(\theta_1 + \theta_2), \qquad y = l_1\sin\theta_1 + l_2\sin(\theta_1 + \theta_2)$$
 
@@ -215,8 +216,9 @@ guide.slider(
     "two_link",
     r"Note $x$ and $y$. Then set $\theta_2$ to −50° and find the $\theta_1$ with which the tool is at the "
     "same place again.",
-    rf"At $\theta_1 = {again:.0f}°$. The elbow is now on the other side. Forward kinematics has one "
-    "answer, but the way back may have several. That is the matter of the lessons on inverse kinematics.",
+    rf"At $\theta_1 = {again:.0f}°$. The elbow is now on the other side. Forward kinematics has one answer, "
+    rf"but its inverse may have several. The lessons on inverse kinematics find them."
+    "",
     inverse=False,
     l1=round(float(l1), 3),
     l2=round(float(l2), 3),
@@ -228,11 +230,11 @@ guide.slider(
 # ## What goes wrong in practice
 #
 # - **No home pose.** Without $g_{st}(0)$ at its end the product says how the tool has *moved*, not where it is.
-# - **Axes in the wrong order.** Base to tip, from left to right. Written the other way, each axis is used after
-#   something has moved it.
+# - **Axes in the wrong order.** The product goes from base to tip, from left to right. In the other order, each axis is
+#   used after another joint has moved it.
 # - **Zero is somewhere else.** The formula counts from the zero of the *file*. If the motor's zero is another one,
 #   subtract it first. An error of the angle moves the tool by lever times angle, as in the question above.
-# - **Degrees.** An angle of 30 is almost five full turns.
+# - **Degrees.** An angle of 30 rad is almost five full turns.
 
 # %%
 wrong_order = arm.home

@@ -1,9 +1,9 @@
 # %% [markdown]
 # # What can the arm reach?
 #
-# Before you drill the holes for the base of the arm, you want to know some things. Does it reach the ground in front of
-# the wheels? Does it reach its own battery box? And where it does, can it point the gripper straight down? These are
-# questions about all configurations at once. Forward kinematics answers them, if you try very many.
+# You are about to drill the holes for the base of the arm. Will it reach the ground in front of the wheels? Will it
+# reach its own battery box? And can it point the gripper straight down there? These questions are about all
+# configurations at once. Forward kinematics answers them if you try very many.
 
 # %%
 import numpy as np
@@ -15,10 +15,10 @@ arm = guide.arm()
 # %% [markdown]
 # ## The law
 #
-# Let $\Theta$ be the set of all configurations $\theta$ that the joints allow, and let $p(\theta)$ and $R(\theta)$ be
-# the position and the orientation of the tool. The **reachable workspace** consists of the places where the tool can be
-# at all. The **dextrous workspace** consists of those where it can have *every* orientation (Murray, Li and Sastry, *A
-# Mathematical Introduction to Robotic Manipulation* (MLS), section 3.2.4):
+# Let $\Theta$ be the set of all configurations $\theta$ that the joints allow. Let $p(\theta)$ and $R(\theta)$ be the
+# position and the orientation of the tool. The **reachable workspace** is the set of all places where the tool can be.
+# The **dextrous workspace** is the set of places where it can have *every* orientation. Source: Murray, Li and Sastry,
+# *A Mathematical Introduction to Robotic Manipulation* (MLS), section 3.2.4.
 #
 # $$W_R = \{\, p(\theta) : \theta \in \Theta \,\}$$
 #
@@ -31,8 +31,8 @@ arm = guide.arm()
 #
 # $$r^2 = l_1^2 + l_2^2 + 2\, l_1 l_2 \cos\theta_2$$
 #
-# The cosine runs from $-1$ to $1$. So $r$ runs from $\left|l_1 - l_2\right|$, where the arm is folded, to $l_1 + l_2$,
-# where it is stretched. The first joint carries each of these points around a full circle: the workspace is a ring.
+# The cosine runs from $-1$ to $1$. So $r$ runs from $\left|l_1 - l_2\right|$, with the arm folded, to $l_1 + l_2$, with
+# the arm stretched. The first joint carries each of these points around a full circle. So the workspace is a ring.
 
 # %%
 planar = guide.bundled("rr_planar")
@@ -45,7 +45,7 @@ guide.predict(
     f"{l1 + l2:.2f} m of tube for both links: how would you cut it so that there is no hole?",
     f"Its radius is the difference of the links, {abs(l1 - l2):.2f} m; the nearest of {len(r):,} "
     f"random configurations comes to {r.min():.3f} m. Cut two links of {(l1 + l2) / 2:.2f} m: folded, the "
-    "tip lies on the shoulder. (That the arm then runs into itself is another matter.)",
+    "tip lies on the shoulder. (The arm then collides with itself. This lesson does not check that.)",
 )
 guide.slider(
     "two_link",
@@ -60,8 +60,8 @@ guide.slider(
 )
 
 # %% [markdown]
-# Motors have stops. If the shoulder turns from 0° to 180° only and the elbow by 120° to either side, a part of the ring
-# is lost.
+# Motors have stops. Let the shoulder turn only from 0° to 180°, and the elbow by 120° to either side. A part of the
+# ring is then lost.
 
 # %%
 rng = np.random.default_rng(1)
@@ -95,16 +95,16 @@ guide.figure(
 # %% [markdown]
 # ## In every direction
 #
-# In a plane an orientation is a direction. With two links you cannot choose it: at each place the tip has two directions,
-# one for each elbow. So the dextrous workspace of this arm is empty. Add a third link, a hand of length $l_3$. If the tip
-# is to be at a given place and point in a given direction, the wrist must be $l_3$ behind it. For all directions
-# together, these wrists are a circle about the tip. Its distances from the shoulder run from $\left|r - l_3\right|$ to
-# $r + l_3$. The place is dextrous if the whole circle lies in the ring of the first two links:
+# In a plane an orientation is a direction. With two links you cannot choose it: at each place the tip has two
+# directions, one for each elbow. So the dextrous workspace of this arm is empty. Add a third link, a hand of length
+# $l_3$. The wrist must be $l_3$ behind the tip, in the given direction. For all directions together, these wrists form
+# a circle about the tip. Its distances from the shoulder run from $\left|r - l_3\right|$ to $r + l_3$. The place is
+# dextrous if the whole circle lies in the ring of the first two links:
 #
 # $$\left|r - l_3\right| \ge \left|l_1 - l_2\right|, \qquad r + l_3 \le l_1 + l_2$$
 #
-# For a hand shorter than $\left|l_1 - l_2\right|$ this is a ring again, from $\left|l_1 - l_2\right| + l_3$ to
-# $l_1 + l_2 - l_3$.
+# For a hand shorter than $\left|l_1 - l_2\right|$ this is again a ring, from $\left|l_1 - l_2\right| + l_3$ to $l_1 +
+# l_2 - l_3$.
 
 
 # %%
@@ -123,8 +123,9 @@ shares = {l3: share_of_directions(l3, radii) for l3 in hands}
 reach_of = {l3: l1 + l2 + l3 for l3 in hands}
 all_round = {l3: radii[share == 1] for l3, share in shares.items()}
 guide.predict(
-    f"A hand of {hands[0]:.2f} m, or one of {hands[1]:.2f} m: with which does the arm reach farther? "
-    "With which are there more places where the hand can have every direction?",
+    f"A hand of {hands[0]:.2f} m, or one of {hands[1]:.2f} m: with which does the arm reach farther? With "
+    f"which are there more places where the hand can have every direction?"
+    "",
     f"The long hand reaches farther, {reach_of[hands[1]]:.2f} m against {reach_of[hands[0]]:.2f} m. "
     f"The short one has more dextrous places: the outermost is at {all_round[hands[0]].max():.2f} m, "
     f"with the long hand at {all_round[hands[1]].max():.2f} m. With the long hand there is also a "
@@ -150,8 +151,8 @@ guide.figure(
 # %% [markdown]
 # ## Your arm
 #
-# For most arms there is no such formula, and you do not need one. Draw configurations at random inside the limits and
-# look where the tool is.
+# Most arms have no such formula, and you do not need one. Draw configurations at random inside the limits, and compute
+# where the tool is.
 
 # %% tags=["shown"]
 cloud = arm.fk(arm.random_theta(2, 20_000))[:, :3, 3]
@@ -162,7 +163,7 @@ drawn = cloud[:700]  # those of the picture
 guide.table(
     ["", "from [m]", "to [m]"],
     [[f"${axis}$", float(a), float(b)] for axis, a, b in zip("xyz", low, high, strict=True)],
-    f"How far the tool of `{arm.name}` comes in {len(cloud):,} random configurations, seen from its base.",
+    f"The range of the tool of `{arm.name}` in {len(cloud):,} random configurations, seen from its base.",
 )
 at_ready = guide.arm_points(arm, arm.ready)
 fig, panels = guide.axes2(columns=2, width=6.4, height=3.3, equal=True)
@@ -181,9 +182,9 @@ guide.figure(
 )
 
 # %% [markdown]
-# Is the cloud as large as the workspace? Ask a solver of inverse kinematics, `solve_ik`, for a place that is far too
-# far away, along each axis and to either side. It answers with the configuration that comes nearest. How it finds that
-# is for later lessons; whether it is true you can check by forward kinematics.
+# Is the cloud as large as the workspace? Ask `solve_ik`, a solver of inverse kinematics, for a place that is much too
+# far away. Do so along each axis, to either side. It returns the configuration that comes nearest. Later lessons
+# explain how it finds it. Forward kinematics checks the answer.
 
 # %%
 short = {}
@@ -196,20 +197,21 @@ for k, axis in enumerate("xyz"):
 worst = max(short, key=lambda side: abs(short[side][0] - short[side][1]))
 (axis, sign), (end, seen) = worst, short[worst]
 guide.predict(
-    f"In the {len(drawn)} configurations of the picture the tool has come out to ${axis} = {seen:.3f}$ m on "
+    f"In the {len(drawn)} configurations of the picture the tool comes out to ${axis} = {seen:.3f}$ m on "
     f"the {'positive' if sign > 0 else 'negative'} side. Is that the edge of the workspace, to a "
     "millimetre, to a centimetre, or worse?",
-    f"The tool comes to ${axis} = {end:.3f}$ m, {1000 * abs(end - seen):.0f} mm farther. The "
-    "outermost places need one particular configuration, and chance does not find it. The cloud is dense "
-    "where many configurations lead; how dense it is says nothing about where the arm can go.",
+    f"The tool comes to ${axis} = {end:.3f}$ m, {1000 * abs(end - seen):.0f} mm farther. The outermost places "
+    f"need one particular configuration, and random samples do not find it. The cloud is dense where many "
+    f"configurations lead. Its density does not show how far the arm can go."
+    "",
 )
 
 # %% [markdown]
 # ## And pointing there?
 #
-# Now back to the question at the beginning. Lay a grid over the workspace and ask two things at each point. Can the tool
-# be there at all? That is a `Position`. Can it be there and point in a given direction? That is an `Approach`, what an
-# arm needs that picks things up from the ground.
+# Now back to the question at the beginning. Lay a grid over the workspace and ask two things at each point. Can the
+# tool be there at all? That is a `Position`. Can it be there and point in a given direction? That is an `Approach`. An
+# arm that picks things up from the ground needs it.
 
 # %%
 size = high - low
@@ -281,8 +283,8 @@ guide.predict(
 )
 
 # %% [markdown]
-# A direction leaves the roll about it free. The dextrous workspace leaves nothing free. Take the place where the tool is
-# at the ready pose, and ask for many orientations there, drawn at random.
+# A direction leaves the roll about it free. The dextrous workspace leaves nothing free. Take the place of the tool at
+# the ready pose, and ask for many random orientations there.
 
 # %%
 here = arm.fk(arm.ready)
@@ -321,7 +323,7 @@ guide.scene(
 )
 nearest = arm.random_theta(2, 20_000)[np.linalg.norm(cloud, axis=1).argmin()]
 guide.predict(
-    "Where does the tool come nearest to the base? Look for the configuration in the view.",
+    "In which configuration is the tool nearest to the base? Look for it in the view.",
     f"In the nearest of the {len(cloud):,} random configurations it is "
     f"{np.linalg.norm(cloud, axis=1).min():.2f} m from the base's origin: "
     + ", ".join(
@@ -334,13 +336,13 @@ guide.predict(
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# - **Reachable taken for usable.** The arm gets there, and the gripper looks at the sky.
-# - **The edge as a work place.** At full stretch there is one configuration and one direction, and the tool cannot move
-#   outwards, however fast the motors are.
-# - **Another tool.** A longer gripper moves the whole workspace and shrinks the dextrous one. Draw it again.
-# - **The arm itself.** Kinematics knows no bodies. Between two reachable places the forearm may have to pass through
-#   the mast.
-# - **No stops.** A cloud drawn from whole turns promises places that the motors' stops may forbid.
+# - **Reachable taken for usable.** The tool gets there, but it points the wrong way.
+# - **The edge as a work place.** At full stretch there is one configuration and one direction. The tool cannot move
+#   outwards there, even with fast motors.
+# - **Another tool.** A longer gripper shifts the whole workspace and shrinks the dextrous one. Draw it again.
+# - **The arm itself.** Kinematics does not know the shapes of the links. Between two reachable places the forearm may
+#   have to pass through the mast.
+# - **No stops.** A cloud from whole turns contains places that the motors' stops may forbid.
 
 # %%
 turns = np.array(arm.units) == "rad"
@@ -363,7 +365,7 @@ guide.say(
     f"The stops of `{arm.name}` make a difference: without them {cells[1] - cells[0]} cells more seem "
     "to be reachable."
     if cells[1] > 1.05 * cells[0]
-    else f"The stops of `{arm.name}` forbid next to nothing; the two counts differ by chance."
+    else f"The stops of `{arm.name}` forbid almost nothing. The two counts differ by chance."
 )
 
 # %% [markdown]

@@ -1,10 +1,10 @@
 # %% [markdown]
 # # How many ways are there?
 #
-# The gripper is where it should be, and the forearm leans against the camera mast. Is there another configuration that
-# holds the gripper in exactly the same pose? For two links in a plane the answer was the flip. A whole arm of six
-# joints that turn has, as a rule, several such configurations, sixteen at most. This lesson takes the question apart
-# into three small ones, puts them together again for an arm with a wrist, and then counts the ways of your own arm.
+# The gripper is where it should be, but the forearm touches the camera mast. Is there another configuration with
+# exactly the same pose of the gripper? For two links in a plane the answer was the flip. An arm of six turning joints
+# usually has several such configurations, at most sixteen. We call them *ways*. This lesson splits the question into
+# three subproblems. It combines them for an arm with a wrist, and then counts the ways of your own arm.
 
 # %%
 import numpy as np
@@ -22,49 +22,51 @@ arm = guide.arm_with("a joint that turns", lambda a: len(turning(a)) > 0)
 # %% [markdown]
 # ## Three small questions
 #
-# A joint that turns carries a point around a circle. Everything below is made of such circles. Let $\omega$ be the
-# direction of the joint's axis, a unit vector, and $r$ a point on the axis. Look at two points $p$ and $q$ from $r$, and
-# split what you see into a part along the axis and a part across it. The matrix $I - \omega\omega^T$ takes the part along
-# the axis away:
+# A joint that turns carries a point around a circle. All that follows uses such circles. Let $\omega$ be the direction
+# of the joint's axis, a unit vector, and $r$ a point on the axis. Take the vectors $u$ and $v$ from $r$ to two points
+# $p$ and $q$. Split each into a part along the axis and a part across it. The matrix $I - \omega\omega^T$ removes the
+# part along the axis:
 #
 # $$u = p - r, \qquad v = q - r, \qquad u' = (I - \omega\omega^T)\, u, \qquad v' = (I - \omega\omega^T)\, v$$
 #
-# The three questions carry the names of Paden and Kahan (Murray, Li and Sastry, *A Mathematical Introduction to Robotic
-# Manipulation* (MLS), section 3.3.2).
+# The three questions are the *Paden–Kahan subproblems*. Source: Murray, Li and Sastry, *A Mathematical Introduction to
+# Robotic Manipulation* (MLS), section 3.3.2.
 #
-# **Subproblem 1.** By which angle does the joint bring $p$ to $q$? By the angle from $u'$ to $v'$:
+# **Subproblem 1.** Which angle of the joint brings $p$ to $q$? The angle from $u'$ to $v'$:
 #
 # $$e^{\hat\xi\theta}\, p = q \quad\Rightarrow\quad
 #   \theta = \mathrm{atan2}\big(\omega^T (u' \times v'),\; u'^T v'\big)$$
 #
-# There is an answer only if $p$ and $q$ are equally far from the axis and equally far along it. If $p$ lies on the axis,
-# $u' = 0$, the joint does not move it, and every angle will do.
+# There is an answer only if $p$ and $q$ are equally far from the axis and equally far along it. If $p$ lies on the
+# axis, $u' = 0$. The joint does not move it, and every angle is an answer.
 #
 # **Subproblem 2.** Two joints with axes that meet in $r$ bring $p$ to $q$: $e^{\hat\xi_1\theta_1}
 # e^{\hat\xi_2\theta_2}\, p = q$. The second joint moves $p$ along a circle about its axis. The first one must arrive at
-# $q$, so it can only start from the circle through $q$ about *its* axis. The point $c$ lies where the circles cross:
-# the second joint takes $p$ to $c$, the first one takes $c$ to $q$. Each of the two turns is subproblem 1. Write
+# $q$, so it starts on the circle through $q$ about *its* axis. Let $c$ be a point where the circles cross. The second
+# joint takes $p$ to $c$, and the first takes $c$ to $q$. Each of the two turns is subproblem 1. Write
 #
 # $$c = r + \alpha\,\omega_1 + \beta\,\omega_2 + \gamma\,(\omega_1 \times \omega_2)$$
 #
-# The first joint keeps $c$ as far along $\omega_1$ as $q$, the second keeps it as far along $\omega_2$ as $p$, and neither
-# changes the distance from $r$:
+# The first joint does not change the coordinate along $\omega_1$, so $c$ has that of $q$. In the same way $c$ has the
+# coordinate of $p$ along $\omega_2$. Neither joint changes the distance from $r$:
 #
 # $$\alpha + \beta\,\omega_1^T\omega_2 = \omega_1^T v, \qquad \alpha\,\omega_1^T\omega_2 + \beta = \omega_2^T u$$
 #
 # $$\gamma^2 = \frac{\|u\|^2 - \alpha^2 - \beta^2 - 2\alpha\beta\,\omega_1^T\omega_2}{\|\omega_1 \times \omega_2\|^2}$$
 #
-# The sign of $\gamma^2$ decides: two crossings, one, or none. If both axes are one line, there is no answer for
-# $\alpha$ and $\beta$. The two joints are then one joint, and only the sum (or difference) of their angles counts.
+# The sign of $\gamma^2$ decides: two crossings, one, or none. If both axes are one line, the equations for $\alpha$ and
+# $\beta$ have no unique answer. The two joints then act as one, and only the sum (or difference) of their angles
+# matters.
 #
-# **Subproblem 3.** By which angle does the joint bring $p$ to the distance $\delta$ from $q$, $\|e^{\hat\xi\theta} p -
-# q\| = \delta$? A circle meets a sphere in two points, in one, or not at all. This is the elbow of the lesson before,
-# and the law of cosines answers it. Along the axis nothing changes. Across it the distance must be $\delta'$, with
-# $\delta'^2 = \delta^2 - (\omega^T (p - q))^2$. With $\theta_0$ for the angle from $u'$ to $v'$ of subproblem 1:
+# **Subproblem 3.** Which angle of the joint brings $p$ to the distance $\delta$ from $q$, $\|e^{\hat\xi\theta} p -
+# q\| = \delta$? A circle meets a sphere in two points, in one, or not at all. This is the elbow of the last lesson,
+# and the law of cosines solves it. The distance along the axis does not change. Across the axis the distance must be
+# $\delta'$, with $\delta'^2 = \delta^2 - (\omega^T (p - q))^2$. With $\theta_0$ for the angle from $u'$ to $v'$ of
+# subproblem 1:
 #
 # $$\theta = \theta_0 \pm \arccos \frac{\|u'\|^2 + \|v'\|^2 - \delta'^2}{2\, \|u'\|\, \|v'\|}$$
 #
-# If $p$ or $q$ lies on the axis, the distance never changes: every angle will do, or none.
+# If $p$ or $q$ lies on the axis, the distance never changes. Then every angle is an answer, or none is.
 
 
 # %% tags=["shown"]
@@ -96,8 +98,9 @@ half_way = np.linalg.norm((screws.exp(xi, 0.4) @ np.append(finger, 1))[:3] - mov
 both = turns_to_distance(xi, finger, moved, half_way)
 guide.say(
     f"A point on the gripper of `{arm.name}`, turned by `{arm.moving_names[k]}` from ${guide.tex(finger)}$ to "
-    f"${guide.tex(moved)}$ m: subproblem 1 reads off {np.degrees(turn_to(xi, finger, moved)):.2f}°, which is what was "
-    "put in. `twistarm.subproblems` has all three, for joints that slide too."
+    f"${guide.tex(moved)}$ m: subproblem 1 returns {np.degrees(turn_to(xi, finger, moved)):.2f}°, the angle "
+    f"of this turn."
+    " `twistarm.subproblems` has all three, for joints that slide too."
 )
 
 # %%
@@ -156,26 +159,26 @@ guide.figure(
 )
 
 # %% [markdown]
-# ## A wrist divides the question
+# ## A wrist divides the problem
 #
-# Now take six joints, the elbow arm of MLS. It has two axes that meet in the shoulder point $r_b$, an elbow, and a
-# wrist of three axes that meet in one point $r_w$. All six together are to bring the tool to $g_d$. Multiply by the
-# inverse of the home pose from the right, and call the result $g_1$:
+# Now take six joints, the elbow arm of MLS. Its first two axes meet in the shoulder point $r_b$. Then comes an elbow.
+# The last three axes, the wrist, meet in one point $r_w$. The tool shall come to $g_d$. Multiply by the inverse of the
+# home pose from the right, and call the result $g_1$:
 #
 # $$e^{\hat\xi_1\theta_1} \cdots e^{\hat\xi_6\theta_6} = g_1, \qquad g_1 = g_d\, g_{st}(0)^{-1}$$
 #
-# A point on an axis stays where it is when that joint turns. That is the whole trick, used four times:
+# A point on an axis does not move when that joint turns. The method uses this four times:
 #
-# 1. $r_w$ lies on the last three axes. Apply both sides to it, and these three are gone:
-#    $e^{\hat\xi_1\theta_1} e^{\hat\xi_2\theta_2} e^{\hat\xi_3\theta_3}\, r_w = g_1\, r_w$.
-# 2. $r_b$ lies on the first two. These joints do not change a distance from it, so that
-#    $\|e^{\hat\xi_3\theta_3} r_w - r_b \| = \|g_1 r_w - r_b \|$: subproblem 3 for $\theta_3$.
+# 1. $r_w$ lies on the last three axes. Apply both sides to it, and these three joints drop out: $e^{\hat\xi_1\theta_1}
+#    e^{\hat\xi_2\theta_2} e^{\hat\xi_3\theta_3}\, r_w = g_1\, r_w$.
+# 2. $r_b$ lies on the first two. These joints do not change a distance from it, so $\|e^{\hat\xi_3\theta_3} r_w - r_b
+#    \| = \|g_1 r_w - r_b \|$: subproblem 3 for $\theta_3$.
 # 3. With $\theta_3$ known, subproblem 2 gives $\theta_1$ and $\theta_2$.
-# 4. With all three known, the wrist has to do the rest. A point on the last axis alone gives $\theta_4$ and $\theta_5$
-#    (subproblem 2). A point beside it gives $\theta_6$ (subproblem 1).
+# 4. With these three known, only the wrist remains. A point on the last axis alone gives $\theta_4$ and $\theta_5$
+#    (subproblem 2). A point beside this axis gives $\theta_6$ (subproblem 1).
 #
-# There are two answers in step 2, two in step 3, two in step 4. This is the method of MLS, section 3.3.3. Pieper showed
-# in 1968 that three axes which meet are enough.
+# Steps 2, 3 and 4 have two answers each. This is the method of MLS, section 3.3.3. Pieper showed in 1968 that three
+# axes through one point are enough.
 
 # %%
 elbow_arm = guide.bundled("elbow")
@@ -222,20 +225,21 @@ meant = np.array([0.4, -0.7, 1.3, 0.5, 0.8, -0.3])
 g_d = elbow_arm.fk(meant)
 eight = np.array(list(ways(g_d)))
 guide.predict(
-    "How many configurations come out, and how many of them really hold the tool at the target?",
-    f"{len(eight)}: two for the elbow, times two for the shoulder, times two for the wrist. Put back into forward "
-    f"kinematics, all {len(eight)} meet the target, to ${guide.rough(np.abs(elbow_arm.fk(eight) - g_d).max())}$.",
+    "How many configurations does this give, and how many of them really bring the tool to the target?",
+    f"{len(eight)}: two for the elbow, times two for the shoulder, times two for the wrist. By forward "
+    f"kinematics all {len(eight)} reach the target, to"
+    f" ${guide.rough(np.abs(elbow_arm.fk(eight) - g_d).max())}$.",
 )
 
 # %% [markdown]
-# `solve_ik_all` of twistarm goes the same way for every arm with such a group of axes, and checks each answer. It finds
-# the same eight.
+# `solve_ik_all` of twistarm works in the same way for every arm with such a group of axes, and checks each answer. It
+# finds the same eight.
 
 
 # %% [markdown]
-# The two wrists of a configuration are each other's flip. The middle joint bends to the other side, and its two
-# neighbours turn by half a turn to make up for it. For a wrist with axes $z$, $y$, $z$ these are the ZYZ angles of your
-# first lesson, told in two ways:
+# The two wrists are each other's flip. The middle joint bends to the other side, and its two neighbours compensate by
+# half a turn each. For a wrist with the axes $z$, $y$, $z$ these are the ZYZ angles of your first lesson. They have two
+# triples for one rotation:
 #
 # $$R_z(\theta_4)\, R_y(\theta_5)\, R_z(\theta_6) = R_z(\theta_4 + \pi)\, R_y(-\theta_5)\, R_z(\theta_6 + \pi)$$
 
@@ -285,17 +289,18 @@ def draw_all(arm, configurations, words):
 draw_all(
     elbow_arm,
     eight,
-    "All eight ways of the elbow arm. The four of a panel cannot be told apart in a drawing, for their links lie in the "
-    "same places: the shoulder may be turned round and bend over backwards, and the wrist may be flipped.",
+    "All eight ways of the elbow arm. The four of a panel look alike, because their links lie in the same "
+    "places: the shoulder may turn round and bend backwards, and the wrist may be flipped."
+    "",
 )
 
 # %% [markdown]
 # ## Your arm
 #
-# What can be asked of an arm depends on how many joints it has. Six joints can be asked for a **pose**. Five cannot
-# meet every pose. Ask them for an **approach**: a position and the direction in which the tool points, five numbers,
-# with the roll about that direction left free. Fewer joints meet only the poses that they happen to make. So take a
-# configuration of your arm, look where its tool is, and ask for all ways to bring it there.
+# The number of joints decides which targets an arm can reach. Six joints reach a **pose**. Five joints cannot reach
+# every pose. Ask them for an **approach**: the position of the tool and the direction in which it points. These are
+# five numbers; the roll about the direction is free. Fewer joints reach only few poses. So take a configuration of your
+# arm, compute the pose of its tool, and ask for all ways to reach it.
 
 # %%
 own = guide.arm()
@@ -317,16 +322,16 @@ if free:
     rows = (np.eye(6) - np.outer(roll, roll)) / np.repeat([own.reach, 1.0], 3)
     met = int(np.linalg.matrix_rank(rows @ own.body_jacobian(theta), tol=1e-6))
     guide.say(
-        f"For `{own.name}` the ways are not a number but curves: "
+        f"`{own.name}` has infinitely many ways, which form curves: "
         + " and ".join(f"`{name}`" for name in free)
-        + " may move while the target stays met. "
+        + " may move while the tool stays at the target. "
         + (
             f"It has five joints for the five numbers of an approach, but can change only {met} of these numbers "
-            "independently. It meets this target because it stands there already; most targets it cannot meet. "
+            "independently. It reaches this target because it is there already. It cannot reach most other targets. "
             if own.n == 5 and met < 5
             else ""
         )
-        + "Hold that joint, and the ways are a number again."
+        + "If you hold this joint, the number of ways is finite again."
     )
     found = solve_ik_all(own, target, theta, fixed_joints={free[0]: float(theta[k])})
 asked = "the position and direction of its tool" if own.n == 5 else "the pose of its tool"
@@ -334,7 +339,7 @@ total = len(found) + len(found.outside)
 guide.predict(
     f"`{own.name}` has {own.n} joints. In how many ways does it reach {asked}"
     + (", with that joint held" if free else "")
-    + "? And in how many, if its joints had no limits?",
+    + "? And in how many without joint limits?",
     f"In {len(found)} inside its limits and in {total} without them{held}"
     + (". There are no others" if found.complete else ". There may be more")
     + f". They were found by {found.method}: {found.family}.",
@@ -348,41 +353,41 @@ guide.table(
         [str(i), *(in_words(v, u) for v, u in zip(each, own.units, strict=True)), inside]
         for i, (each, inside) in enumerate(listed[:16], start=1)
     ],
-    f"The ways of `{own.name}`, nearest to where it stands first.",
+    f"The ways of `{own.name}`, the nearest to the present configuration first.",
 )
 draw_all(own, [each for each, _ in listed[:16]], f"`{own.name}`, every way from the table.")
 guide.scene(
     elbow_arm,
     meant,
-    caption="The elbow arm, and every way to hold its tool there, drawn faintly. Step through them with N and P.",
+    caption="The elbow arm. The other ways to the same pose are drawn faintly. Step through them with N and P.",
     quantity="configurations",
 )
-guide.say("What the solver says of itself:\n\n```text\n" + found.explain() + "\n```")
+guide.say("The solver's own explanation:\n\n```text\n" + found.explain() + "\n```")
 
 # %% [markdown]
-# The solver says *which* group of axes made it easy. Axes that meet in a point leave this point where it is. Parallel
-# axes leave every plane at right angles to them where it is. In both cases three unknowns are gone at once. That is how
-# a UR5 has its eight ways without a wrist with intersecting axes. Six turning joints that have neither take heavier
-# algebra, which ends in the eigenvalues of a matrix, and may have sixteen ways (MLS, section 3.3.4).
+# The solver says *which* group of axes it used. Axes that meet in a point do not move this point. Parallel axes do not
+# move the planes at right angles to them. In both cases three unknowns drop out at once. So a UR5 has its eight ways
+# without a wrist with intersecting axes. Six turning joints with neither need the eigenvalues of a matrix, and may have
+# sixteen ways (MLS, section 3.3.4).
 #
-# The bundled rover arm is another case: a slide, three parallel pitches and a roll, asked for an approach. Its slide
-# alone decides how far the tool is across the plane of the pitches. The roll turns the tool about the direction in
-# which it points, which an approach leaves free. Three parallel joints in a plane remain, for a point and a direction.
-# They are the two-link arm with a third link that points where it must. So there are two ways: the elbow bends to either
-# side, and the three pitches add up to the same.
+# The bundled rover arm is another case. It has a slide, three parallel pitch joints and a roll, and its target is an
+# approach. The slide alone sets the position across the plane of the pitch joints. The roll turns the tool about the
+# direction in which it points, which an approach leaves free. Three parallel joints in a plane remain, for a point and
+# a direction. They are the two-link arm with a third link whose direction is given. So there are two ways: the elbow
+# bends to either side, and the three pitch angles have the same sum.
 #
 # ## What goes wrong in practice
 #
-# - **Whole turns counted as ways.** 190° and −170° are one configuration. Wrap before you compare. Apart from the cable
-#   they are not the same: `solve_ik_all(…, include_turns=True)` lists both.
-# - **The first of the list, every time.** Along a path, take the answer nearest to the last one, or the arm changes
-#   elbows on the way.
-# - **Limits forgotten.** A closed form knows no limits. What it returns may be outside all of them.
-# - **A wrist that does not quite meet.** The closed form believes that three axes meet in a point. If the bracket holds
-#   one of them a few millimetres away from it, the tool is off by about as much, and no error appears.
-# - **Ways that are no number.** If two wrist axes lie on one line, one joint may turn forward and the other one back.
-#   If the wrist point lies on the axis of the base joint, that joint may stand anywhere. The answer then lists these
-#   joints as `free`.
+# - **Whole turns counted as ways.** 190° and −170° are the same pose of a link. Wrap angles before you compare them.
+#   For a cable they differ: `solve_ik_all(…, include_turns=True)` lists both.
+# - **The first of the list, every time.** Along a path, take the answer nearest to the last one. Otherwise the elbow
+#   flips on the way.
+# - **Limits forgotten.** A closed form ignores limits. All its answers may be outside them.
+# - **A wrist that does not quite meet.** The closed form assumes that three axes meet in a point. If one of them is a
+#   few millimetres beside it, the tool is off by about as much. No error appears.
+# - **Infinitely many ways.** If two wrist axes lie on one line, one joint may turn forward and the other back. If the
+#   wrist point lies on the axis of the base joint, that joint may have any angle. The answer then lists these joints as
+#   `free`.
 
 # %%
 bracket = 0.003  # [m]
@@ -400,14 +405,14 @@ for configuration in (in_line, above):
     ways_there = solve_ik_all(elbow_arm, elbow_arm.fk(configuration), configuration)
     free_at.append(next((names for names in ways_there.free if names), ()))
 guide.table(
-    ["slip", "how it shows"],
+    ["mistake", "how it shows"],
     [
         [
             f"the middle wrist axis is {1000 * bracket:.0f} mm beside the others",
             f"the elbow arm's tool is {1000 * off:.1f} mm off",
         ],
         *(
-            [words, "curves, not a number; these may move: " + ", ".join(f"`{name}`" for name in names)]
+            [words, "infinitely many ways; these may move: " + ", ".join(f"`{name}`" for name in names)]
             for words, names in zip(
                 ("first and last wrist axis on one line", "wrist point on the axis of the base joint"),
                 free_at,
@@ -419,7 +424,7 @@ guide.table(
             f"a joint jumps by {in_words(np.abs(eight[0] - eight[-1]).max(), 'rad')}",
         ],
     ],
-    "The slips, by their numbers.",
+    "The mistakes in numbers.",
 )
 
 # %% [markdown]

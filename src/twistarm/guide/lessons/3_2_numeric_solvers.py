@@ -1,14 +1,13 @@
 # %% [markdown]
 # # Walking to the target
 #
-# The closed form needs axes that meet or run parallel. Your bracket holds one of them three millimetres beside the
-# others, and the formulas are gone. What works for every arm is what you would do yourself with a joystick. Look how
-# far the tool is off. Find out what a small turn of each joint does. Make the move that should close the gap. Look
-# again.
+# The closed form needs axes that meet or are parallel. Your bracket holds one axis three millimetres beside the others,
+# and the formulas no longer apply. The numeric method works for every arm. It does what you would do with a joystick.
+# Look how far the tool is off. Find out what a small turn of each joint does. Make the move that should close the gap.
+# Look again.
 #
-# This lesson writes that solver in ten lines, breaks it, and mends it with one number. It goes step by step, and each
-# step has a number to check: what a small turn does, the gap, the nearest step, the walk, what a direction costs, and the
-# price of a step.
+# This lesson writes that solver in ten lines, shows where it fails, and repairs it with one number. Each step has a
+# number to check.
 
 # %%
 import numpy as np
@@ -33,10 +32,9 @@ planar = guide.bundled("rr_planar")  # the two-link arm
 # Such a matrix is called a **Jacobian**. It has a column for each joint: what that joint does alone, at a rate of one.
 #
 # For a whole arm the columns are twists. Column $i$ of the **body Jacobian** $J^b(\theta)$ is the twist $(v, \omega)$
-# of joint $i$, seen from the tool in that configuration. All rates together give the body twist of the tool: $V^b =
-# J^b(\theta)\,\dot\theta$ (Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation* (MLS), section
-# 3.4.1). This is all that you need of it here, and `arm.body_jacobian` computes it. [The lesson on the
-# Jacobian](3_3_2_jacobian.html) shows how the columns come about.
+# of joint $i$ in that configuration, seen from the tool. All rates together give the body twist of the tool, $V^b =
+# J^b(\theta)\,\dot\theta$. Source: Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation* (MLS),
+# section 3.4.1. `arm.body_jacobian` computes it. [The lesson on the Jacobian](3_3_2_jacobian.html) derives the columns.
 
 # %%
 l2 = np.linalg.norm(np.diff(guide.arm_points(planar, np.zeros(2))[2:], axis=0))
@@ -50,23 +48,24 @@ def tip_jacobian(theta):
 
 theta, h = np.radians([20.0, 60.0]), 1e-6
 small = np.radians([0.0, 1.0])  # the elbow alone
-foretold = 1000 * np.linalg.norm(tip_jacobian(theta) @ small)
+predicted = 1000 * np.linalg.norm(tip_jacobian(theta) @ small)
 made = 1000 * np.linalg.norm((planar.fk(theta + small) - planar.fk(theta))[:2, 3])
 guide.say(
-    f"Bend the elbow of the two-link arm from 60° to 61°. The second column times 1° foretells {foretold:.3f} mm for the "
-    f"tip, and forward kinematics finds {made:.3f} mm."
+    f"Bend the elbow of the two-link arm from 60° to 61°. The second column times 1° predicts {predicted:.3f} "
+    f"mm for the tip, and forward kinematics gives {made:.3f} mm."
 )
 
 # %% [markdown]
-# ## The gap, in six numbers
+# ## The error twist
 #
-# The tool is at $g$ and should be at $g_d$. Seen from the tool, the way there is the motion $g^{-1} g_d$. Every motion is
-# a screw motion, and its logarithm is the matrix of a twist, as [the lesson on twists](2_2_2_twists_and_screws.html)
-# shows. The sign $\vee$ is the opposite of the hat: it takes the six numbers $(v, \omega)$ out of the matrix.
+# The tool is at $g$ and should be at $g_d$. Seen from the tool, the motion from one to the other is $g^{-1} g_d$. Every
+# motion is a screw motion. Its logarithm is the matrix of a twist, as [the lesson on
+# twists](2_2_2_twists_and_screws.html) shows. The sign $\vee$ is the inverse of the hat: it takes the six numbers $(v,
+# \omega)$ out of the matrix. We call this twist the *gap*.
 #
 # $$e = \big(\log(g^{-1} g_d)\big)^\vee$$
 #
-# Follow this twist for one unit of time, and you are there: $g\,e^{\hat e} = g_d$.
+# Follow this twist for one unit of time to reach the target: $g\,e^{\hat e} = g_d$.
 
 
 # %%
@@ -86,18 +85,18 @@ scale = np.where(np.array(arm.units) == "rad", 0.25, 0.1 * arm.reach)
 start = goal + scale * rng.uniform(-1, 1, arm.n)
 gap = screws.log(screws.inverse(arm.fk(start)) @ g_d)
 guide.say(
-    f"`{arm.name}` stands a little beside a goal. Seen from its tool the gap is $v = {guide.tex(1000 * gap[:3], 1)}$ mm "
+    f"`{arm.name}` is a little off its goal. Seen from its tool the gap is $v = {guide.tex(1000 * gap[:3], 1)}$ mm "
     rf"and $\omega = {guide.tex(np.degrees(gap[3:]), 1)}°$. In all the tool has to turn by "
     f"{np.degrees(np.linalg.norm(gap[3:])):.1f}°."
 )
 
 # %% [markdown]
-# ## The nearest step, and the shortest
+# ## Least squares
 #
-# Which step $\Delta$ of the joints closes a gap? The equation $J\Delta = e$ seldom has exactly one answer. An arm with
-# too few joints has none: take the $\Delta$ for which $J\Delta$ comes nearest to $e$. An arm with more joints than it
-# needs has many: of these take the shortest. Both are called **least squares**, because nearest and shortest are counted
-# by sums of squares. `np.linalg.lstsq` finds it.
+# Which step $\Delta$ of the joints closes a gap? The equation $J\Delta = e$ seldom has exactly one answer. With too few
+# joints it has none: take the $\Delta$ for which $J\Delta$ comes nearest to $e$. With more joints than necessary it has
+# many: take the shortest. Both are called **least squares**, because the distances are sums of squares.
+# `np.linalg.lstsq` finds this step.
 
 # %% tags=["shown"]
 one_slide = np.linalg.lstsq([[1.0], [0.0]], [30.0, 40.0])[0]  # along x, for a gap of (30, 40) mm
@@ -105,19 +104,20 @@ two_slides = np.linalg.lstsq([[1.0, 1.0]], [30.0])[0]  # both along x, for a gap
 
 # %%
 guide.say(
-    f"One slide along $x$, asked for $(30, 40)$ mm, moves {one_slide[0]:.0f} mm and leaves the 40 mm that it cannot do. "
-    f"Two slides along $x$, asked for 30 mm, move {two_slides[0]:.0f} mm each: of all pairs with the sum 30 this has the "
-    "least sum of squares."
+    f"One slide along $x$, asked for $(30, 40)$ mm, moves {one_slide[0]:.0f} mm. It cannot move along $y$, so "
+    f"40 mm remain. Two slides along $x$, asked for 30 mm, move {two_slides[0]:.0f} mm each: of all pairs "
+    f"with the sum 30 this has the least sum of squares."
 )
 
 # %% [markdown]
 # ## Newton's step
 #
-# Now put both together. Ask for the step that would close the gap if the Jacobian did not change on the way:
+# Now combine both. Take the step that would close the gap if the Jacobian did not change on the way:
 #
 # $$J^b(\theta)\,\Delta = e, \qquad \theta \leftarrow \theta + \Delta$$
 #
-# Take the least-squares answer, make the step, and look again. That is Newton's method (Lynch & Park, section 6.2).
+# Take the least-squares answer, make the step, and compute the gap again. This is Newton's method (Lynch & Park,
+# section 6.2).
 
 
 # %% tags=["shown"]
@@ -152,11 +152,12 @@ for i, (e, s) in enumerate(zip(gaps[:6], size(arm, gaps), strict=False)):
 guide.table(
     ["steps taken", "the tool is off by", "and by", "both in one number"],
     rows,
-    f"`{arm.name}` walks to a pose from a configuration nearby. The last column has lengths as shares of its reach.",
+    f"Newton's steps of `{arm.name}` to a pose, from a configuration nearby. The last column counts lengths "
+    f"as shares of its reach.",
 )
 guide.predict(
-    "Look at the exponents in the last column. What does each step do to the number of digits that are right?",
-    "Once the gap is small, it doubles them, until rounding ends the game. An error $\\varepsilon$ becomes some "
+    "Look at the exponents in the last column. What does each step do to the number of correct digits?",
+    "Once the gap is small, each step doubles them, down to rounding. An error $\\varepsilon$ becomes about "
     "$c\\,\\varepsilon^2$. "
     f"From a gap of ${guide.rough(size(arm, gaps)[1])}$ after one step it takes "
     f"{int(np.argmax(size(arm, gaps) < 1e-9)) - 1} more to pass $10^{{-9}}$.",
@@ -165,16 +166,17 @@ guide.predict(
 # %% [markdown]
 # ## What each direction costs
 #
-# Some directions are cheap: a small turn of the joints moves the tip far. Others are dear. The **singular values** of
-# $J$ tell which: a metre costs $1/\sigma$ radians. Let the pair of joint rates go round a circle of radius one. $J$
-# carries this circle to an ellipse of tip velocities. The half-axes of the ellipse are the singular values $\sigma_1
-# \ge \sigma_2$: the most and the least that joint rates of that size do. `np.linalg.svd` computes them.
+# In some directions a small turn of the joints moves the tip far. In others the joints must turn a lot. The **singular
+# values** of $J$ measure this: a metre costs $1/\sigma$ radians. Let the pair of joint rates go round a circle of
+# radius one. $J$ maps this circle to an ellipse of tip velocities. The half axes of the ellipse are the singular values
+# $\sigma_1 \ge \sigma_2$, the greatest and the least speed. `np.linalg.svd` computes them.
 
 # %%
 stretched = np.radians([20.0, 2.0])
 sigma = np.linalg.svd(tip_jacobian(stretched), compute_uv=False)
 guide.say(
-    f"Take the two-link arm almost stretched out, its elbow bent by 2°: $\\sigma_1 = {sigma[0]:.3f}$ m and $\\sigma_2 = "
+    f"Take the two-link arm almost stretched out, its elbow bent by 2°: $\\sigma_1 = {sigma[0]:.3f}$ m and "
+    f"$\\sigma_2 = "
     f"{sigma[1]:.4f}$ m per radian. A millimetre across the arm costs {np.degrees(1e-3 / sigma[0]):.2f}° of the joints "
     f"together, a millimetre along it {np.degrees(1e-3 / sigma[1]):.1f}°."
 )
@@ -187,7 +189,7 @@ guide.slider(
     "ellipsoid",
     r"This is the ellipse of the tip's velocities for $\dot\theta_1^2 + \dot\theta_2^2 = 1$. Where is the smaller "
     r"singular value $\sigma_2$ largest?",
-    rf"At $\theta_2 = {nimblest:.0f}°$, with the tool drawn well in. At 0° and 180° the ellipse is a line: "
+    rf"At $\theta_2 = {nimblest:.0f}°$, with the tool close to the base. At 0° and 180° the ellipse is a line: "
     r"$\det J = l_1 l_2 \sin\theta_2 = 0$.",
     l1=0.4,
     l2=0.3,
@@ -196,11 +198,11 @@ guide.slider(
 )
 
 # %% [markdown]
-# ## How it breaks
+# ## Where Newton's method fails
 #
-# Ask the tip of that arm, almost stretched out, to come a little closer. Hardly any motion of the joints moves the tip
-# along the arm. Newton asks for that motion all the same. One combination of joint rates makes it, and makes little of
-# it, so Newton asks for very much of this combination.
+# The arm is almost stretched out, and its tip shall come a little closer. Joint rates hardly move the tip along the
+# arm. Only one combination of rates does, and its effect is small. So Newton's step contains very much of this
+# combination.
 
 # %%
 tip = planar.fk(stretched)[:2, 3]
@@ -215,35 +217,36 @@ def tip_gap(theta):
 e, J = tip_gap(stretched)
 leap = newton_step(J, e)
 guide.predict(
-    f"The tip is to come {1000 * np.linalg.norm(e):.0f} mm closer, and the elbow is bent by 2°. How far does "
+    f"The tip shall come {1000 * np.linalg.norm(e):.0f} mm closer, and the elbow is bent by 2°. How far does "
     "Newton turn the elbow in its first step?",
-    f"By {np.degrees(leap[1]):.0f}°. Along the dear direction the step is the gap divided by {sigma[1]:.4f}, and it "
-    "grows without bound as the elbow comes nearer to 0°. *At* 0° nothing moves the tip along the arm. Least squares "
-    "then asks for nothing: the step is zero, and the arm is stuck.",
+    f"By {np.degrees(leap[1]):.0f}°. Along the arm the step is the gap divided by $\\sigma_2 = "
+    f"{sigma[1]:.4f}$. It grows without bound as the elbow comes nearer to 0°. *At* 0° no joint moves the tip "
+    f"along the arm. Least squares then returns a step of zero, and the arm is stuck."
+    "",
 )
 
 # %% [markdown]
-# ## One number mends it
+# ## Damping
 #
-# Do not ask for the gap to be closed at any price. Ask for a compromise between the gap that is left and the size of
-# the step, with the **damping** $\lambda$ as its price:
+# Find a compromise between the gap that remains and the size of the step. The **damping** $\lambda$ is the weight of
+# the step:
 #
 # $$\min_\Delta\; \|J\Delta - e\|^2 + \lambda^2 \|\Delta\|^2$$
 #
-# Where that is least, its derivative is zero: $J^T (J\Delta - e) + \lambda^2 \Delta = 0$. Solved for the step:
+# At the minimum the derivative is zero: $J^T (J\Delta - e) + \lambda^2 \Delta = 0$. Solve for the step:
 #
 # $$\Delta = (J^T J + \lambda^2 I)^{-1} J^T e = J^T (J J^T + \lambda^2 I)^{-1} e$$
 #
 # Along a direction with the singular value $\sigma$ Newton multiplies the gap by $1/\sigma$. This step multiplies it by
 # $\sigma / (\sigma^2 + \lambda^2)$, which is never more than $1/(2\lambda)$. It is called **damped least squares**
-# (Nakamura & Hanafusa 1986, Wampler 1986). The price has a unit: $\lambda$ is compared with $\sigma$, so here it is in
-# metres (per radian).
+# (Nakamura & Hanafusa 1986, Wampler 1986). The damping has a unit: $\lambda$ is compared with $\sigma$, so here it is
+# in metres (per radian).
 
 # %%
 guide.say(
     f"For the stretched arm $1/\\sigma_2 = {1 / sigma[1]:.0f}$. With $\\lambda = 0.05$ m the factor is "
-    f"{sigma[1] / (sigma[1] ** 2 + 0.05**2):.1f}; for the cheap direction it is "
-    f"{sigma[0] / (sigma[0] ** 2 + 0.05**2):.3f} instead of {1 / sigma[0]:.3f}: hardly less."
+    f"{sigma[1] / (sigma[1] ** 2 + 0.05**2):.1f}; for the direction of $\\sigma_1$ it is "
+    f"{sigma[0] / (sigma[0] ** 2 + 0.05**2):.3f} instead of {1 / sigma[0]:.3f}, almost the same."
 )
 
 
@@ -288,8 +291,9 @@ guide.figure(
     "Three curves against the damping: the size of the first step falls steadily; the gap after it is large on "
     "the left, least in the middle and as large as before on the right; the steps needed are irregular on the left, "
     "fewest in the middle and grow on the right",
-    "A sweep of the damping near the stretched arm. Dotted: half a turn, and the gap before the step. Too little "
-    "damping leaps anywhere, too much crawls.",
+    "A sweep of the damping near the stretched arm. Dotted: half a turn, and the gap before the step. With "
+    "too little damping the steps are wild, with too much they are tiny."
+    "",
 )
 crawl = f"{MOST} steps are not enough" if needed[-1] is None else f"it takes {needed[-1]}"
 guide.say(
@@ -299,11 +303,11 @@ guide.say(
 
 # %% [markdown]
 # Far from the target you want much damping. Near it you want none, because damping spoils Newton's doubling of digits.
-# So let it fade with the gap: $\lambda^2 = c\,\|e \|^2$ (Chan & Lawrence 1988). This is also what twistarm does inside.
+# So let it shrink with the gap: $\lambda^2 = c\,\|e \|^2$ (Chan & Lawrence 1988). twistarm does the same.
 #
 # ## Out of reach
 #
-# The difference is plainest where there is no answer. Now the target is farther than the stretched arm.
+# The difference is clearest if there is no answer. Now the target is farther away than the stretched arm reaches.
 
 # %%
 too_far = 1.15 * tip / np.linalg.norm(tip) * planar.reach
@@ -340,12 +344,12 @@ guide.figure(
 # %% [markdown]
 # ## Five joints
 #
-# A pose is six numbers, and five joints can meet five of them at best. The rank of the Jacobian, the number of its
-# independent columns, says how many. So with five joints ask for less. A **position** asks for three numbers. An
-# **approach** asks for five: the position, and where the tool points, with the roll about that direction left free.
+# A pose is six numbers, and five joints can meet at most five of them. The rank of the Jacobian, the number of its
+# independent columns, says how many. So with five joints ask for less. A **position** has three numbers. An
+# **approach** has five: the position and the direction in which the tool points. The roll about that direction is free.
 #
-# Leaving a number free means leaving its row out of $J$ and $e$. For that the rows must be written in axes with the free
-# direction as one of them. Seen from a tool that points along its own $z$ axis, the roll is $\omega_z$, the last row.
+# To leave a number free, leave its row out of $J$ and $e$. For that, write the rows in axes of which one is the free
+# direction. Seen from a tool that points along its own $z$ axis, the roll is $\omega_z$, the last row.
 
 # %%
 few = guide.arm_with("three to five joints", lambda a: 3 <= a.n <= 5)
@@ -382,13 +386,12 @@ said = [
 ]
 if few.n == 5 and without < 5:
     said += [
-        f"`{name}` turns the tool about its own direction and does nothing else, so it serves none of the five numbers "
-        "of an approach."
+        f"`{name}` only turns the tool about its own direction, so it changes none of the five numbers of an approach."
         for name in rolls[:1]
     ]
     said.append(
-        "This arm meets an approach only where it happens to fit: five joints are not enough, they must be the right "
-        "five."
+        "This arm reaches an approach only at some places. Five joints are not enough: their columns must be "
+        "independent without the roll."
     )
 guide.say(" ".join(said))
 off = {
@@ -398,21 +401,23 @@ off = {
 guide.table(
     ["asked", "off by [mm]", "off by [°]", "the solver says"],
     [[words, *off[words], each.stop.value] for words, each in answers.items()],
-    "One wish, the tool turned a little where it stands, asked in three ways.",
+    "The same place with the tool turned a little, as three kinds of target.",
 )
 pose, approach = answers["`Pose`, 6 numbers"], answers["`Approach`, 5 numbers"]
 if pose.converged:
-    guide.say("This arm meets even the pose.")
+    guide.say("This arm reaches even the pose.")
 elif approach.converged:
-    guide.say("The approach is met, and the pose is not: the roll was all that stood in the way.")
+    guide.say("The arm reaches the approach, but not the pose: only the roll is wrong.")
 else:
-    guide.say(f"Even the approach is not met here. Why:\n\n```text\n{approach.explain()}\n```")
+    guide.say(
+        f"The arm does not reach even the approach here. The reason:\n\n```text\n{approach.explain()}\n```"
+    )
 
 # %% [markdown]
 # ## What solve_ik says when it cannot
 #
-# `solve_ik` is such a damped walk, from many starts, inside the limits. It never answers with nothing. Where a target
-# cannot be met it returns the configuration that comes nearest to it (the position counts first), and says why:
+# `solve_ik` is such a damped solver, from many starts, inside the limits. It always returns a configuration. If it
+# cannot reach the target, it returns the configuration that comes nearest (position first) and the reason:
 
 # %%
 beyond = arm.fk(arm.ready).copy()
@@ -438,21 +443,22 @@ guide.table(
 guide.say("And `explain()` of the first:\n\n```text\n" + cases[0][1].explain() + "\n```")
 
 # %% [markdown]
-# If only an exact answer will do, take it by `solution.require()`. It returns $\theta$, or raises an error that says
-# why there is none. If you read `theta` and do not look at `converged`, the arm may drive to the wrong place.
+# If you need an exact answer, call `solution.require()`. It returns $\theta$, or raises an error with the reason. If
+# you read `theta` without `converged`, the arm may drive to the wrong place.
 #
 # ## What goes wrong in practice
 #
-# - **The gap and the Jacobian seen from different frames.** A gap in base axes with the body Jacobian. Each step is
-#   then turned by the tool's own rotation; the walk may still creep in, or never.
-# - **A start that is exactly singular.** Stretched out at zero, an arm asked to come straight in gets a zero step, with
-#   damping or without. Bend it a little first.
+# - **The gap and the Jacobian seen from different frames.** The gap is in base axes, and the Jacobian is that of the
+#   body. Each step is then turned by the tool's rotation. The solver converges slowly or not at all.
+# - **A start that is exactly singular.** An arm that is stretched out at zero and shall come straight in gets a zero
+#   step, with or without damping. Bend it a little first.
 # - **Degrees in the step.** The Jacobian is per radian.
-# - **Metres against radians.** One number for both needs a length. Damping that is right in metres is a thousand times
-#   too weak in millimetres.
-# - **One start.** A walk goes downhill, and the valley may be the wrong one. Start again elsewhere: that is the
-#   `restarts` of a solution.
-# - **Limits clipped at the end.** An answer that is clipped afterwards is no answer. Put them into the walk.
+# - **Metres against radians.** To add both, choose a length that is worth a radian. Damping that is right in metres is
+#   a thousand times too weak in millimetres.
+# - **One start.** The steps go downhill, and may end in the wrong valley. Then start again elsewhere. A solution
+#   reports its `restarts`.
+# - **Limits clipped at the end.** An answer that is clipped afterwards misses the target. Keep the limits at every
+#   step.
 
 
 # %%
@@ -473,7 +479,7 @@ def in_degrees(theta):
 
 
 guide.table(
-    ["walk", "gap at its end"],
+    ["steps", "gap at the end"],
     [
         ["as above, eight steps", f"${guide.rough(max(size(arm, gaps)[-1], 1e-16))}$"],
         ["gap from the base, Jacobian from the tool, eight steps", f"${guide.rough(mixed_up(start))}$"],

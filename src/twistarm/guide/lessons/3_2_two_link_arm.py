@@ -1,10 +1,10 @@
 # %% [markdown]
 # # Elbow up or elbow down?
 #
-# You tape a cross onto the bench and want the tip of the arm on it. You know where the cross is; the motors want
-# angles. Forward kinematics goes from the angles to the place. The way back is called **inverse kinematics**, and for
-# two links in a plane you can do it with a triangle. Most arms have those two links somewhere inside them, and most of
-# what can go wrong with inverse kinematics goes wrong here first.
+# You tape a cross onto the bench and want the tip of the arm on it. You know where the cross is, but the motors need
+# angles. Forward kinematics goes from the angles to the position. **Inverse kinematics** goes back. For two links in a
+# plane you can do it with a triangle. Most arms contain two such links. Most mistakes in inverse kinematics already
+# occur here.
 
 # %%
 import numpy as np
@@ -20,21 +20,19 @@ cross = np.array([0.30, 0.35])  # where the cross is [m], seen from the shoulder
 # ## The law
 #
 # Shoulder, elbow and tip are the corners of a triangle. Two of its sides are the links, $l_1$ and $l_2$. The third,
-# $r$, is the distance of the cross from the shoulder. A triangle with three known sides has known angles. Call
-# $\alpha$ the angle at the elbow, $\beta$ the one at the shoulder, and $\varphi$ the direction in which the cross lies.
-# The law of cosines says
+# $r$, is the distance of the cross from the shoulder. The three sides determine the angles. Let $\alpha$ be the angle
+# at the elbow, $\beta$ that at the shoulder, and $\varphi$ the direction of the cross. The law of cosines says
 #
 # $$\cos\alpha = \frac{l_1^2 + l_2^2 - r^2}{2\, l_1 l_2}, \qquad
 #   \cos\beta = \frac{r^2 + l_1^2 - l_2^2}{2\, l_1 r}$$
 #
 # $$r = \sqrt{x^2 + y^2}, \qquad \varphi = \mathrm{atan2}(y, x)$$
 #
-# The joints count their angles in another way. $\theta_1$ is the direction of the first link. $\theta_2$ is how far the
-# second link is turned from *that* direction: 0 where the arm is stretched, while $\alpha$ is $\pi$ there. So
-# $\theta_2$ is $\pi - \alpha$ to the one side, and as much to the other: $\alpha - \pi$, which is the same direction as
-# $\pi + \alpha$.
+# The joints count their angles in another way. $\theta_1$ is the direction of the first link. $\theta_2$ is the turn of
+# the second link from *that* direction. For the stretched arm $\theta_2 = 0$ and $\alpha = \pi$. On one
+# side $\theta_2$ is $\pi - \alpha$. On the other side it is $\alpha - \pi$, which is the same direction as $\pi + \alpha$.
 #
-# The triangle may lie on either side of the line from the shoulder to the cross. So there are two answers, and each is
+# The triangle can lie on either side of the line from the shoulder to the cross. So there are two answers. Each is
 # called the **flip** of the other:
 #
 # $$\theta_1 = \varphi + \beta, \quad \theta_2 = \pi + \alpha$$
@@ -150,8 +148,8 @@ guide.table(
 )
 
 # %% [markdown]
-# Is that all? The solver of twistarm knows nothing of triangles and starts from the axes alone. It finds the same two
-# answers, and knows that there are no others.
+# Are there more? The solver of twistarm uses no triangles and starts from the axes alone. It finds the same two answers
+# and proves that there are no others.
 #
 # ## The signs go together
 #
@@ -162,12 +160,13 @@ guide.table(
 mixed = np.array([phi - beta, np.pi + alpha])
 miss = np.linalg.norm(tip(*mixed) - cross)
 guide.predict(
-    r"The signs are mixed: $\theta_1 = \varphi - \beta$ with $\theta_2 = \pi + \alpha$. Where is the tip?",
+    r"Take mixed signs: $\theta_1 = \varphi - \beta$ with $\theta_2 = \pi + \alpha$. Where is the tip?",
     rf"At the right distance, in the wrong direction. The elbow bends so that the tip is ${np.hypot(*cross):.3f}$ m "
     rf"away, as it should be, but the shoulder turns it to $\varphi - 2\beta$. It misses the cross by "
     rf"$2\, r \sin\beta = 2\, l_2 \sin\alpha$, here {1000 * miss:.0f} mm. With the elbow at a right angle it is twice "
-    rf"the length of the second link. Near the stretched arm it is almost nothing, so a test there does not find the "
-    rf"mistake.",
+    rf"the length of the second link. Near the stretched arm it is almost zero, so a test there does not find "
+    rf"the mistake."
+    rf"",
 )
 
 # %%
@@ -201,11 +200,11 @@ guide.slider(
 #
 # $$\left|l_1 - l_2\right| \le r \le l_1 + l_2$$
 #
-# Inside this ring there are two answers. On its edges there is one. Beyond there is no angle, and the cosine leaves
-# $[-1, 1]$. If the links are equally long, the ring has no hole. Then $r = 0$ is reachable, and there $\theta_1$ may be
-# anything: the formula for $\beta$ divides by zero because the question has no single answer.
+# Inside this ring there are two answers. On its edges there is one. Outside there is none, and the cosine leaves $[-1,
+# 1]$. If the links are equally long, the ring has no hole. Then $r = 0$ is reachable, with every $\theta_1$. The
+# formula for $\beta$ divides by zero there, because the answer is not unique.
 #
-# The edges are awkward before you reach them, too.
+# There is trouble near the edges, too.
 
 # %%
 short = l1 + l2 - 0.001
@@ -213,10 +212,11 @@ bend = np.pi - triangle(l1, l2, short, 0.0)[0]
 guide.predict(
     f"The links are {l1:.2f} and {l2:.2f} m long. The cross lies one millimetre closer than the arm can stretch. How "
     "far is the elbow bent?",
-    rf"By {np.degrees(bend):.1f}°. Near the edge $r$ hardly changes as the elbow bends. So the elbow must bend a lot "
-    rf"for a small change of $r$: the bend grows as the square root of what is missing. To go one more millimetre "
-    rf"outward the elbow travels all of these {np.degrees(bend):.1f}°. If the tip keeps its speed, the motor would "
-    rf"have to be infinitely fast at the end.",
+    rf"By {np.degrees(bend):.1f}°. Near the edge $r$ hardly changes as the elbow bends. So the elbow must bend "
+    rf"a lot for a small change of $r$: the bend grows as the square root of the distance to the edge. For the "
+    rf"last millimetre outward the elbow turns by all of these {np.degrees(bend):.1f}°. For a constant speed "
+    rf"of the tip, the motor would have to be infinitely fast at the end."
+    rf"",
 )
 
 # %%
@@ -239,9 +239,9 @@ guide.figure(
 )
 
 # %% [markdown]
-# Rounding makes a trap of the edge itself. Ask for a point at exactly $l_1 + l_2$, which is reachable, and the cosine
-# may come out beyond $-1$. Then `arccos` gives `nan`, and `nan` goes to the motors. So first decide by $r$, with a
-# tolerance, whether the point is reachable. Then bring the cosine back into $[-1, 1]$.
+# At the edge itself, rounding causes trouble. A point at exactly $l_1 + l_2$ is reachable, but the computed cosine may
+# be below $-1$. Then `arccos` gives `nan`, and `nan` goes to the motors. So first decide by $r$, with a tolerance,
+# whether the point is reachable. Then bring the cosine back into $[-1, 1]$.
 
 # %%
 many = np.random.default_rng(0).uniform(0.1, 0.9, (10_000, 2))
@@ -257,11 +257,10 @@ guide.say(
 # ## The two links inside your arm
 #
 # Two successive joints with parallel axes are a two-link arm, at any place and with any zero. The first link goes from
-# the one axis to the other, the second from there to what the two carry: the next joint, or the tool. To flip it you
-# need no formula for $\theta$ at all. Take the configuration that the arm has, and measure two signed angles. $\beta$
-# is the angle at the shoulder, from what is carried to the first link. $\theta_2$ goes from the direction of the first
-# link to that of the second. Then turn the shoulder by $-2\beta$ and the elbow by $-2\theta_2$: this mirrors the
-# triangle.
+# one axis to the other. The second goes from there to what the two carry: the next joint, or the tool. You can flip it
+# without a formula for $\theta$. Take the present configuration, and measure two signed angles. $\beta$ is the angle at
+# the shoulder, from what is carried to the first link. $\theta_2$ goes from the direction of the first link to that of
+# the second. Then turn the shoulder by $-2\beta$ and the elbow by $-2\theta_2$. This mirrors the triangle.
 
 
 # %%
@@ -342,13 +341,13 @@ guide.say(
 guide.table(
     ["joint", "configuration", "its flip"],
     [[f"`{arm.joint_names[k]}`", degrees(theta[k]), degrees(other[k])] for k in k_pair],
-    f"Forward kinematics says that the {what} stands at the same place in both, "
+    f"By forward kinematics the {what} is at the same place in both, "
     + (f"to ${guide.rough(carried)}$ m." if carried > 1e-12 else "to the last digit."),
 )
 guide.say(
     "Both configurations are inside the limits of the joints."
     if inside
-    else "The flip lies outside the limits: with these limits the arm has one elbow only. The limits choose for you."
+    else "The flip lies outside the limits: with these limits the arm has only one elbow."
 )
 
 # %%
@@ -362,22 +361,22 @@ guide.figure(
     fig,
     f"{arm.name} twice, with the elbow on either side; the {what} is at the same place both times",
     f"`{arm.name}` and its flip; the diamond marks what stays in place. What lies beyond the {what} points "
-    f"elsewhere: to keep the tool's direction too, the "
-    "joints behind must turn back, which is the matter of the next lesson.",
+    f"elsewhere. To keep the tool's direction too, the joints beyond must turn back. The next lesson does that."
+    "",
 )
 
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# - **Mixed signs.** The distance is right and the direction is not. Test with the elbow at a right angle, where it
-#   shows most.
-# - **No clamp.** The arm works everywhere and sends `nan` when it is stretched out. Clip the cosine.
+# - **Mixed signs.** The distance is right, and the direction is wrong. Test with the elbow at a right angle, where the
+#   error is largest.
+# - **No clamp.** The program works everywhere, except that it sends `nan` for the stretched arm. Clip the cosine.
 # - **No wrap.** $\pi + \alpha$ is between half a turn and a whole one. A joint with limits of ±150° refuses it,
-#   though the same configuration, a turn less, is allowed.
-# - **`atan(y / x)`.** It cannot tell a cross in front of the arm from one behind it, and it divides by zero straight to
-#   the left. Use `atan2(y, x)`.
-# - **Flipping on the way.** A program that takes either answer at each point of a line may change elbows in the middle.
-#   Choose once; then stay with the answer nearest to where the arm is.
+#   although the same angle less a whole turn is allowed.
+# - **`atan(y / x)`.** It cannot tell a cross in front of the arm from one behind it. It divides by zero straight to the
+#   left. Use `atan2(y, x)`.
+# - **Flipping on the way.** A program that takes either answer at each point of a line may change the elbow in the
+#   middle. Choose once. Then keep to the answer nearest to the present configuration.
 
 # %%
 behind = -cross

@@ -2,10 +2,10 @@
 # # What do you send every ten milliseconds?
 #
 # The arm is folded, and you have recorded the configuration in which it should be. You send the new angles to the
-# motors, all at once. The arm bangs, the battery's fuse blows, and the rover has moved by a hand's width. Nothing was
-# wrong with the angles. But you did not say how to get there.
+# motors, all at once. The arm bangs, the battery's fuse blows, and the rover has moved by a hand's width. The angles
+# were right. But you did not say how to get there.
 #
-# You need two things: a **path**, which says where, and a **time law**, which says when.
+# You need a **path**, which says where, and a **time law**, which says when.
 
 # %%
 import numpy as np
@@ -28,20 +28,20 @@ start = arm.ready
 goal = start + 0.4 * (arm.random_theta(7) - start)  # some configuration inside the limits
 
 # %% [markdown]
-# ## The straight path, and its clock
+# ## The straight path and its time law
 #
-# The simplest path goes straight in joint space: every joint from its first value to its last, all in proportion. One
-# number $s$ runs from 0 to 1, the share of the way that is done:
+# The simplest path is straight in joint space: every joint goes from its first value to its last, all in proportion.
+# The number $s$ from 0 to 1 is the share of the way:
 #
 # $$\theta(t) = \theta_0 + s(t)\,(\theta_1 - \theta_0)$$
 #
-# Everything else is the choice of $s(t)$. It begins at 0 and ends at 1, at the time $T$; and the arm stands still
-# at both ends. These are four conditions, and a polynomial with four coefficients meets them: the **cubic**. With
-# $u = t/T$, the share of the time,
+# It remains to choose $s(t)$. It begins at 0 and ends at 1, at the time $T$. The arm is at rest at both ends. These are
+# four conditions, and a polynomial with four coefficients meets them: the **cubic**. With $u = t/T$, the share of the
+# time,
 #
 # $$s = 3u^2 - 2u^3$$
 #
-# (Lynch & Park, *Modern Robotics*, section 9.2.2.) You need not remember it. Four linear equations give it:
+# Source: Lynch & Park, *Modern Robotics*, section 9.2.2. Four linear equations give it:
 
 # %% tags=["shown"]
 #            u³    u²   u   1
@@ -59,8 +59,9 @@ fastest, hardest = np.abs(cubic.deriv()(u)).max(), np.abs(cubic.deriv(2)(u)).max
 guide.predict(
     "You halve the time $T$ of a move. By which factors do the greatest velocity and the greatest acceleration "
     "grow?",
-    "The velocity doubles, and the acceleration becomes four times as large. It is the acceleration that asks the "
-    "motors for torque: haste costs by the square.",
+    "The velocity doubles, and the acceleration becomes four times as large. The acceleration needs torque, "
+    "so the torque grows with the square of the speed."
+    "",
 )
 guide.say(
     rf"In numbers: let a joint go by $d = \theta_1 - \theta_0$. The steepest slope of $s(u)$ is {fastest:.1f}, so the "
@@ -71,8 +72,8 @@ guide.say(
 # %% [markdown]
 # ## Two more conditions: the quintic
 #
-# The cubic begins with its greatest acceleration. Before the start there was none, so the torque *jumps*, and a long
-# thin arm answers by shaking. Ask for zero acceleration at both ends as well. Six conditions, six coefficients:
+# The cubic begins with its greatest acceleration. Before the start the acceleration is zero, so the torque *jumps*, and
+# a long thin arm shakes. Ask for zero acceleration at both ends as well. These are six conditions for six coefficients:
 #
 # $$s = 10u^3 - 15u^4 + 6u^5$$
 
@@ -91,8 +92,9 @@ guide.table(
         r"jerk, times $\lvert d \rvert/T^3$",
     ],
     [[name, *(f"{peak:.2f}" for peak in each)] for name, each in peaks.items()],
-    "What the same move in the same time asks for. **Jerk** is the rate at which the acceleration changes. The cubic's "
-    "is given for the time between its ends: at the ends the acceleration jumps.",
+    "What the same move in the same time needs. **Jerk** is the rate at which the acceleration changes. For "
+    "the cubic, the jerk is that between the ends: at the ends the acceleration jumps."
+    "",
 )
 fig, panels = guide.axes2(3, width=6.6, height=2.5, xlabel="t / T")
 for ax, k, words in zip(panels, range(3), ("s", "velocity", "acceleration"), strict=True):
@@ -107,7 +109,7 @@ guide.figure(
     fig,
     "Position, velocity and acceleration of the cubic and the quintic over time: the acceleration of the cubic jumps "
     "at both ends, that of the quintic begins and ends at zero",
-    "From rest to rest. The cubic is the gentler in the middle, the quintic at the ends.",
+    "From rest to rest. The cubic is gentler in the middle, the quintic at the ends.",
 )
 
 
@@ -120,12 +122,14 @@ def with_end_velocity(velocity):
 at_rest, going_on, coming_back = map(with_end_velocity, (0.0, 45.0, -60.0))
 guide.slider(
     "spline",
-    "Give the cubic a velocity at its end other than zero, as if it had to go on, and then a negative one. How does its "
-    "greatest velocity change? And which two velocities, at the start and at the end, make the acceleration vanish?",
-    f"From rest to rest it is {at_rest:.1f} °/s. If the joint ends with +45 °/s, on the way on, it is less: "
-    f"{going_on:.1f} °/s. If it ends with −60 °/s, it has to overshoot and come back, and the greatest velocity grows "
-    f"to {coming_back:.1f} °/s. The acceleration vanishes if both ends have the mean velocity $d/T$: the cubic is then a "
-    "straight line.",
+    "Give the cubic a positive velocity at its end, and then a negative one. How does its greatest velocity "
+    "change? And which two velocities, at the start and at the end, make the acceleration zero?"
+    "",
+    f"From rest to rest it is {at_rest:.1f} °/s. If the joint ends with +45 °/s, it is less: {going_on:.1f} "
+    f"°/s. If it ends with −60 °/s, it overshoots and comes back, and the greatest velocity grows to "
+    f"{coming_back:.1f} °/s. The acceleration is zero if both ends have the mean velocity $d/T$: the cubic is "
+    f"then a straight line."
+    "",
     kind="cubic",
     start=0,
     end=90,
@@ -143,11 +147,11 @@ guide.slider(
 # $$T = \max\left(\frac{3}{2} \frac{\lvert d \rvert}{\dot\theta_{\max}},\;
 #   \sqrt{\frac{6\,\lvert d \rvert}{\ddot\theta_{\max}}}\right)$$
 #
-# All joints share one $s(t)$, so the slowest joint sets the time for all, and all arrive together.
+# All joints share one $s(t)$. So the slowest joint sets the time, and all joints arrive together.
 #
-# A URDF may hold velocity limits, but it has no place for a limit of acceleration. Where your arm's files give none,
-# this lesson takes an acceleration that reaches full speed in half a second. Where they give no velocity limit either,
-# it takes one radian or one metre a second.
+# A URDF may have velocity limits, but it has no acceleration limits. If your arm's files give none, this lesson takes
+# an acceleration that reaches full speed in half a second. If they give no velocity limit either, it takes one radian
+# or one metre per second.
 
 # %%
 given = arm.limits
@@ -196,26 +200,27 @@ guide.say(
         if np.isclose(motion.duration, shortest)
         else ": this arm has limits of its motors or of jerk besides."
     )
-    + " It finds the peaks of the polynomials themselves, and not of samples of them, so that no peak is missed."
+    + " It computes the peaks of the polynomials, not of samples, so it misses no peak."
 )
 quick = max((15 / 8 * d / velocity).max(), np.sqrt(10 / np.sqrt(3) * d / acceleration).max())
 curve = plan_joint(arm, [start, goal], kind="s_curve", limits=limits).duration
 guide.predict(
     "Will the quintic need more time than the cubic, or less?",
-    f"It depends on what is scarce. Where velocity is, the quintic is slower (15/8 against 3/2). Where acceleration "
-    rf"is, it is faster by a little ($10/\sqrt 3 = {10 / np.sqrt(3):.2f}$ against 6). Here: {quick:.2f} s against "
-    f"{shortest:.2f} s. A law that drives at the limits and rounds only the corners (`s_curve`) takes "
+    f"It depends on the limit that is reached. At the velocity limit, the quintic is slower (15/8 against "
+    f"3/2). At the acceleration limit, it is slightly faster"
+    rf" ($10/\sqrt 3 = {10 / np.sqrt(3):.2f}$ against 6). Here: {quick:.2f} s against "
+    f"{shortest:.2f} s. A law that runs at the limits and rounds only the corners (`s_curve`) takes "
     f"{curve:.2f} s.",
 )
 
 # %% [markdown]
 # ## Via points
 #
-# On the way is a rock. You add a configuration that goes around it. Now you may stop there, or pass through. To pass
-# through you need one cubic for each stretch, and conditions where two meet: the same position, the same velocity, the
-# same acceleration. With both ends at rest there are just as many equations as coefficients. This is the **cubic
-# spline** (Lynch & Park, section 9.3). Over time it needs the instants of the configurations. `plan_joint` takes
-# another way: the spline is a path, and a law of time follows this path as fast as the limits allow.
+# A rock is in the way. You add a configuration beside it, a *via point*. You may stop there, or pass through. To pass
+# through, take one cubic for each part. Where two parts meet, they have the same position, velocity and acceleration.
+# With both ends at rest there are as many equations as coefficients. This is the **cubic spline** (Lynch & Park,
+# section 9.3). As a function of time it needs the time of each configuration. `plan_joint` uses the spline as a path. A
+# time law then follows this path as fast as the limits allow.
 
 # %%
 via = 0.35 * start + 0.45 * goal + 0.2 * arm.random_theta(12)  # half way, and to one side
@@ -249,40 +254,39 @@ guide.figure(
     fig,
     f"The joint {arm.joint_names[k]} over time, through a via point and stopping there, and its velocity, with its "
     f"limits",
-    "The same three configurations, passed and stopped at. Dots: the configurations; dotted: the velocity limit.",
+    "The same three configurations, with and without a stop. Dots: the configurations. Dotted: the velocity limit.",
 )
 low, high = through.waypoints.min(axis=0), through.waypoints.max(axis=0)
 inner = through(at)
 beyond = np.maximum(inner - high, low - inner).max(axis=0)
 worst = int(np.argmax(beyond * np.array([f for _, f in units])))
 guide.predict(
-    "Does the motion pass through wherever it may? And does the spline stay between your configurations?",
-    f"Here it takes {through.duration:.2f} s, and with a stop {stopping.duration:.2f} s. Where a path "
-    f"turns back on itself, a stop may be faster, and `plan_joint` then stops. Nothing keeps a spline between its configurations: "
+    "Is it faster to pass through than to stop? And does the spline stay between your configurations?",
+    f"Here it takes {through.duration:.2f} s, and with a stop {stopping.duration:.2f} s. If a path turns back "
+    f"on itself, a stop may be faster, and `plan_joint` then stops. A spline may swing beyond its configurations: "
     + (
         f"here `{arm.joint_names[worst]}` swings {beyond[worst] * units[worst][1]:.2f}{units[worst][0]} beyond the "
         f"range of the three."
         if beyond[worst] > 1e-6
-        else "here it does stay there, by luck."
+        else "here it stays between them, by chance."
     )
-    + " twistarm keeps the swing inside the joint limits; that it misses the rock is yours to check.",
+    + " twistarm keeps the swing inside the joint limits. Check yourself that it misses the rock.",
 )
 
 # %% [markdown]
 # ## Straight in what?
 #
-# A path that is straight in joint space is not straight in the room. For a push, a plug or a drawer you want the *tool*
-# to go straight, and there are two ways to say so. Let $g_0$ and $g_1$ be the poses at both ends.
+# A path that is straight in joint space is not straight in Cartesian space. For a push, a plug or a drawer the *tool*
+# should go straight. There are two ways. Let $g_0$ and $g_1$ be the poses at both ends.
 #
-# - **Line**: the tool's origin goes straight, and the rotation turns about one fixed axis, both in proportion. Place
-#   and rotation are treated as two things. If you take another point of the tool for its origin, you get another
-#   motion.
+# - **Line**: the tool's origin goes straight, and the tool turns about one fixed axis, both in proportion. Position and
+#   rotation are separate. If you take another point of the tool as its origin, you get another motion.
 # - **Screw**: by Chasles' theorem one screw motion leads from $g_0$ to $g_1$. Go along it:
 #
 # $$g(s) = e^{\hat\xi s}\, g_0, \qquad \hat\xi = \log(g_1 g_0^{-1})$$
 #
-# (Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation* (MLS), section 2.3.3.) It is the same
-# motion whichever point of the tool you choose.
+# This motion does not depend on the choice of the tool's origin. Source: Murray, Li and Sastry, *A Mathematical
+# Introduction to Robotic Manipulation* (MLS), section 2.3.3.
 
 # %%
 g0, g1 = arm.fk(start), arm.fk(goal)
@@ -349,7 +353,7 @@ guide.figure(
     fig,
     f"{arm.name} at both ends of a move, and three ways of its tool between them: straight in the joints, on a line, "
     "along a screw",
-    "The same two poses. Which way is right, the task decides.",
+    "Three ways between the same two poses. The task decides which one is right.",
 )
 
 # %%
@@ -357,24 +361,23 @@ guide.predict(
     "On the *line*, does a point ten centimetres ahead of the tool's origin go straight as well?",
     (
         f"No: it leaves its straight line by {1000 * off_the_chord((by_line @ ahead)[:, :3]):.1f} mm, because the tool "
-        "turns on the way. A line is a statement about *one* point, so say which: put the tool frame where the work "
-        "is. On the screw no point is special: each moves on a helix about the same axis, with the same pitch."
+        "turns on the way. A line is a statement about *one* point, so put the tool frame where the work is. "
+        "On the screw no point is special: each moves on a helix about the same axis, with the same pitch."
         if np.linalg.norm(turn) > 1e-6
-        else "Here it does, for the tool does not turn between the two poses. Where it turns, only the origin goes "
-        "straight. On the screw no point is special."
+        else "Here it does, because the tool does not turn between the two poses. If it turns, only the origin goes straight."
+        " On the screw no point is special."
     ),
 )
 
 # %% [markdown]
-# Take the line for a push and a cut. Take the screw where the task has an axis: a cap, a door, a latch. Take the path
-# that is straight in the joints for everything else: it always stays inside the joint limits, and no singularity can
-# stop it.
+# Take the line for a push or a cut. Take the screw if the task has an axis: a cap, a door, a latch. Take the path that
+# is straight in the joints for everything else. It always stays inside the joint limits, and no singularity stops it.
 #
 # ## Let the planner do it
 #
-# Whether the arm *can* follow a line is another question: joints have limits, and there are singularities.
-# `plan` solves inverse kinematics along the way, keeps to one of its answers (the elbow never flips on the way), and then
-# finds the time law within all limits.
+# The arm cannot follow every line: joints have limits, and there are singularities. `plan` solves inverse kinematics
+# along the way. It keeps to one answer, so the elbow never flips on the way. Then it finds the time law within all
+# limits.
 
 
 # %%
@@ -415,8 +418,7 @@ guide.scene(
     pusher,
     pusher.ready,
     straight,
-    caption="The push. Play it, and watch which joint comes nearest to its velocity limit, so that the tool goes "
-    "straight.",
+    caption="The push. Play it, and watch which joint comes nearest to its velocity limit.",
     quantity="joints",
 )
 share_of_limit = straight.peak(1) / np.where(
@@ -427,28 +429,28 @@ per_metre = straight(t, 1)[:, busiest] / np.linalg.norm(np.gradient(tool, t, axi
 per_metre = np.abs(per_metre[50:-50])  # without both ends, where the tool hardly moves
 unit = pusher.units[busiest]
 guide.predict(
-    "Which joint is the busiest on the push? And does each metre of the line ask the same of it?",
+    "Which joint comes nearest to its velocity limit? And does it move equally far for each metre of the line?",
     f"`{pusher.joint_names[busiest]}`: it reaches {100 * share_of_limit[busiest]:.0f} % of its velocity limit. "
     + (
-        f"Each metre of the line asks the same of it, {per_metre.mean():.2f} {unit}."
+        f"It moves equally far for each metre of the line, {per_metre.mean():.2f} {unit}."
         if np.ptp(per_metre) < 0.01 * per_metre.max()
-        else f"A metre of the line asks it for {per_metre.min():.2f} to {per_metre.max():.2f} {unit}, depending on the "
-        "configuration: where the tool moves evenly, the joint does not."
+        else f"A metre of the line takes {per_metre.min():.2f} to {per_metre.max():.2f} {unit} of this joint, depending on the configuration. At a constant speed of the tool, the joint's speed changes."
     ),
 )
 
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# - **Straight in the wrong space.** Two recorded configurations close to the table, and the tool goes through the table
-#   between them. Add via points, or use a line.
-# - **A full turn.** From 350° to 10° is 20° to you and 340° back to a program that subtracts. Wrap the difference where
-#   the joint has no limits; never where it has a cable.
-# - **Too few setpoints.** Between two setpoints a simple drive goes straight, but the law bends by the acceleration
-#   $a$. In the middle the drive is off by up to $a\,\Delta t^2/8$, which is half of $a\,(\Delta t/2)^2$.
-# - **Only samples are checked.** The velocity at every hundredth of a second was fine, and the peak lay between.
+# - **Straight in the wrong space.** Two recorded configurations are close to the table, and between them the tool goes
+#   through it. Add via points, or use a line.
+# - **A full turn.** From 350° to 10° is 20°, but a program that subtracts turns back by 340°. Wrap the difference if
+#   the joint has no limits. Never wrap it if the joint has a cable.
+# - **Too few setpoints.** Between two setpoints a simple drive interpolates linearly. With the acceleration $a$, it is
+#   off in the middle by up to $a\,\Delta t^2/8$, which is half of $a\,(\Delta t/2)^2$.
+# - **Only samples are checked.** The velocity at every hundredth of a second was inside the limit, but the peak was
+#   between two samples.
 # - **The limit of the joint is not that of the motor.** In a differential, two motors move two joints together, and one
-#   joint may need both. The section `[actuators]` of `arm.toml` tells twistarm so.
+#   joint may need both. Describe this in the section `[actuators]` of `arm.toml`.
 
 # %%
 rows = []

@@ -1,11 +1,11 @@
 # %% [markdown]
 # # How fast does the tool move, and how hard can it push?
 #
-# You have put a joystick beside the arm. Pushed forward, it is to move the tool forward at five centimetres a second.
-# What do you send to the motors? And when the tool then carries a stone, what torque must each motor hold?
+# You drive the arm with a joystick. When you push it forward, the tool shall move forward at five centimetres per
+# second. What do you send to the motors? And if the tool carries a stone, what torque must each motor hold?
 #
-# Both questions have the same answer: one matrix, the **manipulator Jacobian**. It has a column for each joint, and
-# every column is something you know already: a twist.
+# One matrix answers both questions: the **manipulator Jacobian**. It has a column for each joint, and every column is a
+# twist.
 
 # %%
 import numpy as np
@@ -20,20 +20,20 @@ p = g[:3, 3]  # the tool's origin, seen from the base
 # %% [markdown]
 # ## One joint, one column
 #
-# Hold every joint still but one, and let that one run at a rate of one. Everything beyond it, the tool included, then
-# moves with the twist of its axis. But the axis is no longer where it was on the photograph at zero: the joints before
-# it have carried it along. An Adjoint says where it is now:
+# Let one joint move at a rate of one, and hold all others. Everything beyond it, the tool included, then moves with the
+# twist of its axis. But this axis is no longer where it was at zero: the joints before it have moved it. An Adjoint
+# gives its present twist:
 #
 # $$\xi_i' = \mathrm{Ad}_{e^{\hat\xi_1\theta_1} \cdots e^{\hat\xi_{i-1}\theta_{i-1}}}\, \xi_i$$
 #
-# Now let all joints run. Their twists, each times its rate, add up, and a sum of columns times numbers is a matrix
-# times a vector:
+# Now let all joints move. Their twists, each times its rate, add up. A sum of columns times numbers is a matrix times a
+# vector:
 #
 # $$V^s = J^s(\theta)\, \dot\theta, \qquad J^s = \begin{bmatrix} \xi_1' & \xi_2' & \cdots & \xi_n' \end{bmatrix}$$
 #
-# This is the **spatial Jacobian** (Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation* (MLS),
-# section 3.4.1). No derivative of a sine was taken by hand. $V^s = (v, \omega)$ is the spatial twist of the tool, the
-# linear part first.
+# This is the **spatial Jacobian**. Source: Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation*
+# (MLS), section 3.4.1. It needs no derivative of a sine or cosine. $V^s = (v, \omega)$ is the spatial twist of the
+# tool, the linear part first.
 
 # %% tags=["shown"]
 values = arm.coupling.A @ theta  # one value for each axis, mimic joints too
@@ -59,8 +59,8 @@ guide.table(
 )
 
 # %% [markdown]
-# Is it right? Pinocchio builds the same matrix from your file, link by link. A second check needs no theory at all:
-# move one joint a little to either side, and see what forward kinematics says.
+# Is it right? Pinocchio computes the same matrix from your file, link by link. A second check needs only forward
+# kinematics: move one joint a little to either side, and take the difference.
 
 # %%
 if arm.description is not None:
@@ -80,7 +80,7 @@ for i, step in enumerate(h * np.eye(arm.n)):
 off, off_difference = np.abs(J_s - by_pinocchio).max(), np.abs(J_s - by_difference).max()
 guide.say(
     rf"The largest difference from Pinocchio is ${guide.rough(off)}$; from the difference quotient of $\dot g "
-    rf"g^{{-1}}$ it is ${guide.rough(off_difference)}$: a quotient is no more exact than that."
+    rf"g^{{-1}}$ it is ${guide.rough(off_difference)}$, the accuracy of such a quotient."
 )
 
 # %%
@@ -98,14 +98,15 @@ for k in np.argsort(-speeds, kind="stable"):
         arrow = 0.5 * arm.reach * hybrid[:3, k] / speeds.max()
         guide.plot_vector(right, p, arrow, colour=guide.BLUE)
         right.text(*(p + 1.14 * arrow + [0, 0, 0.02 * arm.reach]), f"{k + 1}", color=guide.BLUE)
-left.set_title("the axes, where they stand now")
+left.set_title("the axes in this configuration")
 right.set_title("the tool's velocity by each joint")
 guide.figure(
     fig,
     f"Left, {arm.name} as it waits with the axis of each joint where it stands now; right, at its tool, an arrow for "
     "each joint that moves its origin: the velocity that this joint alone gives it",
-    "Left, the columns of $J^s$ are the twists of these axes. Right, what each joint alone, at a rate of one, does "
-    "to the tool's origin; the longest arrow is "
+    "Left, the columns of $J^s$ are the twists of these axes. Right, the velocity that each joint alone, at "
+    "a rate of one, gives the tool's origin. The longest arrow is"
+    " "
     f"{speeds.max():.2f} m/s. A joint without an arrow does not move the origin.",
 )
 
@@ -124,17 +125,19 @@ def columns_changed(J, other):
 by_last = columns_changed(axes_now, poe.spatial_jacobian(arm.screws, last))
 by_first = columns_changed(axes_now, poe.spatial_jacobian(arm.screws, first))
 guide.predict(
-    f"Your arm has {count} axes. The last joint moves by half a unit. How many columns of axes change? And if only the "
-    "first one moves?",
-    f"The last joint changes {by_last}: it carries no axis. The first one changes {by_first} of {count}: never its "
-    f"own, and none that it moves along itself. Column $i$ depends on the joints *before* $i$ alone.",
+    f"Your arm has {count} axes. The last joint moves by half a unit. How many of their twists change? And if "
+    f"only the first joint moves?"
+    "",
+    f"The last joint changes {by_last}: it moves no other axis. The first one changes {by_first} of {count}: "
+    f"never its own, and none that it only shifts along itself. Column $i$ depends only on the joints *before* $i$."
+    f"",
 )
 
 # %% [markdown]
 # ## Read the first three rows with care
 #
-# The linear part $v$ of $V^s$ is **not** the velocity of the tool. Imagine the tool's body so large that it reaches the
-# origin of the base: $v$ is the velocity of the point of it that is just there. The tool's origin, at $p$, has the
+# The linear part $v$ of $V^s$ is **not** the velocity of the tool. Imagine that the tool's body reaches to the origin
+# of the base. $v$ is the velocity of the body's point that is now at this origin. The tool's origin, at $p$, has the
 # velocity
 #
 # $$\dot p = v + \omega \times p$$
@@ -148,7 +151,7 @@ p_dot = v + np.cross(omega, p)
 step = h * np.eye(arm.n)[k]
 apart = np.linalg.norm(p_dot - v)
 guide.say(
-    f"Let `{arm.joint_names[k]}` alone run at {rates_of[k]}. The first three rows say "
+    f"Let `{arm.joint_names[k]}` alone move at {rates_of[k]}. The first three rows say "
     f"$|v| = {np.linalg.norm(v):.3f}$ m/s. The tool's origin moves at $|\\dot p| = {np.linalg.norm(p_dot):.3f}$ m/s, "
     f"as the difference quotient of forward kinematics confirms. The two vectors are {apart:.3f} m/s apart."
 )
@@ -156,13 +159,13 @@ guide.say(
 # %% [markdown]
 # ## The same from the tool's side
 #
-# Look at the axes from the tool instead, and you have the **body Jacobian**, with which the solver walked to its target:
+# The same axes, seen from the tool, give the **body Jacobian**. The numeric solver uses it:
 #
 # $$V^b = J^b(\theta)\, \dot\theta, \qquad J^b = \mathrm{Ad}_{g_{st}}^{-1} J^s$$
 #
-# Here $v$ is what a person expects: the velocity of the tool's origin, in the tool's own axes. Many programs use a
-# third matrix, which keeps that velocity but writes it in axes of the base. It is called *hybrid*, and it is neither
-# $J^s$ nor $J^b$. All three are right, and they answer three questions.
+# Here $v$ is the velocity of the tool's origin, in the tool's own axes. Many programs use a third matrix, the *hybrid*
+# Jacobian. It has the velocity of the tool's origin in the axes of the base. It is neither $J^s$ nor $J^b$. All three
+# are right, and they answer three different questions.
 
 # %%
 J_b = screws.adjoint(screws.inverse(g)) @ J_s
@@ -186,7 +189,7 @@ guide.table(
             float(np.linalg.norm(hybrid[:3, k])),
         ],
     ],
-    f"One motion, `{arm.joint_names[k]}` at {rates_of[k]}, told three times.",
+    f"One motion, `{arm.joint_names[k]}` at {rates_of[k]}, by three Jacobians.",
 )
 
 # %%
@@ -196,22 +199,20 @@ unchanged = np.abs(arm.body_jacobian(moved) - J_b).max()
 guide.predict(
     f"The first joint, `{arm.joint_names[0]}`, moves by 0.7. What changes in $J^b$?",
     (
-        f"Nothing: the largest difference is ${guide.rough(unchanged)}$. If you sit on the tool and look back along "
-        "the arm, you see the same axes in the same places; the first joint only moves the world beyond. $J^b$ depends on "
-        "the joints *after* the column, $J^s$ on those before it."
+        f"Nothing: the largest difference is ${guide.rough(unchanged)}$. Seen from the tool, all axes are in "
+        f"the same places. The first joint only moves the world behind the base. A column of $J^b$ depends on "
+        f"the joints *after* it, a column of $J^s$ on those before it."
         if alone
-        else "Another joint follows the first one, so something does change. If it moved alone, nothing would: from "
-        "the tool you would see the same axes in the same places."
+        else "Another joint follows the first one, so something changes. If the first joint moved alone, nothing would change: seen from the tool, all axes would stay in the same places."
     ),
 )
 
 # %% [markdown]
 # ## The joystick
 #
-# Now the question from the beginning. The tool's origin is to go along one axis of the base at five centimetres a
-# second. Those are three equations, and the unknowns are the rates of the joints. `np.linalg.lstsq` gives the rates
-# that come nearest to the wish, and of several solutions the one with the smallest sum of squares (m/s and rad/s
-# counted alike).
+# Now the first question. The tool's origin shall go along one axis of the base at five centimetres per second. These
+# are three equations for the rates of the joints. `np.linalg.lstsq` gives the rates that come nearest to this velocity.
+# Of several solutions it gives the one with the smallest sum of squares (with m/s and rad/s counted alike).
 
 # %%
 wishes = 0.05 * np.eye(3)
@@ -230,18 +231,19 @@ guide.table(
         [f"`{name}`", f"{x:.4f} m/s" if unit == "m" else f"{np.degrees(x):.2f}°/s".replace("-", "−")]
         for name, x, unit in zip(arm.joint_names, rates, arm.units, strict=True)
     ],
-    f"Five centimetres a second along the base's ${'xyz'[best]}$ axis.",
+    f"Five centimetres per second along the base's ${'xyz'[best]}$ axis.",
 )
 closed = [i for i in range(3) if missed[i] > 1e-6]
 guide.say(
-    f"Let them run for a hundredth of a second: forward kinematics finds the tool {1000 * gone[best]:.3f} mm farther "
-    f"along ${'xyz'[best]}$, of {1000 * dt * wishes[best][best]:.3f} mm that were wished. The next hundredth needs a "
-    f"new Jacobian, for the axes have moved. "
+    f"After a hundredth of a second, the tool has moved by {1000 * gone[best]:.3f} mm along ${'xyz'[best]}$, "
+    f"by forward kinematics. The command was {1000 * dt * wishes[best][best]:.3f} mm. The next hundredth "
+    f"needs a new Jacobian, because the axes have moved. "
     + (
-        f"Along {' and '.join(f'${chr(120 + i)}$' for i in closed)} this arm cannot go here as wished: the best rates "
-        f"miss by {', '.join(f'{missed[i] * 1000:.1f}' for i in closed)} mm/s. The next lesson says why."
+        f"Along {' and '.join(f'${chr(120 + i)}$' for i in closed)} this arm cannot follow the command here: "
+        f"the best rates miss it by"
+        f" {', '.join(f'{missed[i] * 1000:.1f}' for i in closed)} mm/s. The next lesson says why."
         if closed
-        else "The tool may turn on the way, because nothing was said about that. To forbid it, ask for all six rows."
+        else "The tool may turn on the way, because the command does not include the rotation. To forbid it, use all six rows."
     )
 )
 
@@ -249,16 +251,16 @@ guide.say(
 # ## The transpose holds the load
 #
 # The tool exerts a force $f$ and a torque $\tau$ on the world: a **wrench** $F_t = (f, \tau)$, in the tool's axes. Its
-# power is $F_t^T V^b$. No power is lost in the joints, so the motors must supply as much at all rates:
+# power is $F_t^T V^b$. Without friction, the motors supply the same power, at all rates:
 #
-# $$\tau^T \dot\theta = F_t^T V^b = F_t^T J^b \dot\theta \quad\text{for every } \dot\theta, \qquad\text{hence}\qquad
+# $$\tau^T \dot\theta = F_t^T V^b = F_t^T J^b \dot\theta \quad\text{for every } \dot\theta, \qquad\text{so}\qquad
 # \tau = (J^b)^T F_t$$
 #
-# (MLS, section 3.4.2; on the left, $\tau$ are the torques of the joints, forces for those that slide.) With a wrench
-# that is seen from the base it is $\tau = (J^s)^T F_s$. Nothing is inverted. The formula holds in every configuration
-# and for any number of joints.
+# On the left, $\tau$ are the torques of the joints, or forces for those that slide (MLS, section 3.4.2). For a wrench
+# that is seen from the base, $\tau = (J^s)^T F_s$. No matrix is inverted. The formula holds in every configuration and
+# for any number of joints.
 #
-# A stone of one kilogram hangs at the tool's origin. The tool carries it, which means that it pushes it **up**.
+# A stone of one kilogram hangs at the tool's origin. To carry the stone, the tool pushes it **up**.
 
 # %% tags=["shown"]
 mass, gravity = 1.0, 9.81
@@ -272,18 +274,17 @@ heaviest = int(np.argmax(np.abs(torques)))
 free = 6 - int(np.linalg.matrix_rank(J_b, tol=1e-6))
 unit = "N" if arm.units[heaviest] == "m" else "N m"
 guide.predict(
-    "Which joint of your arm bears most of that kilogram, as it waits? And which bears nothing?",
+    "Which joint of your arm needs the most torque for that kilogram in the ready configuration? And which needs none?",
     (
         f"Most: `{arm.joint_names[heaviest]}`, with {abs(torques[heaviest]):.2f} {unit}. Nothing: "
         + (
             ", ".join(f"`{n}`" for n, t in zip(arm.joint_names, torques, strict=True) if abs(t) < 1e-6)
             or "none"
         )
-        + ". About a level axis a joint bears the weight times the horizontal distance of the tool from "
-        "the axis; about a vertical one, nothing."
+        + ". A joint with a level axis holds the weight times the horizontal distance of the tool from the "
+        "axis. A joint with a vertical axis holds nothing."
         if abs(torques[heaviest]) > 1e-6
-        else "None of them bears anything: every axis stands so that the weight cannot drive it. The bearings carry "
-        "all."
+        else "None of them: the weight cannot turn any of these axes. The bearings carry the load."
     ),
 )
 
@@ -322,10 +323,9 @@ guide.say(
             if free > 1
             else "So one wrench, and its multiples, has"
         )
-        + " $(J^b)^T F = 0$. No motor holds against such a wrench, because the structure carries it, and no motor can "
-        "bring one about."
+        + " $(J^b)^T F = 0$. The structure carries such a wrench without any motor, and no motor can produce one."
         if free
-        else "So every wrench asks something of some motor, and the motors together can exert any wrench."
+        else "So every wrench needs some motor torque, and the motors together can exert any wrench."
     )
 )
 
@@ -333,27 +333,28 @@ guide.say(
 guide.scene(
     arm,
     theta,
-    caption="The axes are the columns of the spatial Jacobian. Move a joint: which axes come along, which stay?",
+    caption="The axes are the columns of the spatial Jacobian. Move a joint: which axes move, and which stay?",
     quantity="screws",
 )
 guide.predict(
-    "Which axes came along?",
-    "Those of the joints after it, and the tool. Its own axis stays, and so do those before it: column $i$ depends on "
-    "the joints before $i$ alone.",
+    "Which axes moved?",
+    "Those of the joints after it, and the tool. Its own axis stays, and so do those before it: column $i$ "
+    "depends only on the joints before $i$."
+    "",
 )
 
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# - **The wrong Jacobian.** $v$ of $J^s$ is taken for the velocity of the tool. A tool that should only turn then
-#   wanders off, the more so the farther it is from the base.
-# - **Columns from the photograph.** The twists at zero are used as columns. At zero everything is right; anywhere else
-#   the arm drifts.
-# - **The wrench in other axes.** A force measured in axes of the base goes into $(J^b)^T$. It fits as long as the tool
+# - **The wrong Jacobian.** $v$ of $J^s$ is taken for the velocity of the tool. A tool that should only turn then drifts
+#   away. The farther it is from the base, the faster it drifts.
+# - **Columns from the photograph.** The twists at zero are used as columns. They are right at zero and wrong everywhere
+#   else.
+# - **The wrench in other axes.** A force measured in axes of the base goes into $(J^b)^T$. It is right only if the tool
 #   is not turned.
-# - **The torque first.** Another library writes $(\omega, v)$ and $(\tau, f)$. The shapes fit, and nothing warns you.
+# - **The torque first.** Another library writes $(\omega, v)$ and $(\tau, f)$. The shapes fit, so there is no error.
 # - **The sign.** $F$ is what the tool exerts. A force sensor at the wrist often reports what the world exerts on the
-#   tool: then the motors push the wrong way.
+#   tool. With the wrong sign the motors push the wrong way.
 
 # %%
 test = np.where(np.array(arm.units) == "m", 0.1, 0.3)
@@ -372,7 +373,7 @@ slips = [
     ["the sign", f"{np.abs(2 * torques).max():.2f} N m or N"],
 ]
 guide.table(
-    ["slip", "off by"],
+    ["mistake", "off by"],
     slips,
     f"On `{arm.name}`, waiting; slides at 0.1 m/s, turns at 0.3 rad/s; the stone of one kilogram.",
 )

@@ -2,8 +2,8 @@
 # # Why does the arm get stuck when it is stretched out?
 #
 # You drive the tool outward with the joystick, slowly and straight. All is well until the arm is nearly straight. Then
-# the elbow motor runs away at full speed, and the tool hardly moves. You look for a loose wire. None exists: the arm
-# has come to a **singular configuration**, and its Jacobian shows the reason.
+# the elbow motor runs at full speed, and the tool hardly moves. You look for a loose wire and find none. The arm is
+# near a **singular configuration**, and its Jacobian shows the reason.
 
 # %%
 import numpy as np
@@ -17,14 +17,14 @@ theta = arm.ready
 # %% [markdown]
 # ## The law
 #
-# The columns of $J(\theta)$ are the twists that the joints offer. Their sums are all that the tool can do. Where the
-# columns stop being independent, one direction is missing among the sums. A configuration is singular if the rank of
-# $J(\theta)$ is smaller there than elsewhere (Murray, Li and Sastry, *A Mathematical Introduction to Robotic
-# Manipulation* (MLS), section 3.4.3). It does not matter which Jacobian you ask: $J^s$ and $J^b$ differ by an Adjoint,
-# which has an inverse.
+# The columns of $J(\theta)$ are the twists of the joints. Every velocity of the tool is a sum of their multiples. If
+# the columns are no longer independent, a direction is missing among these sums. A configuration is **singular** if the
+# rank of $J(\theta)$ is smaller there than elsewhere. Source: Murray, Li and Sastry, *A Mathematical Introduction to
+# Robotic Manipulation* (MLS), section 3.4.3. You can take either Jacobian: $J^s$ and $J^b$ differ by an Adjoint, which
+# has an inverse.
 #
-# Begin with two links in a plane, where it can be done by hand. Only the position of the tool counts, and the Jacobian
-# is $2 \times 2$. Its determinant is
+# Begin with two links in a plane and the position of the tool alone. The Jacobian is then $2 \times 2$. Its determinant
+# is
 #
 # $$\det J = l_1 l_2 \sin\theta_2$$
 
@@ -40,17 +40,20 @@ J = planar.hybrid_jacobian(configurations)[:, :2]  # x and y of the tool's origi
 
 # %%
 guide.predict(
-    r"For which angles is that arm singular? And what does $\theta_1$ have to do with it?",
-    r"At $\theta_2 = 0$, stretched, and at $\theta_2 = 180°$, folded. $\theta_1$ has nothing to do with it: it turns the "
-    "whole picture. Whether an arm is singular depends on how its axes stand to one another, and the first joint never "
-    "changes that.",
+    r"For which angles is this arm singular? And does $\theta_1$ matter?",
+    r"At $\theta_2 = 0$, stretched, and at $\theta_2 = 180°$, folded. $\theta_1$ does not matter: it turns "
+    r"the whole arm. Whether an arm is singular depends on how its axes lie relative to each other. The first "
+    r"joint never changes that."
+    "",
 )
 guide.slider(
     "ellipsoid",
     r"You met this ellipse in *Walking to the target*: the velocities that the tool gets from joint rates with "
-    r"$|\dot\theta| = 1$. Bring $\theta_2$ to 0. What becomes of it, and which way can the tool no longer go?",
-    r"It becomes a line, at a right angle to the arm: $\sigma_2 = 0$. Along the arm the tool cannot move at all, neither "
-    "out nor in. Both joints can only swing it sideways. The way in is lost too, although there is room.",
+    r"$|\dot\theta| = 1$. Bring $\theta_2$ to 0. What happens to it, and in which direction can the tool no "
+    r"longer move?",
+    r"It becomes a line, at a right angle to the arm: $\sigma_2 = 0$. Along the arm the tool cannot move at "
+    r"all, neither "
+    "out nor in. Both joints only move it sideways. Even inward it cannot move, although there is room.",
     l1=round(l1, 3),
     l2=round(l2, 3),
     theta1=25,
@@ -60,12 +63,12 @@ guide.slider(
 # %% [markdown]
 # ## What the elbow must do
 #
-# Let the tool go outward at five centimetres a second, along the line from the base. From the law of cosines,
+# Let the tool move outward at five centimetres per second, along the line from the base. From the law of cosines,
 # $r^2 = l_1^2 + l_2^2 + 2 l_1 l_2 \cos\theta_2$, and therefore
 #
 # $$\dot\theta_2 = -\frac{r\, \dot r}{l_1 l_2 \sin\theta_2}$$
 #
-# If $\theta_2$ is small, you divide by a small number.
+# If $\theta_2$ is small, the rate is large.
 
 # %%
 outward = 0.05
@@ -86,11 +89,11 @@ guide.table(
 # %% [markdown]
 # ## How far from singular: the ellipsoid
 #
-# A rank is a yes or a no. A builder wants to know how near. The ellipse answers this. With more joints and directions
-# it becomes the **manipulability ellipsoid**: what $J$ makes of all joint rates with $|\dot\theta| = 1$ (MLS, section
-# 3.4.4, measures it).
+# The rank says only whether a configuration is singular. The ellipse says how near it is. With more joints and
+# directions it becomes the **manipulability ellipsoid**: the velocities $J\dot\theta$ for all joint rates with
+# $|\dot\theta| = 1$ (MLS, section 3.4.4).
 #
-# To find its half axes you need the **singular value decomposition**. It takes any matrix apart into three simple ones:
+# The **singular value decomposition** gives its half axes. It splits any matrix into three simple ones:
 #
 # $$J = U\, \Sigma\, W^T$$
 #
@@ -106,10 +109,10 @@ guide.table(
 # $\sigma_i$. So the half axes of the ellipsoid are $\sigma_i u_i$. `np.linalg.svd` returns $U$, the singular values and
 # $W^T$.
 #
-# A long half axis means fast and weak: by $\tau = J^T F$, a unit of joint torque balances the force $1/\sigma$ there. A
-# short half axis means slow and strong. The product of all, $\sqrt{\det JJ^T}$, is Yoshikawa's **manipulability**; the
-# ratio $\sigma_{\max}/\sigma_{\min}$ is the **condition number**. It is one for a sphere, and infinite where a
-# direction is lost.
+# Along a long half axis the tool is fast and weak: by $\tau = J^T F$, a unit of joint torque balances the force
+# $1/\sigma$ there. Along a short half axis it is slow and strong. The product of all singular values, $\sqrt{\det
+# JJ^T}$, is Yoshikawa's **manipulability**. The ratio $\sigma_{\max}/\sigma_{\min}$ is the **condition number**. It is
+# one for a sphere, and infinite if a direction is lost.
 
 # %%
 fig, axes = guide.axes2(3, width=6.6, height=2.6)
@@ -129,19 +132,21 @@ for ax, bend in zip(axes, (90.0, 30.0, 0.0), strict=True):
     ax.set(xlim=(-0.35, 1.05), ylim=(-0.3, 0.95), xticks=[], yticks=[], aspect="equal")
 guide.figure(
     fig,
-    "The two-link arm with its elbow bent by 90, by 30 and by 0 degrees; the ellipse at its tool gets thinner, and "
-    "is a line, at a right angle to the arm, where the arm is straight",
+    "The two-link arm with its elbow bent by 90, by 30 and by 0 degrees; the ellipse at its tool gets "
+    "thinner. For the straight arm it is a line at a right angle to the arm"
+    "",
     "The velocities of the tool that joint rates with $|\\dot\\theta| = 1$ give, as the arm is stretched.",
 )
 
 # %% [markdown]
 # ## Rates that cancel
 #
-# Stretch the two links out. The last singular value is $\sigma_2 = 0$, and two columns belong to it. Take $w_2$ first:
+# Stretch the two links out. The last singular value is then $\sigma_2 = 0$. It has two columns, $w_2$ and $u_2$. Take
+# $w_2$ first:
 #
 # $$J w_2 = \sigma_2 u_2 = 0$$
 #
-# With these joint rates the motors run, and the tool stands still. $w_2$ is called a **null vector** of $J$.
+# With these joint rates the motors run, but the tool does not move. $w_2$ is called a **null vector** of $J$.
 
 # %%
 straight = np.array([0.0, 0.0])
@@ -149,19 +154,20 @@ J = planar.hybrid_jacobian(straight)[:2]
 U, sigma, Wt = np.linalg.svd(J)
 null = Wt[1] * np.sign(Wt[1, 1])
 guide.say(
-    f"Here $w_2 = {guide.tex(null, 2)}$. Let the shoulder run at {null[0]:.2f} rad/s".replace("-", "−")
-    + f" and the elbow at {null[1]:.2f} rad/s: the tool moves at {np.linalg.norm(J @ null):.2f} m/s. The first column alone "
-    f"would give {abs(J[1, 0] * null[0]):.2f} m/s, and the second takes as much away."
+    f"Here $w_2 = {guide.tex(null, 2)}$. Let the shoulder turn at {null[0]:.2f} rad/s".replace("-", "−")
+    + f" and the elbow at {null[1]:.2f} rad/s: the tool moves at {np.linalg.norm(J @ null):.2f} m/s. The "
+    f"first column alone would give {abs(J[1, 0] * null[0]):.2f} m/s, and the second column cancels it."
 )
 
 # %% [markdown]
 # ## A force that no motor feels
 #
-# Now take $u_2$, and read it as a force at the tool. By $\tau = J^T F$ the motors hold
+# Now read $u_2$ as a force at the tool. By $\tau = J^T F$ the motors hold
 #
 # $$\tau = J^T u_2 = \sigma_2 w_2 = 0$$
 #
-# Pull at the stretched arm, along it: the bearings carry the pull, and no motor has to. Pull across, and they have to.
+# Pull along the stretched arm: the bearings carry the pull, and the motors need no torque. Pull across the arm: the
+# motors must hold.
 
 # %%
 along, across = 10.0 * np.array([1.0, 0.0]), 10.0 * np.array([0.0, 1.0])  # [N]
@@ -175,29 +181,30 @@ guide.table(
 )
 
 # %% [markdown]
-# ## Reciprocal
+# ## Reciprocal wrenches
 #
 # Power is force times velocity. The force $u_2$ has no power in any motion that the joints can make:
 #
 # $$u_2^T (J \dot\theta) = (J^T u_2)^T \dot\theta = 0 \quad\text{for every } \dot\theta$$
 #
-# Such a force, or wrench, is called **reciprocal** to the joints (MLS, section 2.5.3). So it tells what is lost: a motion
-# $V$ in which the wrench would have power, $F^T V \ne 0$, is none that the joints can make. Whether you count in metres or
-# in millimetres, it is the same wrench.
+# Such a force, or wrench, is called **reciprocal** to the joints (MLS, section 2.5.3). It shows what is lost: the
+# joints cannot make any motion $V$ in which the wrench has power, $F^T V \ne 0$. The wrench does not depend on the
+# unit, metres or millimetres.
 
 # %%
 inward = np.array([-0.05, 0.0])  # [m/s]
 guide.say(
-    f"Let both joints run at 1 rad/s: the pull along the arm has the power {abs(along @ J @ np.ones(2)):.1f} W. To come in "
-    f"at 5 cm/s against it would take {abs(along @ inward):.1f} W, and no motor can supply them: the way in is lost."
+    f"Let both joints turn at 1 rad/s: the pull along the arm has the power {abs(along @ J @ np.ones(2)):.1f} "
+    f"W. A motion inward at 5 cm/s against it would need {abs(along @ inward):.1f} W. No motor can supply "
+    f"them, so the tool cannot move inward."
 )
 
 # %% [markdown]
 # ## On your arm: six directions, two units
 #
-# The whole Jacobian has rows in metres and rows in radians, and a sum of squares of both means nothing until you say
-# how many metres are worth one radian. `arm.manipulability` measures lengths in units of the arm's reach. The
-# singular values then have no unit, but they depend on that choice. Whether one of them is zero does not.
+# The whole Jacobian has rows in metres and rows in radians. A sum of squares of both needs a length that is worth one
+# radian. `arm.manipulability` measures lengths in units of the arm's reach. The singular values then have no unit, but
+# they depend on that choice. Whether one of them is zero does not depend on it.
 
 # %%
 slides = np.array(arm.units) == "m"
@@ -211,14 +218,14 @@ def least(x):
     return float(arm.manipulability(x).singular_values[rank - 1])
 
 
-all_there_are = "which is all that there are."
+all_there_are = "the greatest number there is."
 if rank < 6:
     all_there_are = (
-        f"the most that its joints allow; of the six, {6 - rank} {'are' if rank < 5 else 'is'} missing in *every* "
-        f"configuration. That is not a singularity: it is what {arm.n} joint{'s' if arm.n > 1 else ''} can do."
+        f"the most that its joints allow. Of the six, {6 - rank} {'are' if rank < 5 else 'is'} missing in "
+        f"*every* configuration. That is not a singularity: {arm.n} joint{'s' if arm.n > 1 else ''} cannot do more."
     )
 guide.say(
-    rf"`{arm.name}`, waiting: $\sigma = {guide.tex(m.singular_values)}$. It can move its tool in {rank} independent "
+    rf"`{arm.name}`, ready: $\sigma = {guide.tex(m.singular_values)}$. It can move its tool in {rank} independent "
     f"direction{'s' if rank > 1 else ''}, {all_there_are} The condition of these {rank} is "
     f"{float(m.condition_in(rank)):.1f}."
 )
@@ -242,16 +249,18 @@ shape = {3: "an ellipsoid", 2: "a flat ellipse", 1: "a line", 0: "a point"}[flat
 guide.figure(
     fig,
     f"{arm.name} as it waits, and at its tool {shape} with its half axes: long where joint rates move the tool far",
-    f"What joint rates with $|\\dot\\theta| = 1$ make of the tool's velocity: {shape}, its half axes in the ratio "
+    f"The tool's velocities for joint rates with $|\\dot\\theta| = 1$: {shape}, with half axes in the ratio "
     f"{' : '.join(f'{s / sigma[0]:.2f}' for s in sigma[:flat])}.",
 )
-guide.scene(arm, theta, caption="Drag it out: which half axis gets short?", quantity="ellipsoid")
+guide.scene(
+    arm, theta, caption="Drag the tool outward: which half axis gets short?", quantity="ellipsoid"
+)
 
 # %% [markdown]
 # ## The worst configuration inside your limits
 #
-# Where is your own arm singular? Ask two thousand random configurations, take the worst, and minimise $\sigma$ from
-# there, within the joint limits.
+# Where is your own arm singular? The program takes the worst of two thousand random configurations. From there it
+# minimises the last singular value $\sigma$, within the joint limits.
 
 # %%
 low, high = arm.sampling_bounds
@@ -270,10 +279,11 @@ gone = least(singular) / arm.manipulability(singular).singular_values[0]
 is_singular = gone < 1e-4
 
 # %% [markdown]
-# Read the last columns there, as on the two links: $w$ holds the rates that cancel, and $u$ the wrench that no motor feels.
+# As on the two links, read the last columns there. $w$ has the rates that cancel, and $u$ the wrench that no motor
+# feels.
 #
-# In the singular configuration itself several singular values may be 0 at once. Any mixture of their columns is then as
-# good, and rounding chooses one. So the program reads both columns a little beside the configuration.
+# In the singular configuration itself several singular values may be 0 at once. Then every mixture of their columns is
+# valid, and rounding chooses one. So the program reads both columns slightly beside the configuration.
 
 # %%
 lengths = np.where(slides, arm.reach, 1.0)  # slides are counted in units of the reach, too
@@ -285,12 +295,19 @@ lost, idle = U[:, rank - 1], Wt[rank - 1] * lengths
 # %%
 weights = np.abs(Wt[rank - 1])
 against = [name for name, w in zip(arm.joint_names, weights, strict=True) if w > 0.15 * weights.max()]
-turns = float(np.linalg.norm(lost[3:]))
-way = lost[3:] if turns > np.sqrt(0.5) else lost[:3]
-words = "a torque about" if turns > np.sqrt(0.5) else "a force along"
-share = max(turns**2, 1 - turns**2)
-axis = way / np.linalg.norm(way)
-axis = axis * (1.0 if axis[np.argmax(np.abs(axis))] > 0 else -1.0)
+force, torque = lost[:3], arm.reach * lost[3:]  # J has lengths in units of the reach
+turns = bool(np.linalg.norm(lost[3:]) > np.sqrt(0.5))  # the wrench is mostly a torque
+push, along_with = (
+    ("Twist about", "a force of {} N along") if turns else ("Push along", "a torque of {} N m about")
+)
+main, other = (torque, force) if turns else (force, torque)
+sign = 1.0 if main[np.argmax(np.abs(main))] > 0 else -1.0
+axis = sign * main / np.linalg.norm(main)
+ratio = sign * other / np.linalg.norm(main)  # for each newton, or newton metre
+also = ""
+if np.linalg.norm(ratio) > 0.005:
+    size = f"{np.linalg.norm(ratio):.2f}"
+    also = f", with {along_with.format(size)} ${guide.tex(ratio / np.linalg.norm(ratio), 2)}$ for each {'N m' if turns else 'N'}"
 
 
 def shown(x, unit, digits):
@@ -299,7 +316,7 @@ def shown(x, unit, digits):
 
 
 guide.table(
-    ["joint", "ready", "worst", "runs idle"],
+    ["joint", "ready", "worst", "rates that cancel"],
     [
         [
             f"`{name}`",
@@ -308,19 +325,21 @@ guide.table(
         ]
         for name, slide, a, b, w in zip(arm.joint_names, slides, theta, singular, idle, strict=True)
     ],
-    f"The worst configuration that was found in the limits of `{arm.name}`.",
+    f"The worst configuration that was found inside the limits of `{arm.name}`.",
 )
 verdict = (
     rf"There $\sigma_{{{rank}}}/\sigma_1 = {guide.rough(gone)}$: singular."
     if is_singular
-    else rf"There $\sigma_{{{rank}}}/\sigma_1 = {gone:.3f}$. It is not singular: inside your limits this arm always "
-    "keeps what it can do. That is as it should be, and not every arm has it."
+    else rf"There $\sigma_{{{rank}}}/\sigma_1 = {gone:.3f}$. It is not singular: inside your limits this arm keeps all its directions. That is good, and not every arm does."
 )
 guide.say(
-    f"{verdict} The wrench that the motors feel {'not at all' if is_singular else 'least'} is for the most part "
-    f"({100 * share:.0f} %, with lengths in units of the reach) {words} ${guide.tex(axis, 2)}$ in the tool's axes: "
-    f"that is how the tool {'cannot' if is_singular else 'can hardly'} move. The joints that work against each other "
-    f"there: {', '.join(f'`{name}`' for name in against)}."
+    f"{verdict} {push} ${guide.tex(axis, 2)}$ in the tool's axes{also}, and "
+    + (
+        f"no motor feels it: there the tool cannot {'turn' if turns else 'move'}. "
+        if is_singular
+        else f"the motors feel it least: there the tool can hardly {'turn' if turns else 'move'}. "
+    )
+    + f"The joints that work against each other: {', '.join(f'`{name}`' for name in against)}."
 )
 
 # %%
@@ -344,13 +363,13 @@ guide.scene(arm, singular, caption="Drag it along the lost direction.", quantity
 # %% [markdown]
 # ## Three patterns to know by sight
 #
-# You will meet three kinds again and again (MLS, section 3.4.3). Each is a statement about axes, and an eye can see it:
+# Three kinds are common (MLS, section 3.4.3). Each is a pattern of axes that you can see:
 #
-# - **two turning axes on one line**: a wrist with first and last joint rolling about the same line. Turning one against
-#   the other does nothing;
-# - **three parallel turning axes in one plane**: shoulder, elbow and wrist, stretched. Your two links above are that,
-#   with the tool's point for the third;
-# - **four turning axes through one point**: the wrist's centre comes to lie on the axis of the base.
+# - **two turning axes on one line**: the first and the last joint of a wrist roll about the same line. If one turns
+#   against the other, nothing moves;
+# - **three parallel turning axes in one plane**: shoulder, elbow and wrist of a stretched arm. The two links above are
+#   such a case, with the tool's point in place of the third axis;
+# - **four turning axes through one point**: the wrist's centre lies on the axis of the base.
 
 # %%
 rng = np.random.default_rng(3)
@@ -379,23 +398,23 @@ ranks = {words: int(np.linalg.matrix_rank(each, tol=1e-9)) for words, each in pa
 guide.table(
     ["six turning axes", "rank"],
     list(ranks.items()),
-    "The columns of $J^s$ are the axes: put them together, count.",
+    "The axes are the columns of $J^s$. The rank of this matrix counts the independent ones.",
 )
 
 # %% [markdown]
 # ## Driving through
 #
-# Move from the configuration in which the arm waits to the worst one, every joint in proportion. At each step, take the
-# twist of size one that needs the largest joint rates. Their size is $1/\sigma$.
+# Move from the ready configuration to the worst one, every joint in proportion. At each step, take the twist of size
+# one that needs the largest joint rates. Their size is $1/\sigma$.
 #
-# A controller that inverts $J$ sends these rates to the motors. **Damped least squares** does not. It is the mended step
-# of the numeric solver, with the wanted twist $V$ in the place of the gap, and rates in the place of the step:
+# A controller that inverts $J$ sends these rates to the motors. **Damped least squares** does not. It is the damped
+# step of the numeric solver. The twist $V$ takes the place of the gap, and the rates take that of the step:
 #
 # $$\dot\theta = J^T (J J^T + \lambda^2 I)^{-1} V$$
 #
-# As there, it replaces $1/\sigma$ by $\sigma/(\sigma^2 + \lambda^2)$, which is never more than $1/(2\lambda)$. The
-# price: the tool does only the share $\sigma^2/(\sigma^2 + \lambda^2)$ of what you asked. Here $\sigma$ and $\lambda$
-# have no unit, because lengths are counted in units of the reach.
+# As there, it replaces $1/\sigma$ by $\sigma/(\sigma^2 + \lambda^2)$, which is never more than $1/(2\lambda)$. In
+# return, the tool moves only at the share $\sigma^2/(\sigma^2 + \lambda^2)$ of the commanded twist. Here $\sigma$ and
+# $\lambda$ have no unit, because lengths are in units of the reach.
 
 # %% tags=["shown"]
 damping = 0.05
@@ -407,10 +426,10 @@ plain, damped = 1 / small, small / (small**2 + damping**2)
 
 # %%
 guide.predict(
-    f"With $\\lambda = {damping}$, what is the largest rate that the damped answer can ask for, for a twist of size "
-    f"one?",
-    rf"$1/(2\lambda) = {1 / (2 * damping):.0f}$, reached where $\sigma = \lambda$. Nearer to the singularity it asks "
-    "for less and less, and in it for nothing: the arm gives up the direction that it does not have, and keeps the others.",
+    f"With $\\lambda = {damping}$, how large can the damped rates be for a twist of size one?",
+    rf"$1/(2\lambda) = {1 / (2 * damping):.0f}$, reached where $\sigma = \lambda$. Nearer to the singularity "
+    rf"the rates fall, and in it they are zero. The arm gives up the direction that it has lost, and keeps the others."
+    "",
 )
 
 # %%
@@ -425,22 +444,23 @@ ax.set_ylim(min(0.3 / damping / 10, plain.min() / 2, damped[0] / 2), top)
 ax.legend(loc="upper left")
 guide.figure(
     fig,
-    "The rates that the inverse asks for grow without bound towards the singular configuration; those of damped least "
-    f"squares stay below {1 / (2 * damping):.0f} and fall to zero there"
+    "The rates of the inverse grow without bound towards the singular configuration; those of damped least "
+    "squares stay below"
+    f" {1 / (2 * damping):.0f} and fall to zero there"
     if is_singular
-    else "The rates that the inverse and damped least squares ask for on the way to the worst configuration",
+    else "The rates of the inverse and of damped least squares on the way to the worst configuration",
     "The worst direction, on the way to the worst configuration.",
 )
 
 # %% [markdown]
-# Damping is for driving by hand. When you *plan*, you may do better: move the joints instead of the tool past such a
-# place (`JointMove`), choose the other solution of inverse kinematics, or place the work elsewhere. `twistarm`'s servo
-# and its solver are damped.
+# Damping is for driving by hand; twistarm's servo and its solver are damped. When you *plan* a motion, you have more
+# choices. Move past such a place in joint space (`JointMove`), choose another solution of inverse kinematics, or move
+# the work elsewhere.
 #
-# ## What is lost for motion is won for force
+# ## Strength near a singularity
 #
-# The wrench $F$ with $F^T J = 0$ asks nothing of any motor, by $\tau = J^T F$: the structure carries it. So you hold a
-# suitcase with your arm straight.
+# By $\tau = J^T F$, the wrench $F$ with $F^T J = 0$ needs no motor torque: the structure carries it. In the same way
+# you hold a suitcase with a straight arm.
 
 # %%
 straight = np.array([0.4, np.radians(1.0)])
@@ -453,23 +473,24 @@ at_right_angle = bent.T @ (100 * tool / np.linalg.norm(tool))
 guide.predict(
     "The two-link arm pulls outward with 100 N, along the line from its base. What torque must the elbow hold when "
     "it is bent by 90°, and what when it is bent by 1°?",
-    f"{abs(at_right_angle[1]):.1f} N m at 90°, and {abs(stretched[1]):.2f} N m at 1°. The motor that could not move "
-    f"the tool outward need not hold it there either.",
+    f"{abs(at_right_angle[1]):.1f} N m at 90°, and {abs(stretched[1]):.2f} N m at 1°. The motor cannot move "
+    f"the tool outward there, but it need not hold against the pull either."
+    f"",
 )
 
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# - **Only the ends are checked.** Both ends of a straight line are comfortable, and the middle is singular. Check the
-#   whole way; `plan` does, and `PathError` names the place.
-# - **The determinant as a distance.** It shrinks with the size of the arm, not only with the distance from trouble. Use
-#   the condition or the smallest singular value.
-# - **Metres beside radians.** In millimetres the same configuration has another condition. Say what length is worth a
-#   radian.
-# - **A hard switch.** A pseudo-inverse that cuts off small singular values jumps when one crosses the threshold, and
-#   the motors knock. Damping is smooth.
-# - **Zero is singular.** Many descriptions stretch the arm out at zero: there Newton's method and joysticks begin
-#   badly.
+# - **Only the ends are checked.** Both ends of a straight line are fine, and the middle is singular. Check the whole
+#   path. `plan` does, and `PathError` names the place.
+# - **The determinant as a distance.** It also shrinks with the size of the arm. Use the condition number or the
+#   smallest singular value.
+# - **Metres beside radians.** In millimetres the same configuration has another condition number. Say what length is
+#   worth a radian.
+# - **A hard switch.** A pseudo-inverse that cuts off small singular values jumps when one crosses the threshold. The
+#   motors then jerk. Damping is smooth.
+# - **Zero is singular.** In many descriptions the arm is stretched out at zero. Do not start Newton's method or a
+#   joystick there.
 
 # %%
 determinant = float(np.linalg.det(planar.hybrid_jacobian([0.4, 1.2])[:2]))
@@ -489,7 +510,7 @@ guide.table(
         ["the same, one millimetre worth one radian", f"{same[2]:.0f}"],
         [f"`{arm.name}`, all joints at zero", at_zero],
     ],
-    "The slips as numbers.",
+    "The mistakes in numbers.",
 )
 
 # %% [markdown]

@@ -1,28 +1,29 @@
 # %% [markdown]
 # # What is true of your arm
 #
-# The capstone has compared your file with itself: three programs read it alike. On the table the tool is still a
-# centimetre beside its target. A printed bracket has shrunk, a motor horn sits one tooth off, and an axis leans by a third
-# of a degree. No file knows that.
+# In the capstone, three programs read your file alike. On the table the tool is still a centimetre beside its target. A
+# printed bracket has shrunk, a motor horn is one tooth off, and an axis is tilted by a third of a degree. The file does
+# not contain these errors.
 #
-# This lesson measures it. You write the arm with its small errors, and ask what a set of measurements can show. Then you
-# fit what it shows, and test the fit on rows that it has not seen. `twistarm calibrate` does the whole of it.
+# This lesson measures them. You write a model of the arm with small errors, and find out which of them a set of
+# measurements can show. Then you fit these, and test the fit on other measurements. `twistarm calibrate` does all of
+# this.
 #
 # ## The arm in the file, and the arm on the table
 #
 # The **nominal** arm is that of the file. The **real** arm is the one that you have built. Here a hidden arm plays the
-# real one: every joint of yours, and the tool, stands a little elsewhere. Shifts have a standard deviation of 1 mm along
-# each axis, and turns of 0.3° about each. That is good work with printed parts.
+# real one: each of your joints, and the tool, is slightly displaced. Shifts have a standard deviation of 1 mm along
+# each axis, and turns of 0.3° about each. That is typical of good printed parts.
 #
-# A **displacement** $\delta_i \in se(3)$ is a twist. Its motion $e^{\hat\delta_i}$ carries joint $i$ and everything
-# beyond it. The product of exponentials takes it in between:
+# A **displacement** $\delta_i \in se(3)$ is a twist. Its motion $e^{\hat\delta_i}$ moves joint $i$ and everything
+# beyond it. So the product of exponentials becomes
 #
 # $$g(\theta) = e^{\hat\delta_1} e^{\hat\xi_1\theta_1} \; e^{\hat\delta_2} e^{\hat\xi_2\theta_2} \cdots
 # e^{\hat\delta_n} e^{\hat\xi_n\theta_n} \; e^{\hat\delta_{n+1}} g_{st}(0)$$
 #
-# This is the **local product of exponentials** (Chen, Yang, Tan and Yeo, *Local POE model for robot kinematic calibration*,
-# 2001). The numbers of $\delta_i$ are easiest to read at the joint's own place $q_i$. There $d_i$ is "1 mm to the left,
-# 0.3° about $x$". The Adjoint of the shift to $q_i$ gives $\delta_i = \mathrm{Ad}_{T(q_i)}\, d_i$.
+# This is the **local product of exponentials** (Chen, Yang, Tan and Yeo, *Local POE model for robot kinematic
+# calibration*, 2001). The displacement is easiest to read at the joint's own position $q_i$: for instance, $d_i$ is 1
+# mm along $y$ and 0.3° about $x$. The Adjoint of the shift to $q_i$ gives $\delta_i = \mathrm{Ad}_{T(q_i)}\, d_i$.
 
 # %%
 import numpy as np
@@ -54,7 +55,7 @@ def real_tool(d, theta):
 
 
 # %%
-build = np.array([1e-3] * 3 + [np.radians(0.3)] * 3)  # what the workshop errs by [m, rad]
+build = np.array([1e-3] * 3 + [np.radians(0.3)] * 3)  # standard deviations of the workshop [m, rad]
 hidden = rng.normal(size=(m + 1, 6)) * build
 
 fresh = arm.random_theta(rng, 400)
@@ -62,9 +63,10 @@ off = np.linalg.norm((real_tool(hidden, fresh) - arm.fk(fresh))[:, :3, 3], axis=
 
 # %%
 guide.say(
-    f"`{arm.name}`, nominal and real, at 400 random configurations: the tool is {1000 * off.mean():.1f} mm off in the "
-    f"mean, and {1000 * off.max():.1f} mm at worst. Nothing is loose: the real arm comes back to the same place "
-    f"every time. It is **repeatable**, and it is not **accurate**."
+    f"`{arm.name}`, nominal and real, at 400 random configurations: the mean error of the tool is "
+    f"{1000 * off.mean():.1f} mm, and the largest {1000 * off.max():.1f} mm. Nothing is loose: the real arm "
+    f"comes back to the same place every time."
+    f" It is **repeatable**, and it is not **accurate**."
 )
 alone = []
 for i in range(m + 1):
@@ -73,7 +75,7 @@ for i in range(m + 1):
     alone.append(np.linalg.norm((real_tool(one, fresh) - arm.fk(fresh))[:, :3, 3], axis=1).mean())
 names = arm.moving_names if len(arm.moving_names) == m else [f"screw {i + 1}" for i in range(m)]
 guide.table(
-    ["displaced alone", "shift $d$ [mm]", "turn $d$ [°]", "the tool is off by"],
+    ["only this is displaced", "shift $d$ [mm]", "turn $d$ [°]", "the tool is off by"],
     [
         [
             name,
@@ -85,16 +87,16 @@ guide.table(
             [*(f"`{name}`" for name in names), "the tool"], hidden, alone, strict=True
         )
     ],
-    "In the mean over the configurations. A turn counts with the length of arm beyond it.",
+    "Mean over the configurations. The effect of a turn grows with the length of the arm beyond it.",
 )
 
 # %% [markdown]
 # ## Four numbers for an axis, two for a slide
 #
-# A displacement has six numbers. Not all of them move an axis. The twist $\xi$ of a displaced joint is
-# $\mathrm{Ad}_{e^{\hat\delta}}\xi$, and to first order it changes by the Lie bracket $[\delta, \xi]$. A turning joint does
-# not notice a shift along its axis or a turn about it. A slide has a direction and no place. It notices only the two
-# turns that tilt it.
+# A displacement has six numbers. Not all of them change the axis. The twist $\xi$ of a displaced joint is
+# $\mathrm{Ad}_{e^{\hat\delta}}\xi$. To first order it changes by the Lie bracket $[\delta, \xi]$. A shift along the
+# axis of a turning joint, or a turn about it, does not change its twist. A slide has a direction but no position. Only
+# the two turns that tilt it change its twist.
 
 # %%
 changes = [
@@ -102,26 +104,28 @@ changes = [
     for xi in arm.screws.T
 ]
 guide.table(
-    ["joint", "kind", r"numbers that move its axis, the rank of $\delta \mapsto [\delta, \xi]$"],
+    ["joint", "kind", r"numbers that change its axis: the rank of $\delta \mapsto [\delta, \xi]$"],
     [
         [f"`{name}`", "slide" if np.linalg.norm(xi[3:]) < 1e-9 else "turns", int(k)]
         for name, xi, k in zip(names, arm.screws.T, changes, strict=True)
     ],
 )
 guide.predict(
-    "What becomes of the other numbers of a displacement? They are not lost: the tool moves if a joint stands farther "
-    "along its axis.",
-    r"They commute with the joint, $e^{\hat\delta} e^{\hat\xi\theta} = e^{\hat\xi\theta} e^{\hat\delta}$. So they pass "
-    "through it and join the displacement of the next one, and in the end that of the tool. A turn about the joint's own "
-    f"axis is an error of its zero. So your arm has at most {sum(changes)} numbers for its axes and 6 for its tool.",
+    "What about the other numbers of a displacement? They matter: if a joint is shifted along its axis, the "
+    "tool is shifted too."
+    "",
+    r"They commute with the joint, $e^{\hat\delta} e^{\hat\xi\theta} = e^{\hat\xi\theta} e^{\hat\delta}$. So "
+    r"they can be added to the displacement of the next joint, and in the end to that of the tool. A turn "
+    r"about the joint's own axis is an error of its zero. So your arm has at most"
+    f" {sum(changes)} numbers for its axes and 6 for its tool.",
 )
 
 # %% [markdown]
-# ## What a measurement sees
+# ## What a measurement shows
 #
-# A device measures where the tool's origin is, $p$. How far does $p$ move for each number of each displacement? The joints
-# before it carry $\delta_i$ along, as they carry a column of the Jacobian. The carried twist $(v, \omega)$ moves $p$ by
-# $v + \omega \times p$. So a configuration gives three rows, with six columns for each displacement:
+# A device measures the position $p$ of the tool's origin. How far does $p$ move for each number of each displacement?
+# The joints before $\delta_i$ move it, as they move a column of the Jacobian. The resulting twist $(v, \omega)$ moves
+# $p$ by $v + \omega \times p$. So a configuration gives three rows, with six columns for each displacement:
 #
 # $$p_\text{real} - p_\text{nominal} \approx A(\theta)\, d, \qquad
 # A_i = \begin{bmatrix} I & -\hat p \end{bmatrix} \mathrm{Ad}_{e^{\hat\xi_1\theta_1} \cdots e^{\hat\xi_{i-1}\theta_{i-1}}}
@@ -151,18 +155,19 @@ r = (measured - arm.fk(theta)[:, :3, 3]).ravel()
 by_slopes = (slopes(fresh) @ hidden.ravel()) - (real_tool(hidden, fresh) - arm.fk(fresh))[:, :3, 3]
 left = np.linalg.norm(by_slopes, axis=1).mean()
 guide.say(
-    f"You move the real arm to 60 configurations, and a camera measures the tool, with a noise of {1000 * noise:.1f} mm. "
-    f"That gives {len(r)} numbers. The slopes explain the hidden errors to {1000 * left:.2f} mm in the mean, of "
-    f"{1000 * off.mean():.1f} mm: small displacements are nearly linear."
+    f"You move the real arm to 60 configurations, and a camera measures the tool, with a noise of "
+    f"{1000 * noise:.1f} mm. "
+    f"That gives {len(r)} numbers. The linear model explains the hidden errors of {1000 * off.mean():.1f} mm "
+    f"up to {1000 * left:.2f} mm (means): for small displacements it is accurate."
 )
 
 # %% [markdown]
 # ## What a log can show
 #
-# Divide every row of $A$ by its noise. Give each number of $d$ the unit of the workshop's errors, 1 mm or 0.3°. A
-# **singular value** of this matrix compares signal and noise: how far a usual error of that combination moves the
-# measurements, over their noise. Above 1 the log shows the combination. Far below 1 the noise hides it. At 0 nothing can
-# show it: two different arms measure alike.
+# Divide every row of $A$ by its noise. Count each number of $d$ in units of the workshop's errors, 1 mm or 0.3°. Each
+# **singular value** of this matrix belongs to a combination of displacements. It is the ratio of signal and noise: how
+# far a typical error of that combination moves the measurements, divided by their noise. Above 1 the log shows the
+# combination. Far below 1 the noise hides it. At 0 no log can show it: two different arms give the same measurements.
 
 # %% tags=["shown"]
 unit = np.tile(build, m + 1)
@@ -177,13 +182,15 @@ ax.semilogy(np.arange(1, rank + 1), s[:rank], "o", color=guide.BLUE, markersize=
 ax.axhline(1.0, color=guide.GREY, linestyle="--", linewidth=1)
 guide.figure(
     fig,
-    f"The singular values over their number, on a logarithmic scale: {rank} of {6 * (m + 1)} are not zero, and {shown} are "
+    f"The singular values over their number, on a logarithmic scale: {rank} of {6 * (m + 1)} are not zero, "
+    f"and {shown} are "
     "above the dashed line at 1",
-    f"`{arm.name}`: {6 * (m + 1)} numbers, {rank} combinations that positions can show at all, {shown} above the noise.",
+    f"`{arm.name}`: {6 * (m + 1)} numbers, {rank} combinations that positions can show at all, {shown} above "
+    f"the noise.",
 )
 guide.say(
-    f"Positions alone do not see how the tool is turned. So at most {at_most} combinations can show: {sum(changes)} for the "
-    f"axes, and 3 for the tool's point. Here {rank} do. "
+    f"Positions do not show how the tool is turned. So they show at most {at_most} combinations: "
+    f"{sum(changes)} for the axes, and 3 for the tool's point. Here they show {rank}. "
     + (
         "Parallel or crossing axes hide the rest, to first order."
         if rank < at_most
@@ -199,25 +206,28 @@ p_hat = screws.hat(np.pad(arm.fk(theta)[:, :3, 3], ((0, 0), (3, 0))))[:, :3, :3]
 of_base = np.concatenate([np.tile(np.eye(3), (60, 1, 1)), -p_hat], axis=2).reshape(180, 6)
 with_base = np.linalg.matrix_rank(np.hstack([A * unit, of_base * build]) / noise, tol=1e-9 * s[0])
 guide.predict(
-    "The camera stands somewhere, so its frame is unknown too: six more numbers, a displacement of the base. How many "
-    "more combinations does the log then show? And how many if the last joint never moves?",
-    f"{with_base - rank or 'None'} more. The base comes before joint 1, as $\\delta_1$ does: both have the same six columns. A log shows where the "
-    "first axis is seen from the camera, and never how much of that is the arm's fault. So `calibrate` fits the base, and "
-    f"holds the first axis. If `{arm.joint_names[-1]}` never moves, {int((frozen > 1).sum())} combinations show, instead of "
-    f"{shown}: its axis and zero cannot be told from the tool.",
+    "The camera's frame is unknown too: six more numbers, a displacement of the base. How many more "
+    "combinations does the log then show? And how many if the last joint never moves?"
+    "",
+    f"{with_base - rank or 'None'} more. The base comes before joint 1, as $\\delta_1$ does: both have the "
+    f"same six columns. A log shows where the first axis is, seen from the camera. It cannot show how much of "
+    f"that is an error of the arm. So `calibrate` fits the base, and holds the first axis."
+    f" If `{arm.joint_names[-1]}` never moves, {int((frozen > 1).sum())} combinations show, instead of "
+    f"{shown}: its axis and zero cannot be separated from the tool.",
 )
 
 # %% [markdown]
 # ## Least squares in units of the noise
 #
-# A tape errs by a millimetre, a camera by a fifth of one. To mix them, divide each row by its standard deviation
-# $\sigma_k$. Then every row has noise of 1, and the sum of squares is fair:
+# A tape has an error of a millimetre, a camera of a fifth of one. To combine them, divide each row by its standard
+# deviation $\sigma_k$. Then every row has noise of 1, and the sum of squares weighs them correctly:
 #
 # $$\min_d \sum_k \left( \frac{A_k d - r_k}{\sigma_k} \right)^2, \qquad B_k = \frac{A_k}{\sigma_k}, \qquad
 # \mathrm{cov}(d) = (B^T B)^{-1}$$
 #
-# The covariance exists only for what the log shows. So leave out the hidden combinations. Combination $j$ of the singular
-# values above has the estimate $u_j^T r / \sigma / s_j$. Its standard deviation is $1 / s_j$ in the workshop's units.
+# The covariance exists only for the combinations that the log shows. So leave out the hidden ones. Combination $j$ of
+# the singular values above has the estimate $u_j^T r / \sigma / s_j$. Its standard deviation is $1 / s_j$ in the
+# workshop's units.
 
 # %%
 estimate = (U.T @ r / noise) / s  # of each combination
@@ -235,20 +245,20 @@ guide.table(
         [str(j + 1), f"{s[j]:.3g}", signed(estimate[j]), f"{1 / s[j]:.2g}", signed(truth[j])]
         for j in sorted(set(rows))
     ],
-    "In the workshop's units. A deviation of 1 or more says nothing new: the workshop had promised as much.",
+    "In the workshop's units. A deviation of 1 or more adds no information: the workshop's errors are no larger.",
 )
 surprise = (estimate - truth)[:shown] * s[:shown]
 guide.say(
-    f"Over the {shown} combinations shown, estimate minus truth is {np.sqrt(np.mean(surprise**2)):.2f} standard deviations "
-    "(root mean square). About 1 is right: then the stated noise is honest."
+    f"Over the {shown} combinations shown, estimate minus truth is {np.sqrt(np.mean(surprise**2)):.2f} "
+    f"standard deviations (root mean square). About 1 is right: then the stated noise is correct."
 )
 
 # %% [markdown]
-# ## Rows that the fit has not seen
+# ## Rows left out of the fit
 #
-# With every combination that you add, the residual of the fit falls. That is no merit: a fit with as many numbers as rows
-# has none left. Leave some rows out of the fit, and predict *them*. Where the held-out error stops falling, the fit has
-# begun to learn the noise. A rougher device shows it better: a ruler held to the tool, with a noise of 3 mm.
+# With every combination that you add, the residual of the fit falls. That proves nothing: a fit with as many numbers as
+# rows has no residual. Leave some rows out of the fit, and predict *them*. When their error stops falling, the fit has
+# begun to follow the noise. A rougher device shows it better: a ruler held to the tool, with a noise of 3 mm.
 
 # %% tags=["shown"]
 rough = 3e-3
@@ -273,19 +283,20 @@ guide.figure(
     fig,
     "The error of the fitted rows falls with every combination, below the noise; that of the rows left out falls no "
     "farther than to about the noise",
-    f"The least error on rows left out is {1000 * held_out[best]:.2f} mm, with {best} combinations. With all {most} it is "
-    f"{1000 * held_out[-1]:.2f} mm, while the fit's own is {1000 * fit_error[-1]:.2f} mm.",
+    f"The least error on rows left out is {1000 * held_out[best]:.2f} mm, with {best} combinations. With all "
+    f"{most} it is "
+    f"{1000 * held_out[-1]:.2f} mm, while that of the fit is {1000 * fit_error[-1]:.2f} mm.",
 )
 
 # %% [markdown]
-# ## All of it in one call
+# ## All steps in one call
 #
 # `twistarm calibrate my_arm.urdf log.csv -o corrected.urdf`
 #
-# `calibrate` does these steps with the true, curved equations, and it weighs outliers down. It fits base and tool first,
-# then zeros, then axes, and holds at 0 what the log does not show. It writes the corrected file only if rows left out
-# confirm it. With `--view` the page shows each residual as a needle, many times as long. Needles that point alike in one
-# corner of the room have a cause; needles in all directions are noise.
+# `calibrate` does these steps with the exact, nonlinear equations, and gives outliers less weight. It fits base and
+# tool first, then zeros, then axes. It holds at 0 what the log does not show. It writes the corrected file only if the
+# rows left out confirm it. With `--view` the page draws each residual as a needle, enlarged. If all needles in one
+# region point the same way, there is a systematic error. Needles in all directions are noise.
 
 # %% tags=["shown"]
 found = calibrate(arm, Measurements(theta, measured), position_noise=noise)
@@ -308,36 +319,37 @@ guide.table(
             f"{1000 * after.mean():.2f} mm",
         ],
     ],
-    "Mean errors. Only a simulation has the last row; of a real arm you know the second.",
+    "Mean errors. For a real arm you know the second row. Only a simulation has the last one.",
 )
 said = found.changes()
 guide.say(
-    f"What it says of `{arm.name}`:\n\n"
+    f"The result for `{arm.name}`:\n\n"
     + "\n".join(f"- {line}" for line in said[:7])
-    + f"\n\nHeld at 0, because this log does not show them beside the others: {len(found.unseen)} numbers, such as "
-    f"*{found.unseen[0]}*."
+    + f"\n\nHeld at 0, because this log does not separate them from the others: {len(found.unseen)} numbers, "
+    f"such as *{found.unseen[0]}*."
 )
 guide.predict(
     "Compare these numbers with the hidden displacements. Do you expect them to be equal?",
-    "No. A shift of one axis and a longer tool may move the tool alike, and the fit has put such a combination where it "
-    "costs least. Each number depends on that choice. What the arm *does* is right: look at the prediction, not at the "
-    "numbers.",
+    "No. A shift of one axis and a longer tool may have the same effect. The fit chooses the smallest "
+    "numbers with that effect. The prediction of the tool's position is right, so check that, not the numbers."
+    "",
 )
 
 # %% [markdown]
 # ## A tape, and a ball in two sockets
 #
-# A laser tracker costs more than your rover. Two tools that you have, or print:
+# A laser tracker costs more than your rover. Two simpler tools:
 #
-# - **A tape.** Drive three nails into the table and the wall, far apart. Hook the tape on a nail, and read the distance to
-#   the tool's point: columns `wire` and `length`. Forward kinematics gives the direction $u$ to the nail, and the row is
-#   $u^T A$. The nails' places are unknown, three numbers each.
-# - **A ball in two sockets.** The tool holds a ball. It rests in a printed socket while the arm takes many configurations:
-#   column `point`. The socket's place is unknown. A second socket, at a known distance, gives the arm its
-#   scale (Franzese and others, *MUKCa*, 2025). The documentation page *Calibrate the geometry* has the plate to print.
+# - **A tape.** Drive three nails into the table and the wall, far apart. Hook the tape on a nail, and read the distance
+#   to the tool's point: columns `wire` and `length`. Forward kinematics gives the direction $u$ to the nail, and the
+#   row is $u^T A$. The positions of the nails are unknown, three numbers each.
+# - **A ball in two sockets.** The tool holds a ball. It stays in a printed socket while the arm takes many
+#   configurations: column `point`. The position of the socket is unknown. A second socket, at a known distance, gives
+#   the scale (Franzese and others, *MUKCa*, 2025). The documentation page *Calibrate the geometry* has the plate to
+#   print.
 #
-# What will each of them show? You can tell before you measure. Start from what the workshop promises, a covariance $P$ of
-# 1 mm and 0.3°. A log adds information: $C = (P^{-1} + B^T B)^{-1}$. Then the tool's error at a fresh configuration has
+# You can compute what each of them will show before you measure. Start with the workshop's errors, a covariance $P$ of
+# 1 mm and 0.3°. A log adds information: $C = (P^{-1} + B^T B)^{-1}$. The tool's error at a fresh configuration then has
 # the covariance $A C A^T$.
 
 
@@ -430,42 +442,44 @@ logs.append(("camera, noise 0.2 mm", "60 rows", tracked(theta, noise)))
 guide.table(
     ["log", "how much", "error anywhere in reach"],
     [[what, much, f"{1000 * expected(B):.2f} mm"] for what, much, B in logs],
-    f"What each log leaves of the workshop's errors, for `{arm.name}`: expected before a single row is measured.",
+    f"The error that remains after each log, for `{arm.name}`, computed before any measurement.",
 )
 guide.say(
-    "Sockets show little far from where they are. Carry the plate to several places, low and high, near and far. A tape "
-    "reaches everywhere, and many rough rows make up for their noise: the error falls with the root of their number."
+    "Sockets show little about places far from them. Move the plate to several places, low and high, near "
+    "and far. A tape reaches everywhere. Many rough rows compensate for their noise: the error falls with "
+    "the root of their number."
     + (
-        " The ways between plates are unknown, so plates say little of a slide that carries the arm from one to the other."
+        " The distances between plates are unknown. So plates show little about a slide that moves the arm "
+        "from one plate to the other."
         if "m" in arm.units
         else ""
     )
     if spare
-    else f"`{arm.name}` has no joint to spare: in a socket it can hardly move, so a ball in sockets shows nothing. Take the "
-    "tape: many rough rows make up for their noise, because the error falls with the root of their number."
+    else f"`{arm.name}` has no redundant joint: in a socket it can hardly move, so a ball in sockets shows nothing. Take the tape. Many rough rows compensate for their noise: the error falls with the root of their number."
 )
 
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# - **All rows from one corner.** Held-out rows from the same corner confirm the fit, and it fails elsewhere. Measure where
-#   you will work, and leave out a whole place, not only single rows.
-# - **A dishonest noise.** State 0.01 mm for a tape, and the fit explains the tape's errors with tilted axes. State what
-#   the same reading, taken five times, scatters by.
-# - **Correct the wiring first.** A swapped motor or a joint in degrees is no small displacement. `twistarm wiring` finds
-#   these.
-# - **A base that moved.** Somebody has leaned on the table after row 40. Measure the first configuration again at the end:
-#   both rows must agree.
-# - **Calibrating what bends.** A long arm sags under its load, and no displacement of axes is a sag. If the held-out error
-#   stays far above the noise, the model lacks something: bending, play, or an eccentric gear.
-# - **The correction is lost.** The next export from CAD has the old numbers again. Keep the log, and calibrate again.
+# - **All rows from one corner.** Rows left out of the same corner confirm the fit, but it fails elsewhere. Measure
+#   where you will work. Leave out all rows of one place, not only single rows.
+# - **Too small a noise.** If you state 0.01 mm for a tape, the fit explains the tape's errors with tilted axes. Take
+#   the same reading five times, and state the scatter.
+# - **Correct the wiring first.** A swapped motor or a joint in degrees is not a small displacement. `twistarm wiring`
+#   finds these.
+# - **A base that moved.** The table was pushed after row 40. Measure the first configuration again at the end: both
+#   rows must agree.
+# - **An arm that bends.** A long arm sags under its load, and displaced axes cannot describe that. If the error of the
+#   rows left out stays far above the noise, the model lacks something: bending, play, or an eccentric gear.
+# - **The correction is lost.** The next export from CAD has the old numbers. Keep the log, and calibrate again.
 
 # %%
 corner = arm.ready + 0.15 * (arm.random_theta(rng, 60) - arm.ready)
 away = expected(tracked(corner, noise))
 guide.say(
-    f"Sixty rows in the middle of the reach, where each joint uses a seventh of its range, leave {1000 * away:.2f} mm "
-    f"elsewhere. Sixty rows from everywhere leave {1000 * expected(tracked(theta, noise)):.2f} mm. The camera is the same."
+    f"After sixty rows in the middle of the reach, where each joint uses a seventh of its range, the error "
+    f"elsewhere is {1000 * away:.2f} mm. After sixty rows from everywhere it is "
+    f"{1000 * expected(tracked(theta, noise)):.2f} mm, with the same camera."
 )
 
 # %% [markdown]

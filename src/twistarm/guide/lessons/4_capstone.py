@@ -1,13 +1,12 @@
 # %% [markdown]
 # # From a file to a motion: your own arm
 #
-# The mechanics are done, and a teammate has exported a URDF from the CAD program. In two weeks the arm has to take a tool
-# from a rack. Between that file and a motor that turns, a dozen things can be wrong, and each costs an evening. So
-# you go in seven steps, and after each you *know* something.
+# The mechanics are done, and a teammate has exported a URDF from the CAD program. In two weeks the arm must take a tool
+# from a rack. From the file to the moving arm, a dozen things can go wrong, and each costs an evening. So you go in
+# seven steps. Each step checks one thing.
 #
-# The guide's last chapter has a title, "Building a manipulator", and no text. This is it, on your arm. Without an arm
-# of your own it runs on ours; with `twistarm guide --arm my_arm.urdf.xacro` you get it again, about yours. Each step
-# says the command that does the same without a program.
+# By default the lesson shows the bundled rover arm. `twistarm guide --arm my_arm.urdf.xacro` builds it for your own.
+# Each step names the command that does the same without a program.
 
 # %%
 from pathlib import Path
@@ -38,8 +37,8 @@ arm = guide.arm()
 #
 # `twistarm info my_arm.urdf.xacro`
 #
-# Read the table aloud beside the arm, with a teammate who built it. A joint that turns where it should slide, a limit of
-# 3.14 on a joint that can do 40°, a base that is not where you thought: this is the moment to see it.
+# Read the table aloud beside the arm, with a teammate who built it. Look for a joint that turns where it should slide,
+# a limit of 3.14 on a joint that can do 40°, or a base in the wrong place.
 
 
 # %%
@@ -83,9 +82,9 @@ guide.table(
 #
 # `twistarm doctor my_arm.urdf.xacro`
 #
-# The doctor knows the usual illnesses of exported files: limits in degrees, a velocity limit of zero, a mass of a
-# billionth, meshes a thousand times too large, no tool frame. An error must be mended, a warning understood. With
-# `-o mended.urdf` it makes the safe repairs itself, in a copy.
+# The doctor finds the usual mistakes of exported files. Examples are limits in degrees, a velocity limit of zero,
+# meshes a thousand times too large, or no tool frame. Correct every error, and understand every warning. With `-o
+# mended.urdf` it makes the safe repairs itself, in a copy.
 
 # %%
 findings = diagnose(arm)
@@ -106,7 +105,7 @@ if findings:
             for each in findings[:8]
         ],
         f"The doctor on `{arm.name}`: {len(findings)} finding{'s' if len(findings) > 1 else ''}"
-        + (", of which these are the gravest." if len(findings) > 8 else "."),
+        + (". These are the most serious." if len(findings) > 8 else "."),
     )
 else:
     guide.say(f"`{arm.name}`: nothing found.")
@@ -116,9 +115,9 @@ else:
 #
 # `twistarm check my_arm.urdf.xacro`
 #
-# One program may read your file wrongly. Three programs by different people hardly make the same mistake. At random
-# configurations twistarm compares its screws with Pinocchio and with yourdfpy, and the Jacobians with difference
-# quotients as well.
+# One program may read your file wrongly. Three programs by different people hardly make the same mistake. twistarm
+# compares its screws with Pinocchio and yourdfpy at random configurations. It also compares the Jacobians with
+# difference quotients.
 
 # %% tags=["shown"]
 agreement = crosscheck(arm, samples=100)
@@ -139,21 +138,23 @@ guide.table(
         ]
         for row in worst.values()
     ],
-    f"`{arm.name}` at random configurations, in metres and radians: of each quantity the two engines that differ most. "
+    f"`{arm.name}` at random configurations, in metres and radians: the two engines that differ most, for "
+    f"each quantity. "
     "*poe* is the product of exponentials, *core* the same in compiled code, *walk* goes link by link.",
 )
 guide.predict(
     "All agree. What do you know now about the arm on the table?",
-    "About the arm on the table: nothing yet. You know that the *file* has one meaning, and which. Whether the file "
-    "is the arm, no program can tell: for that you need a tape measure, which is the next step.",
+    "About the arm on the table, nothing yet. You know that the programs agree on the *file*. No program can "
+    "say whether the file describes your arm. For that you need a tape measure, in the next step."
+    "",
 )
 
 # %% [markdown]
-# ## 4. Is the file the arm?
+# ## 4. Does the file describe the arm?
 #
-# Bring the arm into its waiting configuration, by hand if need be. Measure where the tool is. Then move one joint after
-# the other by the amount in the table, each time from the waiting configuration, and look which way the tool goes. A
-# wrong sign, a swapped motor and a zero that is off show here, in five minutes and at low speed.
+# Bring the arm into its ready configuration, by hand if necessary. Measure where the tool is. Then move one joint at a
+# time by the amount in the table, always from the ready configuration. Look which way the tool goes. This shows a wrong
+# sign, a swapped motor or a wrong zero, in five minutes and at low speed.
 
 # %%
 g = arm.fk(arm.ready)
@@ -170,12 +171,13 @@ def in_words(way):
         for k, x in enumerate(way)
         if 1000 * abs(x) >= 0.5
     ]
-    return ", ".join(parts) or "stays where it is (within half a millimetre)"
+    return ", ".join(parts) or "does not move (within half a millimetre)"
 
 
 guide.say(
-    f"Waiting, the tool of `{arm.name}` is {g[0, 3]:.3f} m along $x$, {g[1, 3]:.3f} m along $y$ and {g[2, 3]:.3f} m "
-    f"along $z$ from the origin of `{arm.base}`. Is it?"
+    f"In the ready configuration the tool of `{arm.name}` is {g[0, 3]:.3f} m along $x$, {g[1, 3]:.3f} m along "
+    f"$y$ and {g[2, 3]:.3f} m "
+    f"along $z$ from the origin of `{arm.base}`. Does your measurement agree?"
 )
 guide.table(
     ["joint", "moved by", "the tool goes"],
@@ -187,16 +189,15 @@ guide.table(
 )
 
 # %% [markdown]
-# When motors and encoders are connected, `twistarm`'s check of the wiring finds swapped channels, signs, zeros and gear
-# ratios from such a log by itself; see *motors* in the documentation.
+# When motors and encoders are connected, `twistarm wiring` finds swapped channels, signs, zeros and gear ratios from
+# such a log. See *motors* in the documentation.
 #
 # ## 5. Can it get there?
 #
-# A camera reports where the tool in the rack is, $g_{so}$. How much of that pose you may ask for depends on your
-# joints: six directions need six joints. With five you give up the turn about the tool's axis (`Approach`), with fewer
-# the whole orientation (`Position`). On the rover arm the fifth joint only rolls the tool. Four joints are left for the
-# five numbers of an approach, so it fits at some places only. Ask for no more than the arm has, or the solver must
-# fail.
+# A camera reports the pose $g_{so}$ of the tool in the rack. A whole pose needs six joints. With five joints you leave
+# the turn about the tool's axis free (`Approach`). With fewer you leave the whole orientation free (`Position`). On the
+# rover arm the fifth joint only rolls the tool. Four joints remain for the five numbers of an approach, so it reaches
+# an approach only at some places. Do not ask for more than the arm can do, or the solver must fail.
 
 
 # %%
@@ -233,12 +234,12 @@ guide.table(
         [f"`{name}`", shown(a, u), shown(b, u)]
         for name, u, a, b in zip(arm.joint_names, arm.units, arm.ready, theta, strict=True)
     ],
-    f"`{arm.name}` can move its tool in {freedoms_of(arm)} directions, so you ask it for {words} (`{kind}`).",
+    f"`{arm.name}` can move its tool in {freedoms_of(arm)} directions, so the target is {words} (`{kind}`).",
 )
 x, y, z = reached[:3, 3]
 guide.say(
-    f"Forward kinematics says that the tool is then {way_off:.2f} µm from where it should be. As a command, for the "
-    f"place alone: `twistarm ik my_arm.urdf.xacro --xyz {x:.3f} {y:.3f} {z:.3f}`."
+    f"By forward kinematics the tool is then {way_off:.2f} µm from the target. As a command, for the position alone:"
+    f" `twistarm ik my_arm.urdf.xacro --xyz {x:.3f} {y:.3f} {z:.3f}`."
 )
 
 # %%
@@ -246,16 +247,17 @@ far_away = g_so.copy()
 far_away[:3, 3] *= 4 * arm.reach / np.linalg.norm(far_away[:3, 3])
 beyond = solve_ik(arm, asked(arm, far_away))
 guide.predict(
-    "The camera errs, and reports a place several times as far away as your arm is long. What should a solver answer?",
-    "Not the last thing that it tried, and not silence: that it cannot, why, and what comes nearest. twistarm says:"
+    "By mistake the camera reports a place several times as far away as your arm is long. What should a solver answer?",
+    "That it cannot reach the target, the reason, and the nearest configuration. twistarm says:"
     f"\n\n```text\n{beyond.explain()}\n```",
 )
 
 # %% [markdown]
 # ## 6. How does it get there?
 #
-# A tool is not grasped from any side. From a **pre-grasp**, drawn back along the way in, go straight; close the
-# gripper; come straight out again. Only these two pieces are lines. All the rest is free, so let the joints choose.
+# The gripper must approach a tool from the right side. A **pre-grasp** is a pose some way back along this direction.
+# From there, go straight in, close the gripper, and go straight out again. Only these two parts are lines. The rest is
+# free, so move in joint space.
 
 
 # %%
@@ -302,7 +304,7 @@ arm = guide.arm_with(
 g_so, motion, refusals = first_served(arm)
 
 # %% [markdown]
-# Check the plan. Ask forward kinematics, which knows nothing of the planner, at a thousand instants.
+# Check the plan by forward kinematics, which does not use the planner, at a thousand instants.
 
 # %%
 velocity, acceleration = limits_of(arm)
@@ -321,12 +323,13 @@ off = np.linalg.norm(
 ).max()
 guide.say(
     f"{motion.duration:.2f} s in all. When the gripper closes, at {closing:.2f} s, the tool is {1e6 * missed:.2f} µm "
-    f"from its place; on the way in it leaves the straight line by at most {1e6 * off:.2f} µm. "
+    f"from its target. On the way in it leaves the straight line by at most {1e6 * off:.2f} µm. "
     + (
-        f"{len(refusals)} place{'s' if len(refusals) > 1 else ''} before this one the planner refused. The last time "
-        f"it said:\n\n> {refusals[-1]}"
+        f"Before this place, the planner refused {len(refusals)} other{'s' if len(refusals) > 1 else ''}. The "
+        f"last error was:"
+        f"\n\n> {refusals[-1]}"
         if refusals
-        else "The first place that was tried could be served."
+        else "The planner accepted the first place."
     )
 )
 typed = " ".join(
@@ -354,8 +357,8 @@ fig.legend(fontsize=7, ncols=min(arm.n, 5), handlelength=3.5, loc="outside lower
 guide.figure(
     fig,
     "Left, the rate of each joint as a share of its limit over time: none exceeds one. Right, the speed of the tool: "
-    "fast on the free ways, slow and even on the two straight ones",
-    "Fast where the way is free, slow where it is straight. Dotted: the gripper closes.",
+    "fast on the free moves, slow and even on the two lines",
+    "Fast on the free moves, slow on the lines. Dotted: the gripper closes.",
 )
 
 # %% [markdown]
@@ -363,21 +366,22 @@ guide.figure(
 #
 # `twistarm view my_arm.urdf.xacro --play motion.csv`
 #
-# Look at the motion from all sides before a motor does. Does the elbow go through the rack? Does a cable wind up? The
-# planner has kept every limit, and it knows nothing of the table.
+# Look at the motion from all sides before you send it. Does the elbow go through the rack? Does a cable wind up? The
+# planner has kept every limit, but it does not know the table.
 
 # %%
 guide.scene(
     arm,
     arm.ready,
     motion,
-    caption=f"Play it. The gripper closes at {closing:.2f} s: put the scrubber there. Where is the tool?",
+    caption=f"Play it. The gripper closes at {closing:.2f} s: move the time slider there. Where is the tool?",
     quantity="joints",
 )
 guide.predict(
-    "What do you see there, at the end of the straight way in?",
-    f"The tool stands still for half a second, at the end of the drawn path, {1e6 * missed:.2f} µm from the object. "
-    f"It came along the axis of the tool, and it leaves by the same line.",
+    "What do you see there, at the end of the line?",
+    f"The tool stops for half a second at the end of the drawn path, {1e6 * missed:.2f} µm from the object. "
+    f"It leaves on the same line."
+    f"",
 )
 
 with TemporaryDirectory() as folder:
@@ -388,22 +392,22 @@ with TemporaryDirectory() as folder:
 guide.say(
     f"The file for the robot has {len(lines) - 1} rows, one every hundredth of a second, with position, velocity and "
     f"acceleration of {arm.n} joint{'s' if arm.n > 1 else ''}. It begins with `{lines[0].split(',')[0]}, "
-    f"{lines[0].split(',')[1]}`, …: every column says its unit. `twistarm follow` sends it to simulated joints, or "
-    f"to a robot; `twistarm bake` writes the whole arm as a C++ header for a microcontroller, and `twistarm freeze` a "
-    f"golden file, so that tomorrow `check --against` says whether somebody has moved an axis."
+    f"{lines[0].split(',')[1]}`, …: every column has its unit. `twistarm follow` sends it to simulated joints "
+    f"or to a robot. `twistarm bake` writes the whole arm as a C++ header for a microcontroller. `twistarm "
+    f"freeze` writes a golden file, and `check --against` later shows whether an axis has changed."
 )
 
 # %% [markdown]
 # ## What goes wrong in practice
 #
 # - **The file is corrected by hand and exported again.** The next export brings the mistake back. Keep corrections in
-#   `arm.toml`, beside the file, and freeze.
-# - **The tool is the flange.** The tip link ends at the last motor, and the gripper is 15 cm longer. Forward kinematics
-#   is right, and every grasp is 15 cm off. Give the tool a frame.
-# - **Six wishes, five joints.** The solver fails at almost every pose, and is blamed. Ask with `Approach`, or
-#   with `Position`.
-# - **The first run at full speed.** Send the motion with a tenth of the limits first, with a hand on the switch.
-# - **Zero has moved.** A belt skips a tooth, and every number is off by the same angle. Repeat step 4 each morning: it
+#   `arm.toml`, beside the file, and run `twistarm freeze`.
+# - **The tool is the flange.** The tip link ends at the last motor, and the gripper is 15 cm longer. So every grasp is
+#   15 cm off. Add a frame for the tool.
+# - **A pose for five joints.** The solver fails at almost every pose. Use `Approach` or `Position`.
+# - **The first run at full speed.** First send the motion with a tenth of the limits, with a hand on the emergency
+#   stop.
+# - **Zero has moved.** A belt skips a tooth, and the joint is off by a constant angle. Repeat step 4 each morning: it
 #   takes five minutes.
 
 # %%
@@ -415,7 +419,7 @@ quick, slow = (
     for share in (1.0, 0.1)
 )
 guide.table(
-    ["a zero that is off", "the tool is off by"],
+    ["a wrong zero", "the tool is off by"],
     [
         [f"`{name}`, by {'5 mm' if u == 'm' else '5°'}", f"{1000 * far:.0f} mm"]
         for name, u, far in zip(arm.joint_names, arm.units, moves, strict=True)
@@ -423,8 +427,7 @@ guide.table(
     f"`{arm.name}`, waiting.",
 )
 guide.say(
-    f"One move with the limits as they are takes {quick.duration:.2f} s; with a tenth of them, {slow.duration:.2f} "
-    f"s. That much patience is cheap."
+    f"One move takes {quick.duration:.2f} s with the full limits, and {slow.duration:.2f} s with a tenth of them."
 )
 
 # %% [markdown]

@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Errata of the guide
 #
-# For readers of the team's guide, the manual that this course completes: its errors in our words, each with a number
-# that shows it. Nothing here is typed by hand: the numbers were computed when this page was built.
+# The team's guide is a manual on manipulation. This page lists its errors for its readers, each with a number that
+# shows the error. The numbers were computed when this page was built.
 
 # %%
 from math import factorial
@@ -24,8 +24,8 @@ def numbers(values):
 # %% [markdown]
 # ## 1. Sine and cosine without an argument (2.1.1)
 #
-# The elementary rotations write $\sin$ and $\cos$ alone, and one of them $R_v(\beta)$ for $R_y(\beta)$. An angle
-# belongs in each, and with it its unit: what computes takes radians.
+# The guide writes $\sin$ and $\cos$ without an angle in the elementary rotations, and $R_v(\beta)$ for $R_y(\beta)$.
+# Each needs its angle. Programs take radians.
 
 # %%
 q = np.array([1.0, 0.0, 0.0])  # 1 m from the axis
@@ -37,8 +37,8 @@ guide.say(
 # %% [markdown]
 # ## 2. From which frame to which, and about which axes (2.1.1)
 #
-# The rotation that is said to take B to B takes A to B. ZYZ angles are named in the order α, β, γ. The Euler angles
-# turn about the axes as the turns before have left them, so that each new factor stands on the right.
+# The rotation "from B to B" takes A to B. The ZYZ angles have the order α, β, γ. Each Euler angle turns about an axis
+# that the turns before it have moved. So each new factor is on the right.
 
 # %%
 a, b = np.radians([40.0, 30.0])
@@ -51,8 +51,8 @@ guide.say(
 # %% [markdown]
 # ## 3. The norm of a quaternion (2.1.1)
 #
-# $Q \cdot Q^*$ is the square of the norm, $\|Q\|^2$, and not the norm. With the guide's $Q^{-1} = Q^*/\|Q\|^2$, the
-# definition taken literally divides by the fourth power. With unit quaternions the slip does not show.
+# $Q \cdot Q^*$ is the square of the norm, $\|Q\|^2$, and not the norm. With the guide's definition, $Q^{-1} =
+# Q^*/\|Q\|^2$ divides by the fourth power of the length. With unit quaternions the mistake does not show.
 
 # %%
 Q = np.array([1.0, 2.0, 3.0, 4.0])
@@ -68,22 +68,23 @@ guide.say(
 # %% [markdown]
 # ## 4. Quaternions are no global parametrisation (2.1.1)
 #
-# They are written $\mathbb{H}$, not $\mathbb{Q}$, which are the fractions. And unit quaternions cover the rotations
-# twice: $Q$ and $-Q$ are the same rotation.
+# The quaternions are $\mathbb{H}$; $\mathbb{Q}$ are the fractions. Unit quaternions cover the rotations twice: $Q$ and
+# $-Q$ are the same rotation.
 
 # %%
 Q = rotations.to_quaternion_wxyz(rotations.exp([1, 2, 3], 0.4))
 same = gap(rotations.from_quaternion_wxyz(Q), rotations.from_quaternion_wxyz(-Q))
 guide.say(
     f"The matrices of $Q$ and of $-Q$ differ by {same:.0f}; as points of the sphere the two are "
-    f"{np.linalg.norm(Q - -Q):.0f} apart, as far as can be."
+    f"{np.linalg.norm(Q - -Q):.0f} apart, the greatest distance."
 )
 
 # %% [markdown]
 # ## 5. Which matrices are rotations (2.1.2)
 #
-# $R^TR = I$, the unit matrix and not the number 1, and $\det R = +1$. Neither all $n \times n$ matrices are $SO(n)$,
-# nor are the vectors of $\mathbb{R}^3$ its elements: $A, B \in SO(3) \subset \mathbb{R}^{3 \times 3}$.
+# A rotation has $R^TR = I$, the unit matrix and not the number 1, and $\det R = +1$. $SO(n)$ does not contain all $n
+# \times n$ matrices, and the vectors of $\mathbb{R}^3$ are not its elements: $A, B \in SO(3) \subset \mathbb{R}^{3
+# \times 3}$.
 
 # %%
 mirror = np.diag([1.0, 1.0, -1.0])
@@ -98,8 +99,8 @@ guide.say(
 # %% [markdown]
 # ## 6. The series of the exponential (2.1.2)
 #
-# The axis turns for $\theta$ units of time at unit rate, not at unit velocity for $\omega$ units; and the series runs
-# through $\theta^4/4!$ and $\theta^6/6!$, not $\omega^4/4!$ and $\omega^6/6!$: $\omega$ is a vector.
+# The body turns at unit rate for $\theta$ units of time, not for $\omega$ units. The series has the terms $\theta^4/4!$
+# and $\theta^6/6!$, not $\omega^4/4!$ and $\omega^6/6!$: $\omega$ is a vector.
 
 # %%
 w, theta = np.array([0.6, 0.0, 0.8]), 1.2
@@ -111,14 +112,15 @@ sine = sum((-1) ** (power // 2) * theta**power / factorial(power) for power in (
 exact = rotations.exp(w, theta)
 right, wrong = (np.eye(3) + W * sine - W @ W * sum(terms.values()) for terms in (cosine, slipped))
 guide.say(
-    f"At $\\theta = {theta}$ no entry of the series is more than ${guide.rough(gap(right, exact))}$ from the rotation's; "
+    f"At $\\theta = {theta}$ no entry of the series is more than ${guide.rough(gap(right, exact))}$ from the "
+    f"rotation's; "
     f"with $\\|\\omega\\| = 1$ in place of $\\theta$ in those two terms one is {gap(wrong, exact):.3f} from it."
 )
 
 # %% [markdown]
 # ## 7. Rodrigues' formula needs a unit axis (2.1.2)
 #
-# The formula is Rodrigues', with an s. $e^{\hat\omega\theta} = I + \hat\omega \sin\theta + \hat\omega^2 (1 -
+# The formula is named after Rodrigues. $e^{\hat\omega\theta} = I + \hat\omega \sin\theta + \hat\omega^2 (1 -
 # \cos\theta)$ holds for $\|\omega\| = 1$. Otherwise: $I + \frac{\hat\omega}{\|\omega\|} \sin(\|\omega\|\theta) +
 # \frac{\hat\omega^2}{\|\omega\|^2} (1 - \cos(\|\omega\|\theta))$.
 
@@ -137,8 +139,8 @@ guide.say(
 # %% [markdown]
 # ## 8. What is given, and what is sought (2.2.1)
 #
-# Where $g_{ac}$ is said to be given, twice, $g_{ab}$ and $g_{bc}$ are meant: $g_{ac} = g_{ab}\, g_{bc}$. Indices that
-# meet in the middle cancel; written the other way round they do not.
+# The guide says twice that $g_{ac}$ is given. It means $g_{ab}$ and $g_{bc}$: $g_{ac} = g_{ab}\, g_{bc}$. Indices that
+# meet in the middle cancel. In the other order they do not.
 
 # %%
 ab, bc = screws.exp([1, 0, 0, 0, 0, 0.5]), screws.exp([0, 1, 0, 0.7, 0, 0])
@@ -151,8 +153,8 @@ guide.say(
 # %% [markdown]
 # ## 9. Chasles, and what a twist is (2.2.2)
 #
-# The theorem is Chasles': every rigid motion is a screw motion. A twist is not the time derivative of one, but the
-# infinitesimal screw motion: the motion at its first instant.
+# Chasles' theorem says that every rigid motion is a screw motion. A twist is not the time derivative of a screw motion.
+# It is the infinitesimal screw motion: the motion at its first instant.
 
 # %%
 xi = joints.helical([0, 0, 1], [0.3, 0, 0], 0.1)[:, 0]
@@ -168,8 +170,8 @@ guide.say(
 # %% [markdown]
 # ## 10. A joint that turns and slides (2.2.2)
 #
-# $\dot p = \omega \times (p - q)$ is said of a joint that translates and rotates. It is the velocity of pure rotation.
-# A screw adds $h\omega$, a slide has $\dot p = v$; and altogether $v = -\omega \times q + h\omega$.
+# The guide gives $\dot p = \omega \times (p - q)$ for a joint that translates and rotates. This is the velocity of pure
+# rotation. A screw adds $h\omega$, and a slide has $\dot p = v$. So a screw has $v = -\omega \times q + h\omega$.
 
 # %%
 w, q, p, pitch = np.array([0, 0, 1.0]), np.array([0.3, 0, 0]), np.array([0.5, 0.2, 0]), 0.1
@@ -184,7 +186,7 @@ guide.say(
 # %% [markdown]
 # ## 11. Spatial, not body (2.2.2)
 #
-# The twist of $\dot g g^{-1} = \hat\xi$ is seen from the fixed frame: it is the spatial velocity. The body's is
+# The twist of $\dot g g^{-1} = \hat\xi$ is seen from the fixed frame: it is the spatial velocity. The body velocity is
 # $g^{-1}\dot g$.
 
 # %%
@@ -199,8 +201,8 @@ guide.say(
 # %% [markdown]
 # ## 12. The pose at the beginning (2.2.2)
 #
-# $e^{\hat\xi\theta}$ moves what there is: $g(\theta) = e^{\hat\xi\theta} g(0)$. A tool that is not at the origin when
-# the joint stands at zero is missed by as much.
+# $e^{\hat\xi\theta}$ moves the initial pose: $g(\theta) = e^{\hat\xi\theta} g(0)$. Without $g(0)$ the answer is wrong
+# by the distance of the tool from the origin at zero.
 
 # %%
 xi = joints.revolute([0, 0, 1], [0, 0, 0])[:, 0]
@@ -215,7 +217,7 @@ guide.say(
 # ## 13. Points with a one below them (2.2.2)
 #
 # $e^{\hat\xi\theta}$ is $4 \times 4$ and moves points $\bar p = (p, 1)$ within one frame: $\dot{\bar p} = \hat\xi \bar
-# p$. With a zero below, it is a direction that is moved, and no translation reaches it.
+# p$. With a zero below, it moves a direction, and the translation drops out.
 
 # %%
 g = screws.exp([0.5, 0.2, 0, 0, 0, 1.0])
@@ -228,8 +230,8 @@ guide.say(
 # %% [markdown]
 # ## 14. The product of exponentials needs no Adjoint (3.1)
 #
-# Twists of the space frame, at home, are all that the space form takes: $g = e^{\hat\xi_1\theta_1} \cdots
-# e^{\hat\xi_n\theta_n} g(0)$. Adjoints come in with the body form and with the Jacobians.
+# The space form needs only the twists at home, seen from the space frame: $g = e^{\hat\xi_1\theta_1} \cdots
+# e^{\hat\xi_n\theta_n} g(0)$. The body form and the Jacobians need Adjoints.
 
 # %%
 S = np.hstack([joints.revolute([0, 0, 1], [0, 0, 0]), joints.revolute([0, 0, 1], [0.4, 0, 0])])
@@ -273,16 +275,16 @@ missed = {
     for b in (1, -1)
 }
 guide.say(
-    f"With equal signs the tool is ${guide.rough(max(missed[1, 1], missed[-1, -1]))}$ m from the target, with mixed "
-    f"ones {missed[1, -1]:.3f} m; the worst there is, $2l_2$, would be {2 * l2:.1f} m."
+    f"With equal signs the tool is ${guide.rough(max(missed[1, 1], missed[-1, -1]))}$ m from the target, with "
+    f"mixed ones {missed[1, -1]:.3f} m; the greatest error, $2l_2$, is {2 * l2:.1f} m."
 )
 
 # %% [markdown]
 # ## 16. How many solutions, and where (3.2)
 #
-# Two, where $|l_1 - l_2| < r < l_1 + l_2$; one at either edge, where $\alpha$ is $0$ or $\pi$; none beyond. At $r = 0$
-# with equal links $\theta_1$ is free. At an edge rounding takes the cosine past one: clamp it. And $\pi + \alpha$
-# wants wrapping.
+# There are two solutions if $|l_1 - l_2| < r < l_1 + l_2$, one at either edge, where $\alpha$ is $0$ or $\pi$, and none
+# outside. At $r = 0$ with equal links $\theta_1$ is free. At an edge rounding may move the cosine outside $[-1, 1]$:
+# clamp it. Wrap $\pi + \alpha$ into $(-\pi, \pi]$.
 
 # %%
 l1, l2 = 0.4, 0.3
