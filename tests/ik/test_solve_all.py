@@ -230,25 +230,29 @@ def test_arms_that_no_joint_makes_mobile_or_whose_axes_coincide():
 
 
 @pytest.mark.alone
-@pytest.mark.parametrize(("count", "seconds"), [(6, 1e-9), (8, 0.3)])
+@pytest.mark.parametrize(("count", "seconds"), [(5, 0.5), (6, 1e-9), (8, 0.3)])
 def test_time_is_kept(count, seconds):
     """Eight joints that turn, two of them sampled, take half a minute; what is found by then is exact.
 
-    Six take a while only where two roots meet.
+    Six take a while only where two roots meet. A point leaves so101 one family, whatever the time: 1,089 values of two
+    joints take half a minute to compare.
     """
     rng = np.random.default_rng(1)
     axes = [["R", rng.normal(size=3), rng.uniform(-0.5, 0.5, 3)] for _ in range(count)]
-    arm = twistarm.arm_from_screws(screws_of(axes), np.eye(4))
+    arm = twistarm.arm_from_screws(screws_of(axes), np.eye(4)) if count > 5 else load("so101")
     told = []
     one, other = arm.random_theta(3), arm.random_theta(5)
-    share = 0.0 if count > 6 else brentq(lambda t: np.linalg.det(arm.body_jacobian(one + t * (other - one))), 0.0, 1.0)
+    share = 0.0 if count != 6 else brentq(lambda t: np.linalg.det(arm.body_jacobian(one + t * (other - one))), 0.0, 1.0)
     g = arm.fk(one + share * (other - one))
+    target = Pose(g) if count > 5 else Position(g[:3, 3])
+    solve_ik_all(arm, target, max_time=1e-9)  # the method is chosen once for each arm
     began = time.monotonic()
-    found = solve_ik_all(arm, Pose(g), max_time=seconds, progress=told.append)
-    assert time.monotonic() - began < seconds + 2.0
+    found = solve_ik_all(arm, target, max_time=seconds, include_turns=True, progress=told.append)
+    assert time.monotonic() - began < seconds + 0.5
+    assert count > 5 or (len(found), "values of wrist_flex and wrist_roll" in found.explain()) == (1, True)
     assert found.timed_out
     assert not found.complete
     assert "the time was up" in found.explain()
-    assert all(missed(arm, g, theta) <= EXACT for theta in found.theta)
+    assert max(found.position_error.max(initial=0.0), found.orientation_error.max(initial=0.0)) <= EXACT
     assert told == sorted(told)
     assert all(0.0 < share < 1.0 for share in told)

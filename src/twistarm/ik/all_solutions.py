@@ -135,10 +135,11 @@ class AllSolutions:
 
     def explain(self) -> str:
         """The target and how many configurations meet it, or how far off the nearest is."""
+        each = f" at each value of {self._sampled}" if self._sampled else ""
         lines = [
             f"asked of {self.arm.name}: {self.target.describe()}",
             self._counted(),
-            f"{'found' if len(self) else 'looked for'} by {self.method}: {self.family}",
+            f"{'found' if len(self) else 'looked for'} by {self.method}{each}: {self.family}",
         ]
         if not len(self):
             held = holding(self.arm, self._method.given, self.theta0)
@@ -147,12 +148,18 @@ class AllSolutions:
             lines += [] if nearest.converged else why_not(nearest)
         return "\n".join(map(printable, lines))
 
+    @property
+    def _sampled(self) -> str:
+        """The joints that a closed form or elimination is tried at values of; "" without any."""
+        return " and ".join(self.arm.joint_names[i] for i in self._method.swept) if self._method.there else ""
+
     def _counted(self) -> str:
         count, beyond = len(self), len(self.outside)
         all_ = "all there are" if self.complete else "there may be more"
         outside = f", {beyond}{' more' * (count > 0)} outside" if beyond else ""
         share = f"{self.hits} of {self.starts}" if self.hits else f"none of {self.starts}"
-        sampled = f", {share} searches met the target" if self.starts else ""
+        tries = f"values of {self._sampled}" if self._sampled else "searches"
+        sampled = f", {share} {tries} met the target" if self.starts else ""
         if not count and self.complete:
             return f"no configuration inside the limits{outside}: that is certain"
         late = "; the time was up before everything had been tried" * self.timed_out

@@ -131,8 +131,8 @@ class Gathering(Asked):
             return [], 0, 0
         arm, starts = holding(self.arm, self.method.given, self.near), self.arm.random_theta(0, EXTRA_SEARCHES)
         done = searched(arm, [self.target] * len(starts), starts, tolerances, max_time=self.deadline.left)
-        kept: list[Array] = []
-        for theta in sorted([first.theta, *done.solutions], key=self.distance):
+        kept = [first.theta]
+        for theta in self.deadline.until(sorted(done.solutions, key=self.distance)):
             left = [joint_difference(self.arm, other, theta) for other in kept]
             if not any(all(task.converged(theta + share * way) for share in BETWEEN) for way in left):
                 kept.append(theta)
@@ -233,7 +233,7 @@ class Gathering(Asked):
         """An answer, or one of a family inside the limits: with free joints at theta0's value, then the nearest."""
         free = {i for root in family.roots for i in root.free}
         own = sorted(free - {*self.motions.still})
-        inside = self.inside([root.theta for root in family.roots])
+        inside = self.inside(np.array([root.theta for root in family.roots]))
         if not any(self.at_start(theta, own) for theta in inside):
             inside += self._first_inside(family.curve, [(i, self.theta0_inside[i]) for i in own])
         if own and not inside:  # a part of a curve inside the limits begins at one of them
@@ -253,9 +253,19 @@ class Gathering(Asked):
         return next(filter(None, found), [])
 
     def inside(self, thetas: Iterable[Array]) -> list[Array]:
-        """Those of the configurations that lie inside the limits, by whole turns near to theta0."""
-        brought = (self.inside_limits(theta, self.near) for theta in thetas)
-        return [theta for theta in brought if theta is not None]
+        """Those of the configurations that lie inside the limits, by whole turns near to theta0. When late, the first.
+
+        An array (k, n) is compared with the limits at once, as thousands of roots one by one would break the deadline.
+        """
+        if isinstance(thetas, np.ndarray):
+            thetas = thetas[self.may_be_inside(thetas, self.near)]
+        found: list[Array] = []
+        for theta in thetas:
+            brought = self.inside_limits(theta, self.near)
+            found += [] if brought is None else [brought]
+            if found and self.deadline.passed:
+                break
+        return found
 
     def assembled(self, families: list[Members], copies: bool, tries: tuple[int, int], all_seen: bool) -> AllSolutions:
         """The answers inside the limits, nearest first, then those outside. Twins become one answer."""
@@ -272,7 +282,11 @@ class Gathering(Asked):
                 np.logical_or(kept[i].moving, entry.moving, out=kept[i].moving)
         within = [entry for entry in kept if entry.inside]
         if copies:
-            more = [(theta, entry) for entry in within for theta in copies_inside(arm, entry.theta)]
+            more = [
+                (theta, entry)
+                for entry in within
+                for theta in (entry.theta[None] if self.deadline.passed else copies_inside(arm, entry.theta))
+            ]
             within = [Entry(theta, entry.moving, True, self.distance(theta)) for theta, entry in more]
             within.sort(key=lambda entry: entry.distance)
         every = [*within, *(entry for entry in kept if not entry.inside)]

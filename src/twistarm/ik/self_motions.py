@@ -36,18 +36,16 @@ class SelfMotions(Asked):
     def families(self, thetas: Sequence[Array]) -> Iterator[tuple[list[int], Array]]:
         """The places of the answers of one family, and the curve (k, n) that was walked to find them.
 
-        Two families without a way between them stay separate; so do answers after the deadline.
+        Two families without a way between them stay separate. Answers not compared before the deadline count with
+        the last family: no family is then listed many times.
         """
         every = np.array(thetas).reshape(-1, self.arm.n)
         left = np.arange(len(every))
         while left.size:
             first, left = int(left[0]), left[1:]
-            if self.deadline.passed:
-                yield [first], every[[first]]
-                continue
             curve, rows = self.curve(every[first]), every[left]
             found = self._on_curve(curve, rows) if len(curve) > 1 else self._beside(every[first], rows)
-            of_it = np.isin(np.arange(len(left)), list(found))
+            of_it = np.isin(np.arange(len(left)), list(found)) | self.deadline.passed
             yield [first, *left[of_it].tolist()], curve
             left = left[~of_it]
 
@@ -111,7 +109,7 @@ class SelfMotions(Asked):
     def toward(self, start: Array, goal: Array) -> Iterator[Array]:
         """Members (n,) from the start on, each nearer to the goal, until none is."""
         x, left = start, joint_difference(self.arm, goal, start)
-        for _ in range(STRAIGHT_STEPS):
+        for _ in self.deadline.until(range(STRAIGHT_STEPS)):
             T = self._tangents(x)
             along = T.T @ (T @ left)
             on = self._step(x, along, min(STEP, float(np.linalg.norm(along))))

@@ -77,7 +77,8 @@ def solve_ik_all(
         closed_form: Whether to raise NoClosedFormError rather than to search.
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].
-        max_time: Greatest time [s], which answers of a millisecond ignore; None for no limit.
+        max_time: Greatest time [s], or None for no limit. Answers of a millisecond, and the choice of the method in
+            the first call for an arm, ignore it.
         scene: A `Scene` of this arm, or None. `colliding` then marks the configurations that collide.
         progress: Called with the fraction of sampled values and searches that are done, or None.
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...arm.arm import Arm
 from ...support.checks import Array
@@ -119,6 +120,12 @@ class Asked:
             if (max(errors) <= alike or loose.converged(*errors)) and np.linalg.norm(moved) > 0.5 * SIDESTEP:
                 moving |= set(np.flatnonzero(moved > 1e-6).tolist())
         return tuple(sorted(moving))
+
+    def may_be_inside(self, thetas: Array, near: Array) -> NDArray[np.bool_]:
+        """Which of thetas (k, n) are inside the limits, or beyond them by no more than rounding, by whole turns."""
+        moved = _nearest_copy(self.arm, thetas, near, ROUNDED_LIMIT)
+        beyond = np.abs(np.clip(moved, self.arm.limits.lower, self.arm.limits.upper) - moved)
+        return beyond.max(axis=-1, initial=0.0) <= ROUNDED_LIMIT
 
     def inside_limits(self, theta: Array, near: Array) -> Array | None:
         """theta (n,) by whole turns inside the limits, as near to `near` (n,) as possible. None where it is outside.
