@@ -185,7 +185,7 @@ def assert_one_player(page: Any, other: Any) -> None:
     page.get_by_label("Loop").check()
     until(other, "document.getElementById('speed').value === '2' && document.getElementById('loop').checked")
     other.get_by_role("button", name="Play").click()
-    page.evaluate("globalThis.seen = []; twistarm.parts.spy = { placed: ({ time }) => seen.push(time) }")
+    page.evaluate("globalThis.seen = []; twistarm.parts.spy = { update: ({ time }) => seen.push(time) }")
     until(page, "seen.some((time, i) => time < seen[i - 1])")  # it began again
     assert page.evaluate("twistarm.state.frame.running")
     page.get_by_role("button", name="Pause").click()
@@ -318,10 +318,10 @@ def test_a_list_is_saved_and_loaded_and_the_motion_exported(
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("{", "poses.json is no JSON"),
+        ("{", "poses.json is not JSON"),
         ("[]", 'poses.json: "joints" must be a list of joint names'),
         ('{"joints": ["a"], "poses": [{"name": "p", "theta": ["0"]}]}', "theta of pose 1 must be a list of numbers"),
-        ('{"joints": ["a"], "poses": [{"name": "p", "theta": [0]}]}', "the list moves a; rover_arm has slide"),
+        ('{"joints": ["a"], "poses": [{"name": "p", "theta": [0]}]}', "the joints a; rover_arm has slide"),
         ('{"joints": ["a"], "poses": [' + ",".join([POSE] * 3000) + "]}", "at most 57344 (56 kB)"),
         ('{"joints": ["a"], "poses": [{"name": "p", "theta": [0], "by": 1}]}', "by of pose 1 must be joint, line"),
         (" " * (2**20 + 1), "poses.json has 1048577 bytes"),

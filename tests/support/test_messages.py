@@ -26,7 +26,8 @@ from twistarm.cli.application import app
 from twistarm.cli.wording import OPTIONS as OPTION_TABLE
 from twistarm.cli.wording import words
 from twistarm.support.errors import LONGEST, DescriptionError, MissingExtraError, TwistarmError, listed, one_line
-from twistarm.support.messages import Argument, Posture, Quantity, Text, joined, package_folder, plural
+from twistarm.support.messages import Argument, Posture, Quantity, Remedies, Text, joined, package_folder, plural
+from twistarm.viewer.messages import page_words
 
 OPTIONS = [
     (Argument("tip", "it is"), "tip='it is'", "--tip 'it is'"),
@@ -54,6 +55,16 @@ def test_each_reader_has_his_own_words(value: object, python: str | None, option
     text = Text("at {value}", value=value)
     assert python is None or text == f"at {python}"
     assert words(text) == f"at {option}"
+
+
+def test_a_page_offers_only_what_its_reader_can_set() -> None:
+    larger, far = Text("a larger {tol}", tol=Argument("tol")), Quantity(1.78, "rad", 3)
+    wider = Text("a wider {tol}", tol=Argument("position_tol", Quantity(0.002, "m")))
+    text = Text("{far} off: give {remedies}", far=far, remedies=Remedies(("another goal", larger, wider)))
+    assert text == "1.78 rad off: give another goal, a larger tol=..., or a wider position_tol=0.002"
+    assert words(text) == "102° off: give another goal, a larger --keep-tol ANGLE, or a wider --position-tol 0.002"
+    assert page_words(text) == "102° off: give another goal or a wider Tolerance in the Move panel: 0.002 m"
+    assert page_words(Posture((0.5, 0.25), ("rad", "m"))) == "[28.65°, 0.25 m]"
 
 
 def test_radians_stay_for_who_types_radians() -> None:

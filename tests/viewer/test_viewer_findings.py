@@ -154,7 +154,7 @@ def test_a_doctor_who_fails_is_told_and_the_page_lives(
     monkeypatch.setattr(module, "examine_arm", fail)
     page = hear(viewer, lambda message: message["note"] != PENDING)
     told = page.latest["findings"]
-    assert told["note"] == rf"From the loading alone: the doctor failed: {SCRIPT}\nat a loss"
+    assert told["note"].endswith(rf"failed: {SCRIPT}\nat a loss")
     assert told["findings"] == loading_findings(arm)["findings"]
     assert "error" not in page.latest
     viewer.show(arm.ready)

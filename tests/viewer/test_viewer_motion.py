@@ -84,7 +84,7 @@ def test_a_pace_that_pages_may_set(standing: Stage, speed: float) -> None:
 )
 def test_without_a_trajectory_there_is_nothing_to_play(kind: str, fields: dict[str, Any]) -> None:
     stage = Stage(ARM)
-    with pytest.raises(InputError, match=f"nothing to {kind}: no trajectory is loaded"):
+    with pytest.raises(InputError, match=f"no motion to {kind}"):
         ask(stage, kind, **fields)
     assert_array_equal(stage.theta, np.zeros(1))
 

@@ -85,7 +85,7 @@ def test_a_motion_from_a_measured_start_beyond_a_limit_returns_inside_first(arm:
     motion = planned(stage, corner=0.0)
     program = said(stage, "program")
     assert program["planned"]
-    assert "pitch by 0.05 rad" in program["note"]
+    assert "pitch by 2.8648°" in program["note"]
     assert_allclose(motion(0.0), (0.0, -1.55, 0.1), atol=1e-12)
     pitch = motion(np.linspace(0.0, motion.duration, 500))[:, 1]
     assert (np.diff(pitch[pitch < -1.5]) >= 0.0).all()

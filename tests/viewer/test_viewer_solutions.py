@@ -99,7 +99,7 @@ def test_none_is_an_answer() -> None:
     assert message["places"] == message["theta"] == []
     assert "that is certain" in message["words"]
     assert at is None
-    with pytest.raises(InputError, match="xyzw must be a quaternion of length 1"):
+    with pytest.raises(InputError, match="quaternion of length 1"):
         ask(stage, "solutions", kind="pose", position=[0.0, 0.0, 1.0], xyzw=[0, 0, 0, 2])
     stage.take_commands()
     with pytest.raises(InputError, match="a servo drives rover_arm"):
@@ -111,7 +111,7 @@ def test_joints_that_the_target_leaves_free_stay_where_they_are() -> None:
     stage = Stage(ROVER, start)
     done(ask(stage, "solutions", kind="position", **pose_at(ROVER, start)))
     message, _ = told(stage)
-    assert "held where the arm stands" in message["words"]
+    assert "stay where they are" in message["words"]
     assert "there may be more" not in message["words"]
     ask(stage, "solution", place=len(message["places"]) - 1, ease=False)
     assert_allclose(stage.theta[3:], start[3:], atol=1e-12)

@@ -122,7 +122,7 @@ def test_not_under_the_hands_of_a_servo_nor_in_a_view_that_is_closed(viewer: Vie
     viewer.show_servo(None)
     viewer.load(arm)
     viewer.close()
-    with pytest.raises(InputError, match="the viewer was closed"):
+    with pytest.raises(InputError, match="closed"):
         viewer.load(arm)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import re
 import shlex
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -54,18 +54,16 @@ def words_of(error: Exception, *, radians: bool = False) -> str:
 def written(value: Value, *, radians: bool = False) -> str:
     """A quantity, a posture or an argument as one types it."""
     if isinstance(value, Quantity):
-        return str(value) if radians or value.unit[:3] != "rad" else f"{_number(value)}°{value.unit[3:]}"
+        return str(value) if radians else value.in_degrees()
     if isinstance(value, Posture):
-        quantities = (Quantity(*pair, digits=4) for pair in zip(value.theta, value.units, strict=True))
-        return f'"{" ".join(_number(one, radians=radians) for one in quantities)}" ({"rad" if radians else "°"} and m)'
+        values = (_number(quantity, radians=radians) for quantity in value.quantities())
+        return f'"{" ".join(values)}" ({"rad" if radians else "°"} and m)'
     return _option(*OPTIONS[value.name], value.value, radians) if value.name in OPTIONS else str(value)
 
 
 def _number(of: Quantity, *, radians: bool = False) -> str:
-    """Of a turn five digits of degrees, as no joint is known better."""
-    if radians or of.unit[:3] != "rad":
-        return f"{of.value:.{of.digits}g}"
-    return f"{math.degrees(of.value):.{min(of.digits, 5)}g}"
+    """The number alone."""
+    return re.split("[° ]", str(of) if radians else of.in_degrees())[0]
 
 
 def _option(option: str, metavar: str, value: Any, radians: bool) -> str:

@@ -251,12 +251,12 @@ def reached(solution: IKResult) -> str:
         hint = length_hint(solution.target.position_error(np.eye(4)), solution.arm.reach)
         hint = f" ({hint}: lengths are in metres)" if hint else ""
         off = Text("position {off} off{wider}{hint}", off=_length(solution.position_error), wider=wider, hint=hint)
-        parts.append(off if solution.position_error > tolerances.position else "position met")
+        parts.append(off if solution.position_error > tolerances.position else "position reached")
     if len(solution.target._rotation_tolerance):
         wider = _wider(solution.orientation_error, tolerances.orientation, "orientation_tol", "rad") or _eased(solution)
         angle, which = _degrees(solution.orientation_error), OFF_BY[type(solution.target)]
         off = Text("orientation {angle} off, {which}{wider}", angle=angle, which=which, wider=wider)
-        parts.append(off if solution.orientation_error > tolerances.orientation else "orientation met")
+        parts.append(off if solution.orientation_error > tolerances.orientation else "orientation reached")
     return joined(", ", parts)
 
 
@@ -278,7 +278,7 @@ def _eased(solution: IKResult) -> str:
         how = wide, tolerances.orientation, SEARCHES, 0, None, None
         found = chain.solve(target.kind, target.numbers, solution.theta, *how)
         if found is not None and found[0] == CONVERGED:
-            return Text(" (met with {wide})", wide=Argument("position_tol", Quantity(wide, "m", 3)))
+            return Text(" (reached with {wide})", wide=Argument("position_tol", Quantity(wide, "m", 3)))
     return ""
 
 

@@ -16,7 +16,7 @@ from ..collision import Scene, require_scene
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.errors import missing_extra
-from ..support.messages import Argument, Quantity, Text
+from ..support.messages import Argument, Quantity, Remedies, Text
 from .refusal import PathError
 from .trajectory import Trajectory
 
@@ -70,15 +70,19 @@ def free_path(
     raise PathError(
         Text(
             "no way round was found in {time:g} s of wall time ({spent:.2g} s spent, {worked:.2g} s of the processor), "
-            "with {room} of clearance and at last {last}; give another goal, a longer {max_time}, or a smaller "
-            "{clearance}",
+            "with {room} of clearance and at last {last}; give {remedies}",
             spent=time.monotonic() - began,
             time=max_time,
             worked=time.process_time() - worked,
             room=Quantity(room, "m"),
             last=Quantity(LAST_SHARE * room, "m"),
-            max_time=Argument("max_time"),
-            clearance=Argument("clearance"),
+            remedies=Remedies(
+                (
+                    "another goal",
+                    Text("a longer {max_time}", max_time=Argument("max_time")),
+                    Text("a smaller {clearance}", clearance=Argument("clearance")),
+                )
+            ),
         )
     )
 

@@ -14,7 +14,7 @@ import numpy as np
 from ..collision import Scene
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
-from ..support.messages import Argument, Text
+from ..support.messages import Argument, Remedies, Text
 from .following import outside_limits
 from .free_moves import CLEARANCE, SMALL, UNLIMITED, require_clear
 from .keep import Constraint, Flags
@@ -76,13 +76,18 @@ def keeping_path(
     raise PathError(
         Text(
             "no way that keeps {what} was found in {time:g} s of wall time ({worked:.2g} s of the processor{filled}); "
-            "give a larger {tol}, another goal, or a longer {max_time}",
+            "give {remedies}",
             what=constraint.keep.describe(),
             time=max_time,
             worked=time.process_time() - began,
             filled=", the search came to its end" if filled else "",
-            tol=Argument("tol"),
-            max_time=Argument("max_time"),
+            remedies=Remedies(
+                (
+                    "another goal",
+                    Text("a larger {tol}", tol=Argument("tol")),
+                    Text("a longer {max_time}", max_time=Argument("max_time")),
+                )
+            ),
         )
     )
 

@@ -16,7 +16,7 @@ from ..ik.solve import solve_ik
 from ..ik.targets import KINDS, target_for
 from ..support.checks import Array
 from ..support.errors import InputError, NotConvergedError, TwistarmError
-from ..support.messages import Argument, Text, joined
+from ..support.messages import Argument, Remedies, Text, joined
 from .configurations import branches
 from .curves import MovingTarget
 from .following import Blocked, Node, climb, efforts, follow, way
@@ -153,8 +153,8 @@ class Router:
             corners = self.free_path(theta, goal)
         except PathError as error:
             nearer = unwrapped(self.arm, goal, theta, "", asked=True)[0]
-            hint = Text("; {unwrap} takes a nearer turn of the goal", unwrap=UNWRAP)
-            what = error.message if (nearer == goal).all() else joined("", [error.message, hint])
+            hint = Remedies((Text("; {unwrap} takes a nearer turn of the goal", unwrap=UNWRAP),))
+            what = error.message if (nearer == goal).all() else Text("{why}{hint}", why=error.message, hint=hint)
             at = theta if error.theta is None else error.theta
             raise PathError(what, theta=at, reason="collision", segment=i, place=self._place(i)) from error
         steps = np.linalg.norm(np.diff(self.arm.fk(corners)[:, :3, 3], axis=0), axis=1)
@@ -195,8 +195,10 @@ class Router:
         goals = self._kept_goals(i, segment, constraint, theta)
         for at, name in ((theta, "start"), (goals[0], "goal")):
             if fault := constraint.fault(at):
-                remedy = Text("give another {name}, or a larger {tol} or box", name=name, tol=Argument("tol"))
-                what = Text("at its {name} {fault}: {remedy}", name=name, fault=fault, remedy=remedy)
+                larger = Text("a larger {tol}", tol=Argument("tol"))
+                box = () if constraint.keep.box is None else ("a larger box",)
+                remedies = Remedies((f"another {name}", larger, *box))
+                what = Text("at its {name} {fault}: give {remedies}", name=name, fault=fault, remedies=remedies)
                 raise PathError(what, theta=at, reason="not kept", **how)
         if (goals[0] == theta).all():
             return None

@@ -16,7 +16,7 @@ from ..arm.arm import Arm
 from ..arm.effort_limits import EffortLimits, effort_limits
 from ..support.checks import Array, as_flag
 from ..support.errors import InputError, LimitError, listed
-from ..support.messages import Argument, Posture, Quantity, Text
+from ..support.messages import Argument, Posture, Quantity, Remedies, Text
 from .piecewise import JointPath, derivative, evaluate
 
 # Share of an effort that gravity must leave at rest. With less, the arm would hardly move.
@@ -48,9 +48,9 @@ class TorqueLimits:
         efforts = effort_limits(arm, effort)
         lacking = listed(name for name, lacks in zip(arm.joint_names, efforts.unlimited, strict=True) if lacks)
         if lacking:
-            what = "no effort limit of {lacking}: write effort in <limit>, or give {limits}"
-            example = Argument("limits", {"effort": 50.0})
-            raise InputError(Text(what, lacking=lacking, limits=example))
+            what, give = "no effort limit of {lacking}: {remedies}", Argument("limits", {"effort": 50.0})
+            remedies = Remedies(("write effort in <limit>", Text("give {limits}", limits=give)))
+            raise InputError(Text(what, lacking=lacking, remedies=remedies))
         found = cls(arm, payload, efforts)
         found._torques(arm.ready)  # says what is wrong with the payload
         return found
@@ -116,13 +116,15 @@ class TorqueLimits:
         return LimitError(
             Text(
                 "{where}{owner} needs {torque} to hold arm and payload at rest at {theta}; its effort limit is "
-                "{limit}: carry less, go another way, or change the limit by {limits}",
+                "{limit}: {remedies}",
                 where=f"{where}: " if where else "",
                 owner=self._owner(row),
                 torque=Quantity(torque, unit, 4),
                 theta=Posture(tuple(q.tolist()), self.arm.units),
                 limit=Quantity(float(self.efforts.limits[row]), unit),
-                limits=Argument("limits"),
+                remedies=Remedies(
+                    ("carry less", "go another way", Text("change the limit by {limits}", limits=Argument("limits")))
+                ),
             )
         )
 

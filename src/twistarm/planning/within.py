@@ -10,7 +10,7 @@ import numpy as np
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.errors import InputError, LimitError
-from ..support.messages import Argument, Quantity, Text, joined
+from ..support.messages import Argument, Quantity, Remedies, Text, joined
 from ..support.units import theta_hint
 from .piecewise import derivative, extremes, largest
 from .trajectory import RATE_UNITS, Trajectory
@@ -180,16 +180,14 @@ def _beyond(
     limit, hint = getattr(limits, side)[j], theta_hint(theta[None], units, limits.lower, limits.upper)
     return LimitError(
         Text(
-            "{what} puts joint {joint!r} at {value}, {beyond} beyond its {side} limit {limit}: {remedy}, or "
-            "change the limit by {limits}{hint}",
+            "{what} puts joint {joint!r} at {value}, {beyond} beyond its {side} limit {limit}: {remedies}{hint}",
             what=what,
             joint=names[j],
             value=Quantity(theta[j], units[j]),
             beyond=Quantity(abs(float(theta[j] - limit)), units[j]),
             side=side,
             limit=Quantity(limit, units[j]),
-            remedy=remedy,
-            limits=Argument("limits"),
+            remedies=Remedies((remedy, Text("change the limit by {limits}", limits=Argument("limits")))),
             hint=Text(" ({hint})", hint=hint) if hint else "",
         )
     )

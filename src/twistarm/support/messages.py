@@ -6,7 +6,8 @@ stay with it, so that the command line can write `28.648°` and `--tip wrist` wi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from types import EllipsisType
@@ -24,6 +25,12 @@ class Quantity:
     def __str__(self) -> str:
         return f"{self.value:.{self.digits}g} {self.unit}"
 
+    def in_degrees(self) -> str:
+        """`28.648°`, `2 m/s²`. Of a turn five digits, as no joint is known better."""
+        if self.unit[:3] != "rad":
+            return str(self)
+        return f"{math.degrees(self.value):.{min(self.digits, 5)}g}°{self.unit[3:]}"
+
 
 @dataclass(frozen=True)
 class Posture:
@@ -33,7 +40,15 @@ class Posture:
     units: tuple[str, ...]
 
     def __str__(self) -> str:
-        return f"[{', '.join(f'{value:.4g} {unit}' for value, unit in zip(self.theta, self.units, strict=True))}]"
+        return f"[{', '.join(map(str, self.quantities()))}]"
+
+    def in_degrees(self) -> str:
+        """`[5.73°, 0.2 m]`."""
+        return f"[{', '.join(value.in_degrees() for value in self.quantities())}]"
+
+    def quantities(self) -> list[Quantity]:
+        """The value of each joint."""
+        return [Quantity(value, unit, 4) for value, unit in zip(self.theta, self.units, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -52,6 +67,19 @@ class Argument:
 
 
 Value = Quantity | Posture | Argument
+
+
+@dataclass(frozen=True)
+class Remedies:
+    """What a reader may do, each remedy a phrase: `another goal, or a larger tol=...`.
+
+    A renderer leaves out the remedies whose arguments its reader cannot set.
+    """
+
+    phrases: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return either(self.phrases)
 
 
 class Text(str):
@@ -74,13 +102,36 @@ class Text(str):
         return partial(Text, self.template, **self.values), ()
 
 
-def rendered(message: Any, write: Callable[[Value], str]) -> Any:
-    """A `Text` with every quantity, posture and argument as `write` gives it; anything else stays."""
+def rendered(message: Any, write: Callable[[Value], str], settable: Callable[[str], bool] = lambda name: True) -> Any:
+    """A `Text` with every quantity, posture and argument as `write` gives it; anything else stays.
+
+    Remedies with arguments that are not `settable` are left out.
+    """
     if isinstance(message, Value):
         return write(message)
+    if isinstance(message, Remedies):
+        phrases = [phrase for phrase in message.phrases if all(map(settable, _arguments(phrase)))]
+        return either([rendered(phrase, write, settable) for phrase in phrases])
     if not isinstance(message, Text):
         return message
-    return message.template.format(**{name: rendered(value, write) for name, value in message.values.items()})
+    values = {name: rendered(value, write, settable) for name, value in message.values.items()}
+    return message.template.format(**values)
+
+
+def _arguments(message: Any) -> Iterator[str]:
+    """The names of the arguments in a message."""
+    if isinstance(message, Argument):
+        yield message.name
+    elif isinstance(message, Text):
+        for value in message.values.values():
+            yield from _arguments(value)
+
+
+def either(phrases: Sequence[str]) -> str:
+    """`a`, `a or b`, `a, b, or c`."""
+    if len(phrases) < 3:
+        return " or ".join(phrases)
+    return f"{', '.join(phrases[:-1])}, or {phrases[-1]}"
 
 
 def joined(separator: str, messages: Iterable[str | Value]) -> str:

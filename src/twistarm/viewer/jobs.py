@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any, Generic, TypeVar
 
 from ..support.errors import TwistarmError
+from ..support.messages import Text
 
 T = TypeVar("T")
 
@@ -122,4 +123,5 @@ class Workers:
 
 
 def _fail(job: Job, error: Exception) -> None:
-    raise TwistarmError(f"{job.doing}: {str(error) or type(error).__name__}") from error
+    why = error.message if isinstance(error, TwistarmError) else str(error) or type(error).__name__
+    raise TwistarmError(Text("{doing}: {why}", doing=job.doing, why=why)) from error

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 
 from ..support.checks import as_flag, as_number, as_whole
-from ..support.errors import InputError, quote, without_places
+from ..support.errors import InputError, TwistarmError, quote, without_places
 from ..support.fields import Check, fields, list_of, numbers, one_of
+from ..support.messages import Argument, Quantity, Value, rendered
 from ..support.strict_json import decoded, encode
 
 Message = dict[str, Any]  # A message to the pages: its `type`, and the fields of that type in the schema.
@@ -56,9 +57,38 @@ def number_of(message: str | bytes) -> int | None:
         return None
 
 
+FIELDS = {
+    "position_tol": "Tolerance in the Move panel",
+    "orientation_tol": "the angle beside Tolerance in the Move panel",
+    "torques": "Torque limits in the Poses panel",
+    "scene": "the layer Collision",
+}
+"""The page's field for each argument of a message that a page can set."""
+
+
+def page_words(message: str) -> str:
+    """A message in the words of the page: degrees, its fields instead of arguments, and what its reader can do."""
+    text: str = rendered(message, _written, FIELDS.__contains__)
+    return text
+
+
+def words_of(error: Exception) -> str:
+    """An error's message in the words of the page."""
+    return page_words(error.message if isinstance(error, TwistarmError) else str(error)) or type(error).__name__
+
+
+def _written(value: Value) -> str:
+    if not isinstance(value, Argument):
+        return value.in_degrees()
+    field = FIELDS.get(value.name)
+    if field is None:
+        return str(value)
+    return f"{field}: {value.value.in_degrees()}" if isinstance(value.value, Quantity) else field
+
+
 def failure(error: Exception) -> Message:
     """The message that tells of an error."""
-    return {"type": "error", "message": without_places(str(error)) or type(error).__name__}
+    return {"type": "error", "message": without_places(words_of(error))}
 
 
 def packed(values: Any, kind: str) -> str:

@@ -151,7 +151,7 @@ class Stage(Show):
             if old.path["points"]:
                 self.draw_path(tool_path(self.arm, motion))
         elif old.playback is not None:
-            words.append("the motion does not fit the arm any more and is gone")
+            words.append("the motion no longer fits the arm and is removed")
         return words
 
     def _take_values(self, old: Stage) -> Iterator[str]:

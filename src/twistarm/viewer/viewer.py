@@ -137,7 +137,7 @@ class Viewer(Closeable):
 
     def _require_open(self) -> None:
         if self._closed.is_set():
-            raise InputError("the viewer was closed: there is nothing to show it in; Viewer(arm) opens another")
+            raise InputError("the viewer is closed: open another by Viewer(arm)")
 
     def play(self, trajectory: Trajectory, speed: float = 1.0, loop: bool = False) -> None:
         """Play a trajectory from its start. Returns at once.

@@ -23,7 +23,7 @@ function offer(text, name) {
   const field = element("input");
   Object.assign(field, { type: "text", readOnly: true, value: text }); // a line: newlines are dropped
   field.setAttribute("aria-label", name);
-  say(field, element("span", "", "The browser keeps the clipboard to itself here: press Ctrl+C (⌘C)"));
+  say(field, element("span", "", "This browser does not let the page copy: press Ctrl+C (⌘C)"));
   field.select();
   field.addEventListener("blur", () => document.activeElement === field || say());
 }

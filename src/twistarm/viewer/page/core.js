@@ -113,7 +113,7 @@ export class Core {
 
   // A simulated servo with the usual limits; onUnreachable: "slide" or "stop".
   servo({ onUnreachable = "slide" } = {}) {
-    if (!this.driven) throw new Error(`${this.arm.name} has more joints or motors than a servo drives`);
+    if (!this.driven) throw new Error(`${this.arm.name} has too many joints or motors for the servo of this page`);
     return {
       rest: (theta) => ({ theta: this.checked(theta), thetaDot: theta.map(() => 0), held: null, flags: 0, period: 0 }),
       step: (state, command, dt) => this.step(state, command, dt, onUnreachable === "stop"),
@@ -143,7 +143,7 @@ export class Core {
   }
 
   run(name, numbers) {
-    if (!this.solves) throw new Error(`${this.arm.name} has more joints than the core of the page holds`);
+    if (!this.solves) throw new Error(`${this.arm.name} has too many joints for the solver of this page`);
     return this.call(name, numbers);
   }
 
@@ -155,7 +155,7 @@ export class Core {
   target({ kind, position, xyzw }) {
     const R = rotation(xyzw);
     if (!KINDS.includes(kind)) throw new Error(`a target is one of ${KINDS.join(", ")}; got ${kind}`);
-    if (!position.every((value) => Math.abs(value) <= FARTHEST)) throw new Error(`a position is at most ${FARTHEST} m away; got ${position}`);
+    if (!position.every((value) => Math.abs(value) <= FARTHEST)) throw new Error(`Give a position at most ${FARTHEST} m away; got ${position}`);
     const axis = R.map((row) => row.reduce((sum, value, i) => sum + value * this.arm.tool_axis[i], 0));
     const pose = R.flatMap((row, i) => [...row, position[i]]);
     const numbers = { pose: [...pose, 0, 0, 0, 1], position, approach: [...position, ...axis, ...this.arm.tool_axis] }[kind];

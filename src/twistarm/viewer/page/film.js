@@ -13,7 +13,7 @@ export async function film(view, { width, height, rate, duration }, { begin, sho
   const count = Math.max(2, Math.ceil(duration * rate - 1e-9));
   const config = { codec: "vp8", width, height, framerate: count / duration, bitrate: Math.ceil(BITS * width * height * rate) };
   const able = globalThis.VideoEncoder && (await VideoEncoder.isConfigSupported(config)).supported;
-  if (!able) throw new Error(`this browser records no WebM of ${width} × ${height} pixels here; open the page in Chrome, Edge or Firefox on this computer`);
+  if (!able) throw new Error(`This browser cannot record a WebM of ${width} × ${height} pixels. Open the page in Chrome, Edge or Firefox on this computer.`);
   await begin();
   const frames = [];
   let wrong = null;

@@ -48,7 +48,7 @@ export class Findings {
   choosable(button, finding) {
     const key = JSON.stringify(finding);
     button.type = "button";
-    button.title = `Point at ${finding.name}; Escape takes it back`;
+    button.title = `Show ${finding.name} in the view; Escape removes the mark`;
     button.addEventListener("click", () => this.choose(this.chosen === key ? null : key, finding));
     this.buttons.set(key, button);
   }

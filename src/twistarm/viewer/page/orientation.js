@@ -15,8 +15,8 @@ export const WAYS = {
 };
 
 export const ZERO = {
-  quaternion: "A quaternion of four zeros is no orientation: give one that is not 0.",
-  axis: "An axis of three zeros has no direction: give one that is not 0.",
+  quaternion: "This quaternion is zero. Give at least one number other than 0.",
+  axis: "This axis is zero. Give at least one number other than 0.",
 };
 
 // The numbers of a rotation; `rpy` where they are known.

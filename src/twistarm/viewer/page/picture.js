@@ -50,7 +50,7 @@ function paintSky(context, width, height) {
 
 export function asBlob(canvas) {
   return new Promise((resolve, reject) => {
-    const done = (blob) => (blob ? resolve(blob) : reject(new Error("this browser makes no picture of that size; take a smaller one")));
+    const done = (blob) => (blob ? resolve(blob) : reject(new Error("This browser cannot draw a picture of that size. Choose a smaller one.")));
     canvas.toBlob(done, "image/png");
   });
 }

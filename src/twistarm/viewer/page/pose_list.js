@@ -7,11 +7,11 @@ import { writeName } from "./names.js";
 const LONGEST = 60;
 const SAME = 1e-9; // rad, m: the arm stands on a pose
 const MOVES = [
-  ["joint", "joint", "Joint move: every joint from where it is to where it is to be"],
+  ["joint", "joint", "Joint move: every joint goes straight to its value"],
   ["line", "line", "Straight line of the tool, turning evenly"],
   ["screw", "screw", "Screw motion of the tool: a turn about one axis and a slide along it"],
   ["via", "arc", "Circular arc of the tool through this pose to the next"],
-  ["free", "free", "Any way that collides with nothing, round the obstacles of the Scene panel"],
+  ["free", "free", "Any path without a collision, around the obstacles of the Scene panel"],
   ["level", "level", "Free, and the tool stays level within 3°, like a full cup"],
   ["direction", "axis", "Free, and the tool axis points the same way within 3°"],
   ["orientation", "rotation", "Free, and the tool does not turn by more than 3°"],

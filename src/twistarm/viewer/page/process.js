@@ -257,7 +257,7 @@ export class Process {
   release() { [this.target, this.answer] = [NO_TARGET, null]; }
 
   allow(tolerances) {
-    if (Math.min(...Object.values(tolerances)) < 0) throw new Error("tolerances must be above 0, or 0 for the usual ones");
+    if (Math.min(...Object.values(tolerances)) < 0) throw new Error("Give tolerances above 0, or none for the usual ones.");
     this.tolerances = { type: "tolerances", ...tolerances };
   }
 

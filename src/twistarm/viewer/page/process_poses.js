@@ -62,7 +62,7 @@ export class Poses {
   replace(joints, poses) {
     const order = this.joints.map(({ name }) => joints.indexOf(name));
     if (order.includes(-1) || joints.length !== order.length) {
-      throw new Error(`the list moves ${joints.join(", ")}; this arm has ${this.joints.map(({ name }) => name).join(", ")}`);
+      throw new Error(`the list is for the joints ${joints.join(", ")}; this arm has ${this.joints.map(({ name }) => name).join(", ")}`);
     }
     const accepted = [];
     for (const { name, theta, by } of poses) {
@@ -97,7 +97,7 @@ export class Poses {
     try {
       theta.forEach((value, i) => requireInside(this.joints[i], value, first ? START[this.joints[i].unit] : undefined));
     } catch (error) {
-      throw new Error(`the pose '${name}': ${error.message}; only the first, the start, may be a little beyond`);
+      throw new Error(`the pose '${name}': ${error.message}; only the first pose, the start, may be a little outside`);
     }
   }
 

@@ -69,7 +69,7 @@ export class Share {
     try {
       answer = await fetch("arm.html");
     } catch {
-      throw new Error("the process does not answer; is it still running?");
+      throw new Error("twistarm view does not answer. Start it again.");
     }
     if (!answer.ok) throw new Error((await answer.text()).trim());
     const page = await answer.text();
@@ -163,5 +163,5 @@ export class Share {
 function pixels(text, side) {
   const number = Number(text);
   if (/^\d+$/.test(text) && number >= SMALLEST && number <= LARGEST) return number;
-  throw new Error(`the ${side} is a whole number of pixels, ${SMALLEST} … ${LARGEST}; got ${text.slice(0, 20)}`);
+  throw new Error(`Give the ${side} in whole pixels, ${SMALLEST} … ${LARGEST}; got ${text.slice(0, 20)}`);
 }

@@ -23,7 +23,7 @@ export class Switches {
     this.boxes = new Map(Object.entries(LAYERS).map(([layer, [name, title]]) => [layer, box(name, title)]));
     this.boxes.get("reach").dataset.python = "reach";
     this.trace = box("Trace", "Where the tool has been on this page");
-    const clear = button("", "Clear", "Begin the trace anew", () => act.clear());
+    const clear = button("", "Clear", "Clear the trace", () => act.clear());
     clear.setAttribute("aria-label", "Clear the trace");
     clear.hidden = true; // until there is one
     const traced = element("span", "traced");

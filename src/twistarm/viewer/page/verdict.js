@@ -41,28 +41,28 @@ export function inWords({ arm, core: { reasons } }, core, given, solution, toler
   if (unlimited !== null) lines.push(...blocked(arm, core, given, solution, tolerances, far));
   else lines.push(...missing(core, given, theta, !far));
   const bounds = theta.flatMap((value, i) => within(arm.joints[i], value, AT_BOUND));
-  if (bounds.length > 0) lines.push(`at its limit: ${bounds.join(", ")}`);
-  if (solution.certain) lines.push("the closed form proves that no configuration inside the limits reaches it");
+  if (bounds.length > 0) lines.push(`At the limit: ${bounds.join(", ")}`);
+  if (solution.certain) lines.push("The closed form proves that no configuration inside the limits reaches the target");
   return lines.join("\n").slice(0, LONGEST).replace(/[\ud800-\udbff]$/, "");
 }
 
 // What limits do: as explain() of a solution says it.
 function blocked({ joints }, core, given, { unlimited, orientationError }, { orientation }, far) {
   const beyond = unlimited.flatMap((value, i) => within(joints[i], value, 0));
-  const where = beyond.length > 0 ? `for one with ${beyond.join(", ")}` : "a hair beyond them";
+  const where = beyond.length > 0 ? `with ${beyond.join(", ")}` : "just beyond a limit";
   const turned = turn(core, given, unlimited);
-  if (turned <= (orientation || DEFAULTS.orientation)) return [`without limits the target could be reached, ${where}`];
+  if (turned <= (orientation || DEFAULTS.orientation)) return [`Without joint limits the arm reaches the target ${where}`];
   const more = missing(core, given, unlimited);
-  if (far) return [`without limits the position could be reached, ${where}`, ...more];
-  return [`${angle(orientationError - turned)} of the rotation are prevented by limits`, `without limits ${angle(turned)} would be missing, ${where}`, ...more];
+  if (far) return [`Without joint limits the arm reaches the position ${where}`, ...more];
+  return [`Limits prevent ${angle(orientationError - turned)} of the rotation`, `Without joint limits ${angle(turned)} are missing ${where}`, ...more];
 }
 
 // Of the rotation: what no joint turns, and what limits prevent, if that is asked for.
 function missing(core, given, theta, all = false) {
   if (given.kind === "position") return [];
   const { impossible, prevented, axis } = core.split(given, theta);
-  const never = impossible > NEGLIGIBLE ? [`no joint turns the tool about ${named(axis)}: ${angle(impossible)} of the rotation are missing`] : [];
-  return all && prevented > NEGLIGIBLE ? [...never, `${angle(prevented)} of the rotation are prevented by limits or reach`] : never;
+  const never = impossible > NEGLIGIBLE ? [`No joint turns the tool about ${named(axis)}: ${angle(impossible)} of the rotation are missing`] : [];
+  return all && prevented > NEGLIGIBLE ? [...never, `Limits or reach prevent ${angle(prevented)} of the rotation`] : never;
 }
 
 function turn(core, given, theta) {

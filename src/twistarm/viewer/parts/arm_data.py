@@ -17,7 +17,7 @@ from ...limits.joint_limits import unit_of, usual_half, usual_range
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array, as_theta, require
 from ...support.errors import InputError, LimitError, one_line, without_places
-from ..messages import LARGEST_VALUE, LONGEST_NAME, Message
+from ..messages import LARGEST_VALUE, LONGEST_NAME, Message, page_words, words_of
 from ..scene.arm_drawing import arm_size, screw_kinds
 from ..scene.drawing import link_path, screw_path
 
@@ -161,7 +161,7 @@ def _configurations(arm: Arm, motion: Trajectory | ArrayLike) -> Array:
 
 MAX_FINDINGS = 500  # Most findings on the page. The rest is counted.
 
-PENDING = "From the loading alone: the doctor looks while no servo drives."
+PENDING = "These findings are from loading. The doctor examines the arm once no servo drives it."
 
 
 def loading_findings(arm: Arm) -> Message:
@@ -176,8 +176,8 @@ def doctor_findings(arm: Arm) -> Message:
     try:
         found = examine_arm(arm).findings
     except Exception as error:  # whatever ails the doctor, the page lives, and says so
-        reason = str(error) or type(error).__name__
-        failed = one_line(f"From the loading alone: the doctor failed: {reason}")
+        reason = words_of(error)
+        failed = one_line(f"These findings are from loading. The doctor failed: {reason}")
         return _findings(arm, arm.findings, without_places(failed, arm.description.path))
     return _findings(arm, found, "")
 
@@ -217,8 +217,8 @@ def _finding(arm: Arm, found: Finding) -> dict[str, Any]:
         "severity": found.severity,
         "code": found.code,
         "place": without_places(str(found.place), path),
-        "what": without_places(found.what, path),
-        "remedy": without_places(found.remedy, path),
+        "what": without_places(page_words(found.what), path),
+        "remedy": without_places(page_words(found.remedy), path),
         "node": node,
         "name": one_line(found.place.name, LONGEST_NAME) if node else "",
     }

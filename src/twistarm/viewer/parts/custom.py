@@ -169,7 +169,7 @@ class Control(Generic[V]):
     def take(self, value: Any) -> None:
         """Take a value from a page. The program does not know it yet."""
         if self.ends is None:
-            raise InputError(f"{self.name} is no slider")
+            raise InputError(f"{self.name} is not a slider")
         self._value = self._check(value)
 
     def call(self) -> None:

@@ -74,7 +74,7 @@ class Player(Part):
 
 def _loaded(show: Show, doing: str) -> Playback:
     if show.playback is None:
-        raise InputError(f"nothing to {doing}: no trajectory is loaded")
+        raise InputError(f"there is no motion to {doing}: plan one in the Poses panel")
     return show.playback
 
 

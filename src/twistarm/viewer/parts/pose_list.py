@@ -149,7 +149,7 @@ class PoseList:
         try:
             require_all_inside(self._arm, theta)
         except LimitError as error:
-            raise LimitError(f"the pose '{name}': {error}; only the first, the start, may be beyond") from error
+            raise LimitError(f"the pose '{name}': {error}; only the first pose, the start, may be outside") from error
 
     def _read(self, pose: Mapping[str, Any], order: Sequence[int], others: Sequence[RecordedPose]) -> RecordedPose:
         """A pose of a list with another joint order."""
@@ -166,7 +166,7 @@ class PoseList:
         names = self._arm.joint_names
         if sorted(joints) != sorted(names):
             moved = one_line(", ".join(joints), 200)
-            raise InputError(f"the list moves {moved}; {self._arm.name} has {', '.join(names)}")
+            raise InputError(f"the list is for the joints {moved}; {self._arm.name} has {', '.join(names)}")
         return [list(joints).index(name) for name in names]
 
     def _keep(self, poses: Sequence[RecordedPose], words: str) -> None:

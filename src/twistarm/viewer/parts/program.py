@@ -27,7 +27,7 @@ from ...support.checks import Array
 from ...support.directions import value_in_words
 from ...support.errors import InputError
 from ..jobs import Job, Memo, Progress, same
-from ..messages import Message
+from ..messages import Message, page_words
 from .arm_data import NO_PATH, distinct_points, tool_path
 from .pose_list import FREE, PoseList, RecordedPose
 from .show import Part, Playback, Route, Show
@@ -55,7 +55,7 @@ def segments(arm: Arm, poses: Sequence[RecordedPose], corner: float) -> list[Joi
             made.append((LineMove if pose.by == "line" else ScrewMove)(pose.theta, blend=blend))
         if pose.by == "via" and (i + 1 == len(poses) or poses[i + 1].by == "via"):
             raise InputError(
-                f"an arc leads through '{pose.name}' to the pose after it: that must be there, and be an end itself"
+                f"the arc through '{pose.name}' ends at the next pose: record one, and choose a move other than arc"
             )
     return made
 
@@ -78,7 +78,7 @@ STALE = "The list has changed since this motion was planned: plan again."
 # Note on a motion that stops at each pose. "Straight" could be read as the tool's path.
 STRAIGHT = "straight in joint space between the poses; the tool moves on a curve"
 # Short words for reasons of a PathError. Other reasons are words themselves.
-WHY = {"limit": "a leap would follow", "singular": "singular configuration"}
+WHY = {"limit": "a joint would jump", "singular": "singular configuration"}
 MOST_GHOSTS = 12  # Most poses at which the arm is drawn faintly, evenly chosen.
 
 
@@ -152,7 +152,7 @@ class Program(Part):
         if not np.ptp([pose.theta for pose in poses], axis=0).any():
             raise InputError("the poses of the list are all the same: there is no motion between them")
         if request.corner < 0.0 or request.linear_speed < 0.0:
-            raise InputError("the radius of corners and the tool's speed must be 0 or more")
+            raise InputError("Round corners and Tool at most must be 0 or more: change them in the Poses panel")
         if show.scene is None and any(pose.by in FREE for pose in poses[1:]):
             raise InputError("to go round obstacles, turn on the layer Collision first")
         scene = copy(show.scene)  # obstacles may move meanwhile
@@ -168,9 +168,9 @@ class Program(Part):
         if isinstance(planned, PathError):
             show.draw_path(path, lambda: same(cause, self._cause(show)))
             end = _ends(poses)[-1 if planned.segment is None else planned.segment].name
-            raise InputError(f"on the way to '{end}' {planned.detail}")
+            raise InputError(f"on the way to '{end}' {page_words(planned.detail)}")
         if show.driven:
-            raise InputError("the motion was planned and not loaded: a servo drives the arm meanwhile")
+            raise InputError("the motion is not loaded: a servo drives the arm; end it, then plan again")
         self._motion = planned
         self._through, self._request = _moves(poses), request
         before = show.playback or Playback(planned)
@@ -239,7 +239,7 @@ def _other_configurations(arm: Arm, motion: Trajectory, poses: Sequence[Recorded
 
 def _of_poses(note: str, poses: Sequence[RecordedPose]) -> str:
     """The planner's note with poses in place of segments."""
-    return re.sub(r"segment (\d+) \(\w+\)", lambda found: f"'{_ends(poses)[int(found[1]) - 1].name}'", note)
+    return re.sub(r"segment (\d+) \(\w+\)", lambda found: f"'{_ends(poses)[int(found[1]) - 1].name}'", page_words(note))
 
 
 def _moves(poses: Sequence[RecordedPose]) -> tuple[tuple[int, str], ...]:

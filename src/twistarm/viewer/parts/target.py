@@ -83,7 +83,7 @@ def target_from(arm: Arm, fields: Mapping[str, Any]) -> Pose | Position | Approa
     p, xyzw = np.array(fields["position"]), fields["xyzw"]
     length = math.hypot(*xyzw)
     if abs(length - 1.0) > LENGTH_TOL:
-        raise InputError(f"xyzw must be a quaternion of length 1, as 0, 0, 0, 1 is; got one of length {length:g}")
+        raise InputError(f"give a quaternion of length 1, such as 0, 0, 0, 1; got one of length {length:g}")
     if fields["kind"] == "position":
         return Position(p)
     R = rotations.from_xyzw(xyzw)
@@ -183,7 +183,7 @@ def _find_all(arm: Arm, target: AnyTarget, start: Array, tolerances: Mapping[str
     values = [
         f"{name} at {value_in_words(value, arm.units[arm.joint_names.index(name)])}" for name, value in held.items()
     ]
-    words = [f"held where the arm stands, because the target leaves it free: {', '.join(values)}"] if values else []
+    words = [f"The target leaves joints free; they stay where they are: {', '.join(values)}"] if values else []
     return choices_of(solve_ik_all(arm, target, start, fixed_joints=held, **tolerances), words)
 
 

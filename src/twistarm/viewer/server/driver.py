@@ -18,7 +18,7 @@ from ...control.servo.settings import ON_UNREACHABLE, SLIDE
 from ...control.stream import Cycle, Ending, Inbox, Reading, SimulatedJoints, StreamOptions, command_of, run
 from ...support.checks import require
 from ...support.errors import InputError
-from ..messages import PageRequest
+from ..messages import PageRequest, words_of
 from ..parts.arm_data import require_all_inside
 from ..parts.show import NO_REPORT
 from ..stage import Stage
@@ -157,7 +157,7 @@ class Driver:
     def _begin(self) -> None:
         stage = self._stage
         if stage.driven or self._commands.open:
-            raise InputError(f"a servo of the program drives {stage.arm.name}: Drive is free once it has ended")
+            raise InputError(f"a servo of the program drives {stage.arm.name}: end it, then turn on Drive")
         require_all_inside(stage.arm, stage.theta)
         with self._beginning:
             if self._closed:
@@ -214,7 +214,7 @@ class Drive:
             if report.ending is not Ending.DONE:
                 self.problem = f"the drive has ended: {report.reason}"
         except Exception as error:
-            self.problem = f"the drive has ended: {error}"
+            self.problem = f"the drive has ended: {words_of(error)}"
         finally:
             self._post("drive", lambda stage: self._ended(self))
 

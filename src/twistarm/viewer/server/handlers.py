@@ -76,7 +76,7 @@ class Download(NamedTuple):
 def _motion(kind: str, stage: Stage, drawing: Drawing) -> Callable[[], str | bytes]:
     playback = stage.playback
     if playback is None:
-        raise InputError("nothing to export: no trajectory is loaded")
+        raise InputError("there is no motion to export: plan one in the Poses panel")
     return partial(written, playback.trajectory, kind, Writing(max(SAMPLE_TIME, playback.duration / MOST_SAMPLES)))
 
 

@@ -129,7 +129,7 @@ class Server:
     def exchange(self, arm: Arm) -> list[str]:
         """Show another arm. Returns the words of `Stage.take_over`. InputError while a servo drives, or once closed."""
         if not self._thread.is_alive():
-            raise InputError("the viewer was closed: there is nothing to show an arm in")
+            raise InputError("the viewer is closed: open another by Viewer(arm)")
         stage, drawing = Stage(arm), self.drawing.successor(arm)
         return self.ask(lambda _: self._exchange(stage, drawing))
 
@@ -190,7 +190,7 @@ class Server:
     def _exchange(self, stage: Stage, drawing: Drawing) -> list[str]:
         old = self.stage
         if old.driven:
-            raise InputError(f"a servo drives {old.arm.name}: another arm is shown once it has ended")
+            raise InputError(f"a servo drives {old.arm.name}: end it, then load another arm")
         words = stage.take_over(old)
         self._consultation.cancel()
         drawing.draw_again(self.drawing.exact)
