@@ -88,6 +88,28 @@ def test_wrong_zeros_are_found_with_the_camera_and_a_flipped_tag_is_named(mount)
     assert more.shape == (3, arm.n)
 
 
+def test_a_tag_that_moved_by_5_mm_is_named_and_noise_is_not():
+    """Errors of 5 mm and 2° in all directions; depth and tilts alike, as solvePnP does not measure them."""
+    arm, theta, rvec, tvec, _ = simulated("tool", noise=0.0, seed=7)
+    rng = np.random.default_rng(7)
+    tvec = tvec + rng.normal(scale=5e-3, size=tvec.shape)
+    rvec = (
+        Rotation.from_rotvec(rng.normal(scale=np.radians(2.0), size=rvec.shape)) * Rotation.from_rotvec(rvec)
+    ).as_rotvec()
+    assert fitted(arm, theta, rvec, tvec, "tool").faults == ()
+    arm, theta, rvec, tvec, _ = simulated("tool", K=40)
+    tvec[20:] += Rotation.from_rotvec(rvec[20:]).apply([0.004, 0.003, 0.0])
+    (fault,) = fitted(arm, theta, rvec, tvec, "tool").faults
+    assert "moved near row 21" in fault
+
+
+def test_few_rows_do_not_determine_the_camera():
+    *log, _ = simulated("tool", K=5)
+    found = fitted(*log, "tool").hand_eye
+    assert not found.determined
+    assert np.isinf(found.camera_std[0])
+
+
 def test_slopes_of_the_image_are_those_of_finite_differences():
     rng, h = np.random.default_rng(1), 1e-6
     for mount in ("tool", "base"):
@@ -139,6 +161,11 @@ def test_the_command_writes_the_joint_to_paste(tmp_path, monkeypatch, capsys):
     assert off(np.array(found["camera"]), true)[0] < 5.0
     assert run(given) == 0
     assert found["urdf"].splitlines()[1] in capsys.readouterr().out
+    np.savetxt("few.csv", table[:3], delimiter=",", header=head, comments="")
+    assert run([*given[:2], "few.csv", *given[3:], "-o", "out.urdf"]) == 1
+    shown = capsys.readouterr().out
+    assert "not determined" in shown
+    assert "<joint" not in shown
     np.savetxt("half.csv", table[:, :-1], delimiter=",", header=head.rpartition(",")[0], comments="")
     assert run([*given[:2], "half.csv", *given[3:]]) == 2
     assert "belong together" in capsys.readouterr().err

@@ -48,7 +48,8 @@ def only(case: Case, folder: Path, code: str) -> Finding:
     return one
 
 
-SCENES = {"collision-shapes", "mesh-open", "scene-names"}  # Codes of a `Scene`, which tests/collision raises.
+# Codes of a `Scene`, which tests/collision raises.
+SCENES = {"collision-shapes", "mesh-open", "no-collision-shapes", "points-far", "scene-names"}
 
 
 def test_every_code_has_an_input_that_raises_it() -> None:

@@ -246,6 +246,8 @@ BAD = (
     (IK + "--rpy '0 0 0' --direction '1 0 0'", "--rpy or --direction"),
     (IK + "--targets t.csv", "--targets"),
     (IK + "--axis x", "--axis"),
+    (IK + "--xyz '1 0 0' --position-tol 0.1 --position-tol=0.2", "--position-tol"),
+    (PLAN + "--avoid self --keep level --scene self", "--avoid"),
     (IK + "--direction '1 0 0' --axis up", "'up'"),
     (IK + "--fixed-joint elbow=5", "--all"),
     (IK + "--include-turns", "--all"),

@@ -65,6 +65,8 @@ def test_keep_keeps_the_tool_level(capsys: Capture, tmp_path: Path) -> None:
     tipped = [*typed[:-2], "--to", "wrist_pitch=10", "--keep", "level"]
     assert run(["plan", *tipped]) == 1
     assert "at its goal the tool axis is 50.1° off" in capsys.readouterr().err
+    turned = ["ur5", "--avoid", "self", "--xyz", "0.4 0.2 0.5", "--rpy", "0 0 0", "--keep", "level"]
+    assert "the target itself" in error_of(capsys, "plan", *turned, code=1)
 
 
 def test_a_line_is_planned_to_a_typed_position(capsys: Capture) -> None:

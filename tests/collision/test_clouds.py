@@ -83,6 +83,7 @@ def test_every_format_gives_the_same_points(tmp_path: Path) -> None:
     files = {
         "a.xyz": rows,
         "b.csv": "x,y,z\n" + rows.replace(" ", ","),
+        "k.csv": "X [mm],y_cm,z (m)\n" + "".join(f"{1e3 * x},{1e2 * y},{z}\n" for x, y, z in TETRAHEDRON),
         "c.ply": f"ply\nformat ascii 1.0\n{vertex}" + rows.replace("\n", " 9\n") + " 9\n",
         "d.ply": f"ply\nformat binary_little_endian 1.0\n{vertex}".encode() + colours.tobytes(),
         "e.pcd": f"# .PCD\n{head}ascii\n{rows}\nnan nan nan\n",
@@ -106,8 +107,10 @@ def test_a_scene_file_holds_clouds(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text('[[points]]\nname = "s"\nfile = "shelf.xyz"\nvoxel = 0.02\nxyz = [0, 0, 1]\n')
     scene = Scene.load(arm, tmp_path / "scene.toml")
     assert scene.distance([0.5, 1.0]).metres == pytest.approx(0.4, abs=1e-6)
+    assert "points-far" not in {finding.code for finding in scene.findings}
     scene.add_points("heap 1", [[0.0, 0.0, -1.0]], 0.1)
     scene.add_points("heap_1", [[9.0, 9.0, 9.0]], 0.1)  # its file must have another name
+    assert [finding.what[:8] for finding in scene.findings if finding.code == "points-far"] == ["'heap_1'"]
     scene.add_points("own", [[0.1, 0.0, 0.0]], without_arm=True, theta=[0.0, 0.0])  # nothing is left, so no file
     scene.save(tmp_path / "other.toml")
     again = Scene.load(arm, tmp_path / "other.toml")
@@ -171,6 +174,7 @@ def test_an_octomap_of_a_planning_scene_is_read(tmp_path: Path, binary: bool) ->
         ("web.ply", {}, "web page"),
         ("empty.xyz", {}, "no points"),
         ("columns.csv", {}, "no x, y and z"),
+        ("unit.csv", {}, "parsec"),
     ],
 )
 def test_what_is_no_cloud_is_refused(here: Path, points: Any, options: dict[str, Any], culprit: str) -> None:
@@ -179,6 +183,7 @@ def test_what_is_no_cloud_is_refused(here: Path, points: Any, options: dict[str,
     Path("packed.pcd").write_text(f"{head}binary_compressed\nabc")
     Path("empty.xyz").write_text("# nothing\n")
     Path("columns.csv").write_text("a,b,c\n1,2,3\n")
+    Path("unit.csv").write_text("x [parsec],y,z\n1,2,3\n")
     Path("web.ply").write_text("<!DOCTYPE html><html></html>")
     scene = Scene(slider(here, SHAPES["sphere"]))
     with pytest.raises(InputError) as error:

@@ -278,9 +278,8 @@ class Arm(ArmData):
             **{name: x.shape[:-1] for name, x in zip(("theta", "theta_dot", "theta_ddot"), motion, strict=True)}
         )
         pair = payload if isinstance(payload, (tuple, list)) and len(payload) == 2 else (payload, np.zeros(3))
-        mass, offset = as_number(pair[0], "payload"), as_vector(pair[1], "the payload's place")
-        if mass < 0:
-            raise InputError(f"payload must not be negative, in kg; got {mass:g}")
+        mass = as_number(pair[0], "the payload's mass", 0.0, unit="kg")
+        offset = as_vector(pair[1], "the payload's place")
         if not self.pinocchio.moved_mass:
             warn(f"no link that {self.name} moves has a mass: its own weight counts as 0", UserWarning)
         load = mass, self.tool[:3, :3] @ require_one(offset, "the payload's place", 1) + self.tool[:3, 3]

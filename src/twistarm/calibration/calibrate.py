@@ -13,7 +13,6 @@ from ..support.checks import Array, as_flag, as_positive, as_theta, require, req
 from ..support.errors import InputError, listed, quote
 from ..support.messages import Argument, Text
 from ..support.units import theta_hint
-from ..theory.rotations import skew
 from .calibration import Calibration
 from .camera import Camera, Mount, refuse_unusable_views
 from .geometry import Geometry
@@ -247,26 +246,28 @@ def still_joints(problem: Problem) -> list[str]:
 
 def _moved_base(problem: Problem, q: Array) -> tuple[str, ...]:
     """The row at which a rigid motion of the base explains the residuals best, if it explains much."""
-    at = np.flatnonzero(problem.log.located)
+    located = problem.log.located
+    at, of = np.flatnonzero(located), np.nonzero(problem.measured)[0]  # the row of each number
     if len(at) < 4 * LEAST_PART:
         return ()
-    r = (problem.geometry.poses(q[: problem.P], problem.log.theta)[:, :3, 3] - problem.log.position)[at]
-    size = np.linalg.norm(r, axis=1)
-    r = r * np.minimum(1.0, np.quantile(size, 0.75) / np.maximum(size, 1e-12))[:, None]  # an outlier counts as others
-    p = problem.log.position[at] - problem.log.position[at].mean(axis=0)
-    A = np.concatenate([np.broadcast_to(np.eye(3), (len(at), 3, 3)), -skew(p)], axis=2)
-    H, b = np.cumsum(np.einsum("kij,kil->kjl", A, A), axis=0), np.cumsum(np.einsum("kij,ki->kj", A, r), axis=0)
+    # In standard deviations, as the fit: a camera measures depth and tilts far less well than the rest.
+    here, ones, row = np.flatnonzero(located[of]), np.ones(len(located)), of[located[of]]
+    r, A = problem.residual(q, ones)[here], problem.slopes(q, ones)[here, :6]
+    size = np.sqrt(np.bincount(row, r * r))
+    r = r * np.minimum(1.0, np.quantile(size[at], 0.75) / np.maximum(size, 1e-12))[row]  # an outlier counts as others
+    H, b = np.cumsum(A[:, :, None] * A[:, None], axis=0), np.cumsum(A * r[:, None], axis=0)
     cuts = np.unique(np.linspace(LEAST_PART, len(at) - LEAST_PART, 60).astype(int))
+    ends = np.searchsorted(row, at[cuts]) - 1  # the last number before each cut
     gains = [
-        b[c - 1] @ np.linalg.lstsq(H[c - 1], b[c - 1], rcond=1e-9)[0]
-        + (b[-1] - b[c - 1]) @ np.linalg.lstsq(H[-1] - H[c - 1], b[-1] - b[c - 1], rcond=1e-9)[0]
-        for c in cuts
+        b[c] @ np.linalg.lstsq(H[c], b[c], rcond=1e-9)[0]
+        + (b[-1] - b[c]) @ np.linalg.lstsq(H[-1] - H[c], b[-1] - b[c], rcond=1e-9)[0]
+        for c in ends
     ]
     best = int(np.argmax(gains))
     # What is left is at least the noise: less than that shows nothing.
-    left = max((float((r * r).sum()) - float(gains[best])) / (3 * len(at)), float(np.median(problem.sigma)) ** 2)
-    if gains[best] / 12 < MOVED * left or gains[best] < 0.3 * (r * r).sum():
+    left = max((float(r @ r) - float(gains[best])) / len(r), 1.0)
+    if gains[best] / 12 < MOVED * left or gains[best] < 0.3 * (r @ r):
         return ()
     near = problem.log.label[at[cuts[best]]]
     moved = "the base or the tracker" if problem.camera is None else "the camera or the tag"
-    return (f"{moved} seems to have moved near {near}: fit the parts alone",)
+    return (f"{moved} seems to have moved near {near}: calibrate with the rows before it, or with those after it",)

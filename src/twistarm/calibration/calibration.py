@@ -144,10 +144,10 @@ class Calibration:
         turn = np.linalg.norm(log_of(np.swapaxes(measured[:, :3, :3], 1, 2) @ computed[:, :3, :3]), axis=1)
         base, tool = geometry.base @ exp(q[:6]), geometry.arm.tool @ geometry.tool @ exp(q[6:12])
         Ad = adjoint_of(base)  # the base's deviations are in its axes, those of its inverse in the other's
-        base_std, tool_std = (
-            (float(np.sqrt(np.trace(D[:3, :3]))), float(np.sqrt(np.trace(D[3:, 3:]))))
-            for D in (Ad @ C[:6, :6] @ Ad.T, C[6:12, 6:12])
-        )
+        spread = np.concatenate([np.diag(Ad @ C[:6, :6] @ Ad.T), np.diag(C)[6:12]])
+        spread[~self.seen[:12]] = np.inf
+        std = np.sqrt(spread.reshape(4, 3).sum(axis=1)).tolist()
+        base_std, tool_std = (std[0], std[1]), (std[2], std[3])
         beside, carried = (inverse_of(base), base_std, geometry.arm.base), (tool, tool_std, geometry.arm.tip_link)
         first, second = (carried, beside) if camera.mount == "tool" else (beside, carried)
         return HandEye(*first, *second, (float(np.median(shift)), float(np.median(turn))), corrected)

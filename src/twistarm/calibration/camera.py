@@ -191,9 +191,10 @@ class HandEye:
 
     `camera` (4, 4) is the camera's optical frame in the link `parent`: the tip's for a camera on the tool, else the
     base's. `tag` (4, 4) is the tag in the other link, `tag_parent`. `camera_std` and `tag_std` are the standard
-    deviations of position and orientation, √(tr C), [m, rad]. `residual` are the medians of the tag's position and
-    orientation in the camera, measured against computed [m, rad]. `corrected`: they belong to the corrected arm,
-    because rows left out confirm it; else to the arm as described.
+    deviations of position and orientation, √(tr C), [m, rad]. They are infinite where the log does not determine it.
+
+    `residual` are the medians of the tag's position and orientation in the camera, measured against computed [m, rad].
+    `corrected`: they belong to the corrected arm, because rows left out confirm it; else to the arm as described.
 
     A turn of the first joint's zero moves what stands beside the base, and one of the last joint's what the tool
     carries. No log shows them: these zeros stay, and `camera` and `tag` take them in.
@@ -207,6 +208,11 @@ class HandEye:
     tag_parent: str
     residual: tuple[float, float]
     corrected: bool
+
+    @property
+    def determined(self) -> bool:
+        """Whether the log shows the whole camera and the whole tag."""
+        return bool(np.isfinite([*self.camera_std, *self.tag_std]).all())
 
     @cached_property
     def xyz(self) -> str:

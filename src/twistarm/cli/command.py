@@ -11,6 +11,7 @@ from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command
 from typer.models import OptionInfo
 
+from ..support.errors import InputError
 from .numbers import NUMBERS, Typed, is_part
 
 
@@ -97,7 +98,29 @@ class Command(_Options, TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Join such numbers to one word for Click."""
         several = [name for option in self.params if option.metavar in NUMBERS for name in option.opts]
-        return super().parse_args(ctx, joined(args, several))
+        words = joined(args, several)
+        _refuse_repeated(words, self.params)
+        return super().parse_args(ctx, words)
+
+
+def _refuse_repeated(words: Sequence[str], params: Sequence[Any]) -> None:
+    """InputError for an option typed twice that holds one value, of which Click would take the last."""
+    options = {name: param for param in params if param.param_type_name == "option" for name in param.opts}
+    typed: dict[str, str] = {}
+    rest = iter(words)
+    for word in rest:
+        name, equals, _ = word.partition("=")
+        if word == "--":
+            return
+        if name not in options or getattr(options[name], "is_flag", False):
+            continue
+        if not equals:
+            next(rest, None)  # its value, which may look like an option
+        of = options[name]
+        if of.name in typed and not of.multiple:
+            alias = f", once as {typed[of.name]}" if typed[of.name] != name else ""
+            raise InputError(f"{name} takes one value, and it is typed twice{alias}: leave one of them out")
+        typed[of.name] = name
 
 
 def joined(words: Sequence[str], options: Collection[str]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import sys
 from copy import copy
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -32,8 +33,8 @@ from .numbers import (
     switch,
     typed_number,
 )
-from .output import Kinds, Outputs, progress_bar
-from .wording import OPTIONS
+from .output import Kinds, Outputs, progress_bar, say
+from .wording import OPTIONS, words
 
 if TYPE_CHECKING:
     from ..collision import Scene
@@ -69,6 +70,9 @@ def avoided(arm: Arm, typed: str | Path | None) -> Scene | None:
     with progress_bar("allowed pairs") as progress:
         scene = Scene(arm, progress=progress) if typed == SELF else Scene.load(arm, typed, progress=progress)
         scene.find_allowed_pairs()
+    for found in scene.findings:  # what is not checked as the user expects
+        if found.severity == "warning":
+            say(words(found.text), file=sys.stderr)
     return scene
 
 

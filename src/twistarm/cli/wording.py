@@ -23,17 +23,15 @@ OPTIONS = {
     "xacro_args": ("--xacro", "NAME:=VALUE"),
     "package_dirs": ("--package-dir", "FOLDER"),
     "stop_at_waypoints": ("--stop", ""),
-    "approach": ("--approach", ""),
-    "unwrap": ("--unwrap", ""),
-    "torques": ("--torques", ""),
     "scene": ("--avoid", "SCENE"),
     "max_time": ("--max-time", "S"),
     "clearance": ("--clearance", "M"),
     "tol": ("--keep-tol", "ANGLE"),
     "position_tol": ("--position-tol", "M"),
     "orientation_tol": ("--orientation-tol", "ANGLE"),
+    "tag_size": ("--tag-size", "M"),
 }
-"""The option of each argument that messages name, and the name of its value in `--help`."""
+"""The options of arguments that messages name, and their values in `--help`. Any other is Typer's: `--camera …`."""
 
 
 def words(message: str, *, radians: bool = False) -> str:
@@ -58,7 +56,8 @@ def written(value: Value, *, radians: bool = False) -> str:
     if isinstance(value, Posture):
         values = (_number(quantity, radians=radians) for quantity in value.quantities())
         return f'"{" ".join(values)}" ({"rad" if radians else "°"} and m)'
-    return _option(*OPTIONS[value.name], value.value, radians) if value.name in OPTIONS else str(value)
+    option, metavar = OPTIONS.get(value.name, (f"--{value.name.replace('_', '-')}", "…"))
+    return _option(option, metavar, value.value, radians)
 
 
 def _number(of: Quantity, *, radians: bool = False) -> str:

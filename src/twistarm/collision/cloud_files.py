@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..support.checks import Array
+from ..support.csv_lines import csv_rows, known_columns
 from ..support.errors import InputError, listed
 from ..support.files import kind_of, read_bounded, write_whole
 
@@ -58,14 +59,21 @@ def _npy(data: bytes) -> Array:
 
 
 def _text(data: bytes) -> Array:
-    """Rows that begin with x, y, z, or that a row of names precedes. Commas beside semicolons are decimal points."""
-    text, places = data.decode("utf-8-sig"), [0, 1, 2]
+    """Rows that begin with x, y, z [m], or that a row of names precedes, with other units in brackets.
+
+    Commas beside semicolons are decimal points.
+    """
+    text, places, factors = data.decode("utf-8-sig"), [0, 1, 2], np.ones(3)
+    first = text.partition("\n")[0]
     rows = (text.replace(",", ".").replace(";", " ") if ";" in text else text.replace(",", " ")).splitlines()
     if rows and not re.match(r"\s*([-+.\d]|nan|inf|#|$)", rows[0], re.I):
-        places = _places(rows[0].lower().replace('"', "").split())
-        rows = rows[1:]
+        heads, rows = next(csv_rows([first], "")).cells, rows[1:]
+        columns, _ = known_columns(heads, dict(zip("xyz", "xyz", strict=True)), dict.fromkeys("xyz", "m"), "its header")
+        if len(columns) < 3:
+            raise InputError(f"it has no x, y and z, with their units as in x [mm] or none; it has {listed(heads)}")
+        places, factors = map(list, zip(*(columns[axis] for axis in "xyz"), strict=True))
     rows = [row for row in rows if row.partition("#")[0].strip()]
-    return np.loadtxt(rows, usecols=places, ndmin=2) if rows else np.empty((0, 3))
+    return np.loadtxt(rows, usecols=places, ndmin=2) * factors if rows else np.empty((0, 3))
 
 
 def _places(names: Sequence[str]) -> list[int]:

@@ -31,6 +31,7 @@ from .swept import FINE, Sweep, pair_speeds, shifted
 
 T = TypeVar("T")
 
+FAR = 2.0  # A cloud whose nearest point is so many times the arm's reach away is in another unit or frame.
 NEARLY = 1e-3, 0.05  # How much less than the clearance found a motion may have: so much [m], or this part of it.
 
 
@@ -196,14 +197,14 @@ class Scene(Obstacles):
     def findings(self) -> tuple[Finding, ...]:
         """What shape each link has, the meshes that could not be read, and those that are open."""
         place = self._description.place()
-        found = [
-            finding("collision-shapes", place, f"{kind}: {listed(names)}", "check them in the view, layer Collision")
-            for kind, names in in_words(self._links).items()
-        ]
-        bare = [name for name in self._description.links if name not in {body.name for body in self._links}]
-        if bare:
-            what = f"no shape, so never in collision: {listed(bare)}"
-            found.append(finding("collision-shapes", place, what, "write collision shapes into the description"))
+        kinds = {kind: listed(names) for kind, names in in_words(self._links).items()}
+        if bare := [name for name in self._description.links if name not in {body.name for body in self._links}]:
+            kinds["no collision shape, so never in collision"] = listed(bare)  # frames without a body
+        own = [f"{kind}: {names}" for kind, names in kinds.items() if "collision shape" in kind]
+        found = [finding("collision-shapes", place, what, "check them in the view, layer Collision") for what in own]
+        if others := [f"{kind}: {names}" for kind, names in kinds.items() if "collision shape" not in kind]:
+            what = f"links without collision shapes are checked by other shapes: {'; '.join(others)}"
+            found.append(finding("no-collision-shapes", place, what, "write collision shapes into the description"))
         for why, names in self._unreadable.items():
             remedy = "mend the file, or give the link a box or cylinder as collision shape"
             found.append(finding("mesh-unreadable", place, f"{why}; left out of {listed(names)}", remedy))
@@ -212,6 +213,15 @@ class Scene(Obstacles):
         if open_ones:
             what = f"the triangles are not closed, so what is wholly inside counts as free: {listed(open_ones)}"
             found.append(finding("mesh-open", place, what, "close the holes of the mesh, or leave out exact"))
+        for name, body in self._obstacles.items():
+            if body.kind == "points" and body.carrier == self.arm.base and len(body.shape.centres):
+                near = float(np.linalg.norm(body.shape.centres @ body.pose[:3, :3].T + body.pose[:3, 3], axis=1).min())
+                if near > FAR * self.arm.reach:
+                    what = (
+                        f"{name!r} is {near:.3g} m from the base at least, and the arm reaches {self.arm.reach:.3g} m"
+                    )
+                    remedy = "check the unit of its points, which must be metres, and its pose"
+                    found.append(finding("points-far", Place(str(self.file or "")), what, remedy))
         if absent := self._loaded.absent:
             what = f"the scene has no such link or object, so what may touch them is left out: {listed(absent)}"
             remedy = "check that the scene is of this robot"

@@ -72,10 +72,12 @@ CODES: dict[str, Code] = {
     "file-outside-packages": Code("error", "an include or a YAML load may reach outside the packages"),
     # shapes and masses
     "collision-shapes": Code("info", "the shapes of the links in collision checks"),
+    "no-collision-shapes": Code("warning", "links have no collision shapes; other shapes replace them"),
     "links-collide": Code("warning", "links collide at the ready pose or nearly always; no SRDF exempts them"),
     "mesh-missing": Code("warning", "mesh files were not found; simple shapes are drawn instead"),
     "mesh-unreadable": Code("warning", "a mesh file is damaged or a Git LFS pointer; other shapes replace it"),
     "mesh-open": Code("warning", "the triangles of a mesh are not closed; a body inside it counts as free"),
+    "points-far": Code("warning", "a point cloud lies far beyond the arm's reach"),
     "scene-names": Code("warning", "a planning scene has names that are not there, or entries that are not used"),
     "bad-geometry": Code("warning", "a shape has no usable size, place or colour"),
     "inertial-unusable": Code("warning", "a mass or inertia, or an entry of it, cannot be read and counts as 0"),

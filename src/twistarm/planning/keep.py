@@ -17,7 +17,7 @@ from ..support.checks import Array, Matrix, Row, as_positive, as_reals, as_rotat
 from ..support.directions import numbers
 from ..support.display import Brief
 from ..support.errors import InputError, quote
-from ..support.messages import Quantity, Text, joined
+from ..support.messages import Argument, Quantity, Text, joined
 from ..theory.rotations import skew
 from .configurations import shortest
 from .piecewise import bernstein, shifted
@@ -68,15 +68,16 @@ class Keep(Brief):
     position_tol: float = 0.002
 
     def __post_init__(self) -> None:
+        if self.tool_axis is not None and self.direction is None:
+            raise InputError("tool_axis says which axis of the tool points along direction: give direction too")
         if all(part is None for part in (self.direction, self.orientation, self.box, self.plane)):
             raise InputError("a Keep needs what to keep: direction, orientation, box or plane")
-        if self.tool_axis is not None and self.direction is None:
-            raise InputError("tool_axis goes with direction, and it is missing beside it")
         if self.tool_axis is True and self.direction is True:
             raise InputError("give direction or tool_axis: one follows from the other at the start")
         checked: dict[str, Any] = {name: as_positive(getattr(self, name), name) for name in ("tol", "position_tol")}
         if checked["tol"] >= LARGEST_TOL:
-            raise InputError(Text("tol must be below half a turn; got {tol}", tol=Quantity(self.tol, "rad", 3)))
+            what, tol = "{tol} is half a turn or more: give a smaller angle", Quantity(self.tol, "rad", 3)
+            raise InputError(Text(what, tol=Argument("tol", tol)))
         for name, check in (("direction", one_direction), ("tool_axis", one_direction), ("orientation", as_rotation)):
             value = getattr(self, name)
             checked[name] = value if value is None or value is True else frozen(check(value, name))

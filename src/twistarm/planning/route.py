@@ -13,7 +13,7 @@ import numpy as np
 from ..arm.arm import Arm
 from ..ik.solution import in_one_line
 from ..ik.solve import solve_ik
-from ..ik.targets import KINDS, target_for
+from ..ik.targets import KINDS, Position, target_for
 from ..support.checks import Array
 from ..support.errors import InputError, NotConvergedError, TwistarmError
 from ..support.messages import Argument, Remedies, Text, joined
@@ -198,7 +198,10 @@ class Router:
                 larger = Text("a larger {tol}", tol=Argument("tol"))
                 box = () if constraint.keep.box is None else ("a larger box",)
                 remedies = Remedies((f"another {name}", larger, *box))
-                what = Text("at its {name} {fault}: give {remedies}", name=name, fault=fault, remedies=remedies)
+                turned = name == "goal" and isinstance(segment.to, KINDS) and not isinstance(segment.to, Position)
+                own = ", because the target itself turns the tool" if turned else ""
+                template = "at its {name} {fault}{own}: give {remedies}"
+                what = Text(template, name=name, fault=fault, own=own, remedies=remedies)
                 raise PathError(what, theta=at, reason="not kept", **how)
         if (goals[0] == theta).all():
             return None

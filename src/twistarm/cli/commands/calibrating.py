@@ -17,7 +17,7 @@ from ...support.errors import InputError
 from ...theory.rotations import to_rpy
 from ..numbers import LENGTH, argument, option, quantity, switch, typed_number, whole
 from ..options import ArmArgument, Avoid, Json, answers, avoided
-from ..output import Outputs, entries, plain
+from ..output import Outputs, entries, plain, warn
 from ..tables import Column, Table, number
 
 Log = Annotated[Path, argument("LOG", "CSV: a column per motor, x, y, z [m], and qx, qy, qz, qw if measured.")]
@@ -119,11 +119,14 @@ def _hand_eye(found: HandEye) -> Iterator[str]:
     for name, pose, parent, (shift, turn) in poses:
         place, rpy = (", ".join(f"{x:.{n}f}" for x in v + 0.0)
                       for n, v in ((1, 1e3 * pose[:3, 3]), (2, np.degrees(to_rpy(pose[:3, :3])))))  # fmt: skip
-        yield f"{name} in {parent}: {place} mm; rpy {rpy}° (± {1e3 * shift:.2g} mm, {np.degrees(turn):.2g}°)"
+        known = f"± {1e3 * shift:.2g} mm, {np.degrees(turn):.2g}°" if np.isfinite(shift + turn) else "not determined"
+        yield f"{name} in {parent}: {place} mm; rpy {rpy}° ({known})"
+    if not found.determined:
+        yield "warning: this log does not determine camera and tag to 3 mm and 0.6°: measure more rows, turned more"
     whose = "the corrected arm" if found.corrected else "the arm as described"
     shift, turn = found.residual
     yield f"residual of the tag in the camera, median: {1e3 * shift:.2g} mm and {np.degrees(turn):.2g}°; with {whose}"
-    yield from found.urdf.splitlines()
+    yield from found.urdf.splitlines() if found.determined else ()
 
 
 def _residual(residual: Residual) -> str:
@@ -177,9 +180,14 @@ def calibrate(
             for name, offset in found.require(here=outputs.force).motor_offsets().items()
         ),
     }
-    outputs.say(outputs.write(contents))
+    # A refusal would repeat the last line above.
+    if found.confirmed or (outputs.force and found.confirmed_here):
+        outputs.say(outputs.write(contents))
+    elif outputs.files:
+        warn("no file is written")
     # Camera and tag are found without a corrected arm too.
-    return 0 if found.confirmed or (camera and not found.faults) else 1
+    seen = found.hand_eye is not None and found.hand_eye.determined and not found.faults
+    return 0 if found.confirmed or seen else 1
 
 
 def _seen(found: Calibration) -> dict[str, Any] | None:
