@@ -63,21 +63,21 @@ def differences(arm, a, b):
     return np.where(turns, (a - b + np.pi) % (2 * np.pi) - np.pi, a - b)
 
 
-def apart(arm, a, b):
+def joint_distance(arm, a, b):
     """The largest difference of two configurations, angles modulo whole turns."""
     return np.abs(differences(arm, a, b)).max()
 
 
 def one(arm, g, a, b, exact=1e-9):
     """Whether two configurations for the pose g (4, 4) are one: near, and halfway between them it is met so well."""
-    return apart(arm, a, b) < 9e-3 and missed(arm, g, b + 0.5 * differences(arm, a, b)) < exact
+    return joint_distance(arm, a, b) < 9e-3 and missed(arm, g, b + 0.5 * differences(arm, a, b)) < exact
 
 
 def holds(arm, g, theta, found, deeper=3):
     """Whether theta is an answer, or lies in a family that was reported: then a free joint is given theta's value."""
     everything = [*found.theta, *found.outside]
-    near = min(everything, key=lambda answer: apart(arm, answer, theta), default=None)
-    if near is not None and (apart(arm, near, theta) < 1e-5 or one(arm, g, near, theta)):
+    near = min(everything, key=lambda answer: joint_distance(arm, answer, theta), default=None)
+    if near is not None and (joint_distance(arm, near, theta) < 1e-5 or one(arm, g, near, theta)):
         return True
     names = {name for joints in found.free for name in joints}
     for name in sorted(names) if deeper else ():

@@ -1,4 +1,4 @@
-"""Targets an arm can meet, built from its own forward kinematics, and judges of answers that use Pinocchio alone."""
+"""Targets an arm can reach, built from its own forward kinematics, and judges of answers that use Pinocchio alone."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ JUDGE_SLACK = 1e-9  # What two forward kinematics may differ by, and how far bey
 
 
 def target_from(kind, g, rng):
-    """A target of `kind` that the pose g meets."""
+    """A target of `kind` that the pose g reaches."""
     if kind == "Pose":
         return Pose(g)
     if kind == "Position":
@@ -60,14 +60,14 @@ def errors(target, g):
 
 
 def judged(arm, target, solution):
-    """Whether Pinocchio finds the target met to `USUAL`, and the limits kept."""
+    """Whether Pinocchio finds the target reached to `USUAL`, and the limits kept."""
     lower, upper = arm.limits.lower - JUDGE_SLACK, arm.limits.upper + JUDGE_SLACK
     inside = (solution.theta >= lower).all() and (solution.theta <= upper).all()
-    return inside and is_met(*errors(target, pinocchio_fk(arm, solution.theta)))
+    return inside and is_reached(*errors(target, pinocchio_fk(arm, solution.theta)))
 
 
-def is_met(position, orientation):
-    """Whether errors [m], [rad] count as met, one or arrays."""
+def is_reached(position, orientation):
+    """Whether errors [m], [rad] count as reached, one or arrays."""
     return (position <= USUAL[0] + JUDGE_SLACK) & (orientation <= USUAL[1] + JUDGE_SLACK)
 
 
@@ -92,7 +92,7 @@ def judged_batch(arm, targets, batch):
         missed = position, 2 * np.arcsin(np.minimum(chord, 1))
     else:
         missed = np.array([errors(target, g) for target, g in zip(targets, reached, strict=True)]).reshape(-1, 2).T
-    return inside.all(1) & is_met(*missed)
+    return inside.all(1) & is_reached(*missed)
 
 
 def require_core(arm):

@@ -1,5 +1,5 @@
 // Whole answers that miss: out of reach, cut short, asked by numbers that are not finite; and rotations near half turns.
-// The batches' tests judge targets that are met, Python's tests nearest configurations, reasons and postures.
+// The batches' tests judge targets that are reached, Python's tests nearest configurations, reasons and postures.
 #include "twistarm/ik/answer.hpp"
 
 #include "problems.hpp"
@@ -58,7 +58,7 @@ void judge(const setting& with, int t, const whole& out, double rounding = slack
     CHECK((out.stop == stop_reason::blocked_by_limits) == out.has_unlimited, "reason %d", static_cast<int>(out.stop));
     if (!out.has_unlimited) return;
     const misses off = missed(with.given.asked[t], with.source.fk(out.unlimited));
-    CHECK(static_cast<double>(off.position) <= tolerance + rounding, "n = %d, target %d: not met without limits",
+    CHECK(static_cast<double>(off.position) <= tolerance + rounding, "n = %d, target %d: not reached without limits",
           with.given.n, t);
     CHECK(!inside(with.given, out.unlimited), "n = %d, target %d: no limit in the way", with.given.n, t);
 }
@@ -67,7 +67,7 @@ void judge(const setting& with, int t, const whole& out, double rounding = slack
 void test_out_of_reach(generator& random, const drawn_arm& source, target_kind kind) {
     setting with(random, source, kind);
     for (double& p : with.given.asked[0].goal.p) p = 400;
-    for (double& each : with.given.asked[0].tolerance) each = std::isfinite(each) ? each : 0;
+    for (double& value : with.given.asked[0].tolerance) value = std::isfinite(value) ? value : 0;
     // A slide without limits would go there.
     for (int k = 0; k < with.given.n; ++k) {
         with.given.lower[k] = std::fmax(with.given.lower[k], -10);
@@ -109,9 +109,9 @@ void test_chords_near_half_turns() {
     generator random;
     for (const double short_of : {1e-2, 1e-3, 1.1e-3, 1e-6, 1e-9, 0.0}) {
         double u[3], phi[3];
-        for (double& each : u) each = random.between(-1, 1);
+        for (double& value : u) value = random.between(-1, 1);
         const double size_of_u = std::sqrt(dot(u, u));
-        for (double& each : u) each /= size_of_u;
+        for (double& value : u) value /= size_of_u;
         for (int k = 0; k < 3; ++k) phi[k] = (3.14159265358979323846 - short_of) * u[k];
         const auto R = to_frame<double>(rotation(phi));
         double chord[3];

@@ -53,15 +53,15 @@ template <class T, int N> struct list {
 template <int N> struct row {
     const tests::problems<double, targets>& given;
     int stop_after, stored = 0;
-    bool met[targets] = {};
+    bool reached[targets] = {};
     double theta[targets][capacity(N)] = {};
 
     std::int64_t count() const { return targets; }
     target<double> asked(std::int64_t t) const { return given.asked[t]; }
     void store(std::int64_t t, const double* found) {
         ++stored;
-        met[t] = found != nullptr;
-        for (int k = 0; k < given.n && met[t]; ++k) theta[t][k] = found[k];
+        reached[t] = found != nullptr;
+        for (int k = 0; k < given.n && reached[t]; ++k) theta[t][k] = found[k];
     }
     bool operator()() const { return stored == stop_after; }
 };
@@ -79,12 +79,12 @@ template <target_kind Kind, int N, int M> void test_problems(const drawn_arm& so
     int order[targets], reversed[targets];
     for (int t = 0; t < targets; ++t) order[t] = t, reversed[t] = targets - 1 - t;
     static solution<double, N> forwards[targets], backwards[targets];
-    list<double, N> one{given, order, targets, -1, forwards}, other{given, reversed, targets, -1, backwards};
-    solve_batch<Kind>(arm, range, settings, one);
-    solve_batch<Kind>(arm, range, settings, other);
+    list<double, N> in_order{given, order, targets, -1, forwards}, in_reverse{given, reversed, targets, -1, backwards};
+    solve_batch<Kind>(arm, range, settings, in_order);
+    solve_batch<Kind>(arm, range, settings, in_reverse);
     int solved = 0;
     for (int t = 0; t < targets; ++t) {
-        CHECK(one.stored[t] == 1 && other.stored[t] == 1, "target %d is stored once", t);
+        CHECK(in_order.stored[t] == 1 && in_reverse.stored[t] == 1, "target %d is stored once", t);
         CHECK(same_bits(forwards[t], backwards[t], given.n),
               "n = %d, target %d: an answer depends on its own target alone", given.n, t);
         solution<double, N> single, again;
@@ -104,11 +104,11 @@ template <target_kind Kind, int N, int M> void test_problems(const drawn_arm& so
     find_reachable<Kind>(arm, range, settings, given.theta0, seed, begun);
     for (int t = 0; t < targets; ++t) {
         // The last is far: slides without limits may be moved to it.
-        const bool same = verdicts.met[t] == forwards[t].converged || (t == targets - 1 && verdicts.met[t]);
+        const bool same = verdicts.reached[t] == forwards[t].converged || (t == targets - 1 && verdicts.reached[t]);
         CHECK(same, "n = %d, target %d: a verdict differs", given.n, t);
         solution<double, N> found{};
         for (int k = 0; k < given.n; ++k) found.theta[k] = verdicts.theta[t][k];
-        CHECK(!verdicts.met[t] || judge(arm, range, settings, given.asked[t], given.theta0, found), "not met");
+        CHECK(!verdicts.reached[t] || judge(arm, range, settings, given.asked[t], given.theta0, found), "not reached");
     }
     CHECK(begun.stored == 5, "%d of 5 before the end", begun.stored);
 
@@ -128,7 +128,7 @@ template <target_kind Kind, int N, int M> void test_out_of_reach(const drawn_arm
     const auto arm = narrowed<double, N, M>(general);
     tests::problems<double, 1> given(random, source, Kind);
     for (double& p : given.asked[0].goal.p) p = 400;
-    for (double& each : given.asked[0].tolerance) each = 0;
+    for (double& value : given.asked[0].tolerance) value = 0;
     const auto range = given.ranges(arm);
     search_settings<double> settings;
     settings.searches = 20;
@@ -180,9 +180,9 @@ void test_single_precision(tests::generator& random, int n, wiring wired) {
     for (int t = 0; t < targets; ++t) {
         solution<float, dynamic> single;
         solve(arm, range, settings, given.asked[t], given.theta0 + t * n, seed, single);
-        for (const auto& each : {solutions[t], single}) {
-            tests::judge(source, given, t, each, 1e-4, 2e-5);
-            solved += each.converged;
+        for (const auto& found : {solutions[t], single}) {
+            tests::judge(source, given, t, found, 1e-4, 2e-5);
+            solved += found.converged;
         }
     }
     CHECK(solved >= 2 * targets - 2, "float: %d of %d", solved, 2 * targets);

@@ -20,8 +20,8 @@ template <class T> void test_quartic(double a, double b, double re, double im, d
     const double wanted[4][2] = {{a, 0}, {b, 0}, {re, im}, {re, -im}};
     for (const auto& root : wanted) {
         double nearest = 1e9;
-        for (const auto& each : t)
-            nearest = std::fmin(nearest, std::hypot(static_cast<double>(each.re) - root[0], static_cast<double>(each.im) - root[1]));
+        for (const auto& found : t)
+            nearest = std::fmin(nearest, std::hypot(static_cast<double>(found.re) - root[0], static_cast<double>(found.im) - root[1]));
         CHECK(nearest <= tolerance, "(%g, %g) of %g, %g, %g ± %g i is missed by %g", root[0], root[1], a, b, re, im, nearest);
     }
 }
@@ -40,15 +40,15 @@ template <class T> void test_quartics(tests::generator& random) {
 template <class T> void test_second_harmonic(tests::generator& random, bool touches) {
     closed_form::second_harmonic<T> equation{};
     const double x = random.between(-3, 3), c = std::cos(x), s = std::sin(x);
-    for (T& each : equation.k) each = static_cast<T>(random.between(-1, 1));
+    for (T& coefficient : equation.k) coefficient = static_cast<T>(random.between(-1, 1));
     if (touches) {  // 1 - cos(y - x), times itself and a bit
         const T numbers[6] = {T(1), static_cast<T>(-2 * c), static_cast<T>(-2 * s), static_cast<T>(c * c), static_cast<T>(2 * c * s), static_cast<T>(s * s)};
         for (int i = 0; i < 6; ++i) equation.k[i] = numbers[i];
     }
     equation.k[0] -= equation.at(static_cast<T>(c), static_cast<T>(s));
     double nearest = 1e9;
-    for (const auto& each : equation.zeros(closed_form::default_slack<T>))
-        nearest = std::fmin(nearest, std::hypot(static_cast<double>(each.cosine) - c, static_cast<double>(each.sine) - s));
+    for (const auto& found : equation.zeros(closed_form::default_slack<T>))
+        nearest = std::fmin(nearest, std::hypot(static_cast<double>(found.cosine) - c, static_cast<double>(found.sine) - s));
     CHECK(nearest <= (touches ? 0.1 : (sizeof(T) == 8 ? 1e-8 : 2e-2)), "%g is missed by %g", x, nearest);
 }
 }  // namespace

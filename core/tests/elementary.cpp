@@ -34,8 +34,8 @@ void test_sines() {
         const float y = static_cast<float>(x);
         float fs, fc;
         sincos(y, fs, fc);
-        const real apart = std::fmax(std::fabs(fs - std::sin(real(y))), std::fabs(fc - std::cos(real(y))));
-        worst_float = std::fmax(worst_float, static_cast<double>(apart));
+        const real error = std::fmax(std::fabs(fs - std::sin(real(y))), std::fabs(fc - std::cos(real(y))));
+        worst_float = std::fmax(worst_float, static_cast<double>(error));
         float_size = std::fmax(float_size, std::fabs(static_cast<double>(fs * fs + fc * fc - 1.0F)));
     }
     std::printf("sincos %.2f ulp, float %.1e\n", worst, worst_float);

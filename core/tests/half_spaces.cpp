@@ -78,16 +78,17 @@ void by_multipliers(const problem& of, double* x) {
 
 int main() {
     tests::generator random;
-    int met = 0;
+    int active = 0;
     for (int trial = 0; trial < 120; ++trial) {
-        problem one = made(random, 1 + trial % N, trial % 9, trial % 4 == 0);
-        least_within(one.H, one.r, one.lower, one.upper, one.n, one.at, one.x, one.rows.count > 0 ? &one.rows : nullptr);
+        problem drawn = made(random, 1 + trial % N, trial % 9, trial % 4 == 0);
+        const auto* rows = drawn.rows.count > 0 ? &drawn.rows : nullptr;
+        least_within(drawn.H, drawn.r, drawn.lower, drawn.upper, drawn.n, drawn.at, drawn.x, rows);
         double wanted[N], missed = 0;
-        by_multipliers(one, wanted);
-        for (int a = 0; a < one.n; ++a) missed = std::fmax(missed, std::fabs(one.x[a] - wanted[a]));
-        for (int i = 0; i < one.rows.count; ++i) met += one.rows.on[i];
-        CHECK(missed < 1e-6, "trial %d, %d unknowns, %d rows: misses by %g", trial, one.n, one.rows.count, missed);
+        by_multipliers(drawn, wanted);
+        for (int a = 0; a < drawn.n; ++a) missed = std::fmax(missed, std::fabs(drawn.x[a] - wanted[a]));
+        for (int i = 0; i < drawn.rows.count; ++i) active += drawn.rows.on[i];
+        CHECK(missed < 1e-6, "trial %d, %d unknowns, %d rows: misses by %g", trial, drawn.n, drawn.rows.count, missed);
     }
-    CHECK(met > 60, "only %d rows were met", met);
+    CHECK(active > 60, "only %d rows were active", active);
     return tests::verdict("half_spaces");
 }

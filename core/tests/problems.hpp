@@ -11,7 +11,7 @@ using twistarm::dynamic;
 using twistarm::target;
 using twistarm::target_kind;
 
-/// A target of a kind that the pose g meets.
+/// A target of a kind that the pose g reaches.
 template <class T> target<T> drawn_target(generator& random, target_kind kind, const matrix& g) {
     const auto goal = to_frame<T>(g);
     if (kind == target_kind::pose) return twistarm::pose_target(goal);
@@ -23,12 +23,12 @@ template <class T> target<T> drawn_target(generator& random, target_kind kind, c
         return twistarm::approach_target(goal.p, direction, axis);
     }
     T tolerance[6];
-    for (T& each : tolerance)
-        each = static_cast<T>(random.uniform() < 0.3 ? 0 : (random.uniform() < 0.5 ? 0.02 : INFINITY));
+    for (T& component : tolerance)
+        component = static_cast<T>(random.uniform() < 0.3 ? 0 : (random.uniform() < 0.5 ? 0.02 : INFINITY));
     return twistarm::task_target(goal, tolerance, random.uniform() < 0.5);
 }
 
-/// Targets for an arm, each met by some configuration inside the limits, and where to start.
+/// Targets for an arm, each reached by some configuration inside the limits, and where to start.
 ///
 /// Of the coordinates some are bounded on a side or both by less, some by more than a turn, one in five not at all, and
 /// one in five has equal limits.

@@ -59,12 +59,12 @@ void test_bringing_inside() {
         {hinge, -far, -1, 0.0, -turn},       {hinge, 2, 2, 2 - turn, 2.0},        {hinge, 2, 2, 1.0, 2.0},
         {slide, -1, 1, 0.5 + turn, 1.0},     {slide, -far, 1, -40.0, -40.0},      {hinge, -1, 1, 1.0 + 1e-13, 1.0},
     };
-    for (const expectation& each : all) {
-        double theta = each.given;
-        const auto range = of_one(each.screw, 1, each.lower, each.upper);
+    for (const expectation& row : all) {
+        double theta = row.given;
+        const auto range = of_one(row.screw, 1, row.lower, row.upper);
         bring_inside(range, 1, &theta);
-        CHECK(std::fabs(theta - each.expected) < 1e-12 && is_inside(range, 1, &theta), "%g in [%g, %g]: %.17g",
-              each.given, each.lower, each.upper, theta);
+        CHECK(std::fabs(theta - row.expected) < 1e-12 && is_inside(range, 1, &theta), "%g in [%g, %g]: %.17g",
+              row.given, row.lower, row.upper, theta);
     }
 }
 

@@ -74,7 +74,7 @@ template <class T, int N> void take_limits_off(motion_limits<T, N>& limits, doub
 /// Rounding that seems to push a joint over the limit at which it stands is no reason to stop it, nor to say so: off
 /// singularities the rates are those asked for, but for the little that the law's damping may take.
 template <class T> void test_beside_a_limit(tests::generator& random) {
-    int told = 0;
+    int checked = 0;
     for (int i = 0; i < 100; ++i) {
         driven_arm<T, dynamic, dynamic> driven(random, 6, wiring::plain, 0);
         const int stands = i % 6;
@@ -94,14 +94,14 @@ template <class T> void test_beside_a_limit(tests::generator& random) {
             }
         }
         driven.step(command, T(0.01));
-        ++told;
+        ++checked;
         CHECK(driven.out.cause == servo_cause::none, "arm %d: cause %d", i, static_cast<int>(driven.out.cause));
         for (int k = 0; k < 6; ++k)
             CHECK(std::fabs(static_cast<double>(driven.state.theta_dot[k] - rates[k])) < 5e-3,
                   "arm %d: joint %d at %g, not %g", i, k, static_cast<double>(driven.state.theta_dot[k]),
                   static_cast<double>(rates[k]));
     }
-    CHECK(told > 20, "%d arms", told);
+    CHECK(checked > 20, "%d arms", checked);
 }
 
 /// The lines that servo.hpp begins with.

@@ -10,7 +10,7 @@ using tests::real;
 namespace {
 template <class T> constexpr double rounding = sizeof(T) == 8 ? 1e-14 : 4e-6;
 
-/// Below this share of the largest, directions are not told apart.
+/// Below this share of the largest, directions are not distinguished.
 constexpr double least = 1e-4;
 
 /// `count` orthonormal vectors of `size` numbers, by Gram and Schmidt, twice.

@@ -161,7 +161,7 @@ class Chain:
         progress: object,
         /,
     ) -> tuple[NDArray[np.bool_], NDArray[np.float64]] | None:
-        """Which of N targets of one kind are met (N,), and their theta (N, n), NaN where one is not.
+        """Which of N targets of one kind are reached (N,), and their theta (N, n), NaN where one is not.
 
         A search begins at the answer before. It begins at theta0 (n,) at each of `chunks` (m + 1,): where chunks begin,
         in order, then N. Threads and progress are those of `solve_batch`.
@@ -190,7 +190,7 @@ class ClosedForm:
     def solve(
         self, numbers: object, theta0: object, held: object, position_tol: object, orientation_tol: object, /
     ) -> tuple[Array, int, int, int, int] | None:
-        """Every configuration that meets a target: the fields of `Configurations` (ik/answer.py).
+        """Every configuration that reaches a target: the fields of `Configurations` (ik/answer.py).
 
         held: values (m, h) of the held joints, each of which is tried; None for those of theta0.
         """

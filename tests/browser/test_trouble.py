@@ -198,7 +198,7 @@ NOTES = {"notes": [LONG, LONG, "last"], "objects": 1, "left": 0}
 
 MET = {"given": {}, "converged": True, "words": f"arm: {LONG}\n3 iterations"}
 
-FOUND = {"requested": True, "places": [], "theta": [], "words": f"x\n2 found, 3 of 64 searches met it\n{LONG}"}
+FOUND = {"requested": True, "places": [], "theta": [], "words": f"x\n2 found, 3 of 64 searches reached it\n{LONG}"}
 
 SAY = {
     "error": f"twistarm.panel.showError('{LONG}')",

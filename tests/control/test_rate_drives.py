@@ -68,7 +68,7 @@ def test_a_drive_that_does_not_move_strays_as_soon_as_by_positions(rover):
         driven(rover, rover.ready, lambda t: jog(rover, elbow=-0.4), 4.0, velocity_mode=mode, gain=0.0)
         for mode in (False, True)
     ]
-    assert [each.ending for each in ends] == [Ending.STRAYED] * 2
+    assert [cycle.ending for cycle in ends] == [Ending.STRAYED] * 2
     assert ends[1].seconds == pytest.approx(ends[0].seconds, abs=0.1)
 
 

@@ -26,11 +26,11 @@ def recorded(rover, robot, stream, tmp_path):
         file.unlink(missing_ok=True)
         with Recorder(rover, file, robot) as recorder:
 
-            def each(cycle):
+            def record(cycle):
                 recorder(cycle)
                 during(cycle)
 
-            report = stream(sink=recorder, feedback=robot, on_cycle=each, **options)
+            report = stream(sink=recorder, feedback=robot, on_cycle=record, **options)
             assert not file.exists()
         recorder.close()  # harmless when repeated
         assert os.listdir(tmp_path) == ["run.mcap"]
@@ -52,20 +52,21 @@ def messages_of(file):
 def test_every_setpoint_and_joint_state_is_recorded(rover, robot, recorded):
     theta = []
     report, messages, file = recorded(lambda cycle: theta.append(cycle.theta), duration=1.0)
-    setpoints = [each.points[0] for _, each in messages["/setpoints"]]
-    assert_array_equal([each.positions for each in setpoints], [each.theta for each in robot.setpoints])
-    assert_array_equal([each.velocities for each in setpoints], robot.rates)
+    setpoints = [message.points[0] for _, message in messages["/setpoints"]]
+    assert_array_equal([point.positions for point in setpoints], [setpoint.theta for setpoint in robot.setpoints])
+    assert_array_equal([point.velocities for point in setpoints], robot.rates)
     assert_allclose(np.diff([time for time, _ in messages["/setpoints"]]), np.diff(robot.times), atol=1e-6)
     assert not any(setpoints[-1].velocities)  # coming to rest is recorded too
-    assert_array_equal([each.position for _, each in messages["/joint_states"]], theta)
+    assert_array_equal([state.position for _, state in messages["/joint_states"]], theta)
     assert len(messages["/tf"]) == report.cycles
-    told = [{each.key: each.value for each in each.status[0].values} for _, each in messages["/diagnostics"]]
-    assert [each["status"] for each in told].count("OK") == report.statuses[next(iter(report.statuses))]
+    values = [{entry.key: entry.value for entry in message.status[0].values} for _, message in messages["/diagnostics"]]
+    assert [row["status"] for row in values].count("OK") == report.statuses[next(iter(report.statuses))]
     assert messages["/diagnostics"][-1][1].status[0].level == 1
     assert messages["/diagnostics"][20][1].status[0].level == 0
 
     motion = load_trajectory(rover, file)
-    assert_array_equal(motion.waypoints, [each.theta for each in robot.setpoints[:-1]])  # two are of the last instant
+    before_last = robot.setpoints[:-1]  # the last two are of one instant
+    assert_array_equal(motion.waypoints, [setpoint.theta for setpoint in before_last])
     assert_allclose(motion(motion.times[5], 1), robot.rates[5], atol=1e-6)
 
 

@@ -28,21 +28,21 @@ def starts(arm, rng):
     yield rng.uniform(lower, upper)
 
 
-def command(rng, what):
+def drawn_command(rng, what):
     twist = np.concatenate([rng.normal(size=3) * (what != "position"), rng.normal(size=3) * (what != "orientation")])
     held = rng.permutation([True, True, False] * 2) if what == "mixed" else None
     twist = np.where(held, 0.0, twist) if what == "mixed" else twist
-    hold = [bool(each) for each in held] if what == "mixed" else what
+    hold = [bool(component) for component in held] if what == "mixed" else what
     return TwistCommand(SPEED[what] * twist / np.linalg.norm(twist), ("base", "tool")[rng.integers(2)], hold)
 
 
-def astray(arm, theta, start, told):
+def astray(arm, theta, start, command):
     """How far the held components are off where they were [m, rad], in axes of the command's frame."""
     g = arm.by_pinocchio(theta)[0]
-    R = g[:3, :3] if told.frame == "tool" else np.eye(3)
+    R = g[:3, :3] if command.frame == "tool" else np.eye(3)
     moved = R.T @ (g[:3, 3] - start[:3, 3])
     turned = R.T @ Rotation.from_matrix(g[:3, :3] @ start[:3, :3].T).as_rotvec()
-    off = np.where(told.held, np.concatenate([moved, turned]), 0.0)
+    off = np.where(command.held, np.concatenate([moved, turned]), 0.0)
     return np.linalg.norm(off[:3]), np.linalg.norm(off[3:])
 
 
@@ -54,14 +54,14 @@ def test_what_is_held_stays(name, what, rounds, accelerating):
     arm, rng = servo_arm(name, accelerating), random(name, f"held {what}", 0)
     for _ in range(rounds):
         for theta in starts(arm, rng):
-            told, state = command(rng, what), ServoState.at(arm, theta)
+            command, state = drawn_command(rng, what), ServoState.at(arm, theta)
             start = arm.by_pinocchio(theta)[0]
             for k in range(STEPS):
-                state, _ = servo_step(arm, state, told, DT)
+                state, _ = servo_step(arm, state, command, DT)
                 if k % 10 == 0:
-                    off, turned = astray(arm, state.theta, start, told)
-                    assert off <= KEPT, (name, what, accelerating, theta, told, k)
-                    assert turned <= TURNED, (name, what, accelerating, theta, told, k)
+                    off, turned = astray(arm, state.theta, start, command)
+                    assert off <= KEPT, (name, what, accelerating, theta, command, k)
+                    assert turned <= TURNED, (name, what, accelerating, theta, command, k)
 
 
 @pytest.mark.parametrize("name", ["ur5", pytest.param("panda", marks=pytest.mark.slow)])
@@ -70,11 +70,11 @@ def test_a_tool_that_drifts_off_its_command_is_not_called_ok(name):
     arm, rng, drifting = servo_arm(name, accelerating=False), random(name, "drift", 0), 0
     for theta in (start for _ in range(3) for start in starts(arm, rng)):
         axis = rng.normal(size=3)
-        told, state = TwistCommand([0, 0, 0, *0.4 * axis / np.linalg.norm(axis)], "base"), ServoState.at(arm, theta)
+        command, state = TwistCommand([0, 0, 0, *0.4 * axis / np.linalg.norm(axis)], "base"), ServoState.at(arm, theta)
         for _ in range(100):
-            state, output = servo_step(arm, state, told, DT)
+            state, output = servo_step(arm, state, command, DT)
             done = arm.by_pinocchio(state.theta)[2] @ state.theta_dot  # body twist
             off = np.linalg.norm(done[:3]) / arm.reach
             drifting += off > 0.05
-            assert output.status != "OK" or off < 0.015, (theta, told.twist, off)
+            assert output.status != "OK" or off < 0.015, (theta, command.twist, off)
     assert drifting > 10

@@ -87,10 +87,10 @@ def test_an_arm_that_is_too_near_comes_no_nearer_and_leaves_as_without_a_scene(s
     arm, scene = slides
     state = ServoState.at(arm, [start, 0.0])
     states, output = driven(arm, state, way([0.2, 0.0]), 50, scene)
-    assert max(each.theta[0] for each in states) <= start + 1e-5
+    assert max(state.theta[0] for state in states) <= start + 1e-5
     assert output.contact.distance == pytest.approx(0.9 - states[-2].theta[0], abs=1e-5)
-    one, other = (driven(arm, state, way([-0.2, 0.1]), 50, given)[0][-1] for given in (scene, None))
-    assert one.theta == pytest.approx(other.theta, abs=1e-9)
+    with_scene, without = (driven(arm, state, way([-0.2, 0.1]), 50, given)[0][-1] for given in (scene, None))
+    assert with_scene.theta == pytest.approx(without.theta, abs=1e-9)
 
 
 def test_a_command_that_ends_at_full_speed_stops_before_the_margin(slides):
@@ -146,8 +146,8 @@ def test_flat_bodies_that_meet_at_two_corners_do_not_shake():
 def test_bodies_that_are_far_change_nothing(slides):
     arm, scene = slides
     start, way = ServoState.at(arm, [0.0, 0.0]), twist(-0.1, 0.05)
-    one, other = (driven(arm, start, way, 50, given)[0][-1] for given in (scene, None))
-    assert np.array_equal([one.theta, one.theta_dot], [other.theta, other.theta_dot])
+    with_scene, without = (driven(arm, start, way, 50, given)[0][-1] for given in (scene, None))
+    assert np.array_equal([with_scene.theta, with_scene.theta_dot], [without.theta, without.theta_dot])
 
 
 def test_a_stream_keeps_apart_and_refuses_the_scene_of_another_arm(slides):

@@ -160,9 +160,9 @@ def test_lists_and_other_floats_serve_as_well():
 def test_states_commands_and_outputs_travel_between_processes():
     arm = load("rover_arm")
     state, output = servo_step(arm, moving(arm), TwistCommand([0.05, 0, 0, 0, 0, 0], "base", "orientation"), DT)
-    for each in (state, output, MOVING, PoseCommand(np.eye(4)), JogCommand(np.zeros(5))):
-        again = pickle.loads(pickle.dumps(each))
-        assert type(again) is type(each)
+    for value in (state, output, MOVING, PoseCommand(np.eye(4)), JogCommand(np.zeros(5))):
+        again = pickle.loads(pickle.dumps(value))
+        assert type(again) is type(value)
     assert np.array_equal(pickle.loads(pickle.dumps(state)).theta, state.theta)
 
 

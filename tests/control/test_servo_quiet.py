@@ -18,13 +18,13 @@ LATER = 16.0  # Seconds: what still shakes then is a cycle, and not the end of a
 def check(name, accelerating, count, later=None):
     arm, rng = servo_arm(name, accelerating), random(name, "quiet", 0)
     for number in range(count):
-        one = case(arm, rng, number)
-        command = TwistCommand(one.twist, one.frame)
-        verdict = judged(*held(arm, one.theta, command))
+        drawn = case(arm, rng, number)
+        command = TwistCommand(drawn.twist, drawn.frame)
+        verdict = judged(*held(arm, drawn.theta, command))
         if later and (verdict.shakes or verdict.unsteady > STEADY):
-            verdict = judged(*held(arm, one.theta, command, later))
-        assert not verdict.shakes, (number, verdict, one)
-        assert verdict.unsteady <= STEADY, (number, verdict, one)
+            verdict = judged(*held(arm, drawn.theta, command, later))
+        assert not verdict.shakes, (number, verdict, drawn)
+        assert verdict.unsteady <= STEADY, (number, verdict, drawn)
 
 
 @pytest.mark.parametrize(("name", "accelerating"), ARMS)
@@ -63,9 +63,9 @@ def jittered(name, accelerating, count, hold=None):
     """How many of so many held twists end in joints that turn round, at steps of 2 to 30 ms."""
     arm, rng, shaking = servo_arm(name, accelerating), random(name, "jittered", 0), 0
     for number in range(count):
-        one = case(arm, rng, number)
-        command = holding(rng, one.twist, one.frame, hold)
-        state, rates, judged_from = ServoState.at(arm, one.theta), [], 5.0
+        drawn = case(arm, rng, number)
+        command = holding(rng, drawn.twist, drawn.frame, hold)
+        state, rates, judged_from = ServoState.at(arm, drawn.theta), [], 5.0
         for dt in rng.uniform(0.002, 0.03, 560):
             state, _ = servo_step(arm, state, command, dt)
             judged_from -= dt

@@ -74,21 +74,21 @@ EVERY_OTHER = [
 def test_it_stands_on_its_course_and_says_why(name, accelerating):
     arm, rng = servo_arm(name, accelerating), random(name, "on_unreachable", 0)
     for number in TWISTS:
-        one = case(arm, rng, number)
-        states, answers = walk(arm, one.theta, one.twist, SECONDS)
-        told = (name, accelerating, number, one)
-        start = pose(arm, one.theta)
+        drawn = case(arm, rng, number)
+        states, answers = walk(arm, drawn.theta, drawn.twist, SECONDS)
+        label = (name, accelerating, number, drawn)
+        start = pose(arm, drawn.theta)
         for state in states[99::100]:
-            off, turned = beside(arm, start, pose(arm, state.theta), one.twist)
-            assert off <= OFF, told
-            assert turned <= TURNED, told
+            off, turned = beside(arm, start, pose(arm, state.theta), drawn.twist)
+            assert off <= OFF, label
+            assert turned <= TURNED, label
         last = states[-100:]
         if max(np.abs(state.theta_dot).max() for state in last) > 1e-4:
             continue  # still on its way
         reasons = {output.explain() for output in answers[-100:]}
-        assert len(reasons) == 1, (reasons, told)
-        assert answers[-1].status != "OK", told
-        assert why_is_true(arm, last[-1].theta, answers[-1]), (reasons, told)
+        assert len(reasons) == 1, (reasons, label)
+        assert answers[-1].status != "OK", label
+        assert why_is_true(arm, last[-1].theta, answers[-1]), (reasons, label)
 
 
 @pytest.mark.parametrize("name", [pytest.param("four_joints", marks=pytest.mark.slow), "rover_arm", "ur5"])

@@ -256,9 +256,9 @@ def test_in_velocity_mode_an_arm_that_is_told_to_stand_is_not_read_back(rover, c
     source = Says(lambda now: jog(rover, wrist_roll=0.5 if now < 101.0 else 0.0))
     robot = Creeping(rover.ready, clock)
     stream(source, robot, duration=3.0, velocity_mode=True, feedback_timeout=WAIT)
-    standing = [s.theta for s in robot.setpoints if s.time > 101.5]
-    assert np.ptp(standing, axis=0).max() == 0.0
-    assert 1e-4 < np.abs(robot.theta - standing[0]).max() < 4e-3  # led there, and else it would not be seen
+    resting = [s.theta for s in robot.setpoints if s.time > 101.5]
+    assert np.ptp(resting, axis=0).max() == 0.0
+    assert 1e-4 < np.abs(robot.theta - resting[0]).max() < 4e-3  # led there, and else it would not be seen
 
 
 def test_a_source_is_given_where_the_commanded_arm_is(rover, robot, stream):

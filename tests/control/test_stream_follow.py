@@ -42,7 +42,7 @@ def shares(arm, robot):
 def off_path(motion, theta):
     """How far each theta (k, n) is from the nearest of a dense row of the motion's positions."""
     path = motion(np.linspace(0.0, motion.duration, 4001))
-    return max(np.abs(path - each).max(axis=1).min() for each in theta)
+    return max(np.abs(path - state).max(axis=1).min() for state in theta)
 
 
 def followed(arm, motion, robot, clock, feedback=None, on_cycle=None, **options):

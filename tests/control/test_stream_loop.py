@@ -94,9 +94,9 @@ def test_an_old_joint_state_stops_the_arm_until_a_fresh_one(rover, clock, robot,
     robot.mute = lambda now: 100.5 < now < 101.2
     seen: list[Cycle] = []
     report = stream(on_cycle=seen.append)
-    standing = [cycle for cycle in seen if 100.5 + 0.2 + 0.16 + 2 * PERIOD < cycle.time < 101.2]
-    assert len(standing) > 20
-    assert not any(cycle.setpoint.theta_dot.any() for cycle in standing)
+    resting = [cycle for cycle in seen if 100.5 + 0.2 + 0.16 + 2 * PERIOD < cycle.time < 101.2]
+    assert len(resting) > 20
+    assert not any(cycle.setpoint.theta_dot.any() for cycle in resting)
     assert seen[-1].setpoint.output.status == "OK"
     assert seen[-1].setpoint.theta_dot.any()
     assert robot.hardest(rover) <= EXACT

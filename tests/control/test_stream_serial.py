@@ -182,8 +182,8 @@ def test_setpoints_in_motor_units_and_in_counts(driven, setpoint):
 
 def test_joint_states_from_motors_in_any_order(driven, setpoint):
     side = motor_side(driven, "motor")
-    said = {"motor_names": NAMES[::-1], "motor": MOTOR[::-1], "number": 3}
-    values, number, _ = parse_state(driven, json.dumps(said), side)
+    message = {"motor_names": NAMES[::-1], "motor": MOTOR[::-1], "number": 3}
+    values, number, _ = parse_state(driven, json.dumps(message), side)
     states = StateInbox(driven, units="motor")
     states.put("drives", values, 1.0, number)
     assert states.read(1.0).theta == pytest.approx(setpoint.theta)

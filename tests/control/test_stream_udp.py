@@ -95,8 +95,8 @@ def test_a_flood_costs_a_bounded_time_per_cycle_and_the_latest_counts(rover, cli
         with suppress(OSError):  # a system may say that its buffers are full
             send(client, b'{"jog":{"elbow":-0.3},"number":%d}' % k, source)
     began = time.perf_counter()
-    taken = sum(1 for _ in source.waiting())
-    assert 0 < taken <= MOST_PER_CYCLE
+    count = sum(1 for _ in source.waiting())
+    assert 0 < count <= MOST_PER_CYCLE
     assert next(source.waiting(), None) is None
     assert time.perf_counter() - began < 0.1
     send(client, JOG, source)

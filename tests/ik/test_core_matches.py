@@ -71,7 +71,7 @@ def gathered(
     with monkeypatch.context() as patch:
         patch.setattr(methods, "_KEPT", type(methods._KEPT)())
         patch.setattr(gathering.Gathering, "compiled", lambda self, values: None)
-        patch.setattr(gathering.Gathering, "_judged", lambda self, candidates: doubtful)
+        patch.setattr(gathering.Gathering, "_verified", lambda self, candidates: doubtful)
         return solve_ik_all(arm, target, near, fixed_joints=given)
 
 
@@ -83,11 +83,11 @@ def assert_same(arm: Arm, core: AllSolutions, other: AllSolutions) -> None:
     if any(core.free) or any(other.free):
         assert {*core.free} == {*other.free}
         return
-    for one, like in ((core.theta, other.theta), (core.outside, other.outside)):
-        assert len(one) == len(like)
-        distance = np.abs(joint_difference(arm, one[:, None], like[None])).max(axis=2, initial=0.0)
-        assert len(one) == 0 or (distance.min(axis=0) < SAME).all()
-        assert len(one) == 0 or (distance.min(axis=1) < SAME).all()
+    for ours, theirs in ((core.theta, other.theta), (core.outside, other.outside)):
+        assert len(ours) == len(theirs)
+        distance = np.abs(joint_difference(arm, ours[:, None], theirs[None])).max(axis=2, initial=0.0)
+        assert len(ours) == 0 or (distance.min(axis=0) < SAME).all()
+        assert len(ours) == 0 or (distance.min(axis=1) < SAME).all()
 
 
 @pytest.mark.parametrize(("made", "count", "name", "kind"), KNOWN)
@@ -130,11 +130,11 @@ def test_answers_are_read_only_and_pickled() -> None:
     arm = load("ur5")
     found = solve_ik_all(arm, arm.fk(arm.random_theta(9)))
     again = pickle.loads(pickle.dumps(found))
-    for each in (found, again):
-        assert not each.theta.flags.writeable
-        assert not each.outside.flags.writeable
+    for answer in (found, again):
+        assert not answer.theta.flags.writeable
+        assert not answer.outside.flags.writeable
         with pytest.raises(ValueError, match="read-only"):
-            each.theta[0, 0] = 1.0
+            answer.theta[0, 0] = 1.0
     np.testing.assert_array_equal(again.theta, found.theta)
     assert again.explain() == found.explain()
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 import twistarm
-from family_arms import CASES, apart, family_arm, missed, pose_of
+from family_arms import CASES, family_arm, joint_distance, missed, pose_of
 from twistarm import NoClosedFormError, TolerancedPose, load_arm, solve_ik_all
 from twistarm.ik import Approach, Pose, Position, closed_form_of
 from twistarm.ik.closed_form.methods import method_for
@@ -42,13 +42,13 @@ def test_rounded_axes_are_reported_and_all_their_answers_found(name, noise):
     found = twistarm.solve_ik_all(arm, Pose(g))
     assert found.complete == method.exact
     assert method.exact or "but for" in found.family
-    assert min(apart(arm, each, theta) for each in found) < 1e-6
-    assert max(missed(arm, g, each) for each in found) < 1e-9
+    assert min(joint_distance(arm, answer, theta) for answer in found) < 1e-6
+    assert max(missed(arm, g, answer) for answer in found) < 1e-9
 
 
 @pytest.mark.parametrize(
     "name",
-    ["parallel 3-4-5", *(pytest.param(each, marks=pytest.mark.slow) for each in ("spherical wrist", "six skew turns"))],
+    ["parallel 3-4-5", *(pytest.param(long, marks=pytest.mark.slow) for long in ("spherical wrist", "six skew turns"))],
 )
 def test_a_double_root_that_stands_on_its_limits_is_inside(name):
     """Where det J = 0 two configurations are one, known to half of the digits: its joints are drawn to their limits."""
@@ -70,7 +70,7 @@ def test_a_double_root_that_stands_on_its_limits_is_inside(name):
         arm = replace(whole, limits=replace(whole.limits, lower=lower, upper=upper), named_states={})
         g = pose_of(arm, theta)
         answers = twistarm.solve_ik_all(arm, Pose(g), theta)
-        assert any(apart(arm, each, theta) < 1e-4 for each in answers)
+        assert any(joint_distance(arm, answer, theta) < 1e-4 for answer in answers)
         assert twistarm.solve_ik(arm, Pose(g)).converged
         found += 1
 
@@ -85,16 +85,16 @@ def test_what_misses_a_family_says_which_axes_and_by_how_much():
 
 
 @pytest.mark.parametrize(
-    ("arm", "target", "told"),
+    ("arm", "target", "summary"),
     [
         ("rover_arm", "Approach", "closed form, the axes of shoulder, elbow and wrist_pitch are parallel"),
         ("scara", "Pose", "closed form, the axes of joint_1, joint_2 and joint_3 are parallel"),
         ("stanford", "Pose", "closed form, the axes of joint_4, joint_5 and joint_6 meet in a point"),
     ],
 )
-def test_a_family_is_named(arm: str, target: str, told: str) -> None:
+def test_a_family_is_named(arm: str, target: str, summary: str) -> None:
     report = closed_form_of(load_arm(arm))
-    assert (report.target, str(report)) == (target, told)
+    assert (report.target, str(report)) == (target, summary)
     assert report.exact
     assert not report.nearly
     assert report.miss == ""

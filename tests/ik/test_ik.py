@@ -18,7 +18,7 @@ from twistarm.support.errors import NotConvergedError
 # answers ------------------------------------------------------------------------------------------------
 
 
-def test_a_bare_pose_is_met():
+def test_a_bare_pose_is_reached():
     arm = load("ur5")
     g = arm.fk(np.array([0.3, -1.2, 1.4, -0.6, 0.8, 2.0]))
     solution = solve_ik(arm, g)
@@ -61,7 +61,7 @@ HARD = (
 
 @pytest.mark.parametrize("solve", SOLVERS)
 @pytest.mark.parametrize(("name", "theta", "theta0"), HARD)
-def test_hard_poses_are_met(solve, name, theta, theta0):
+def test_hard_poses_are_reached(solve, name, theta, theta0):
     arm = load(name)
     g = arm.fk(joint_ranges(arm).inside(np.array(theta, dtype=float)))
     solution = solve(arm, g, theta0)

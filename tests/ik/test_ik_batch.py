@@ -19,7 +19,7 @@ from twistarm.ik import Pose, Position, StopReason, solve_ik, solve_ik_batch
 
 
 def problems(arm, count, seed=0):
-    """Poses (count, 4, 4) that the arm meets, and as many starts."""
+    """Poses (count, 4, 4) that the arm reaches, and as many starts."""
     rng = np.random.default_rng(seed)
     return arm.by_pinocchio(arm.random_theta(rng, count))[0], arm.random_theta(rng, count)
 
@@ -47,16 +47,16 @@ def test_the_verdicts_are_those_of_one_by_one(arm):
     rng = np.random.default_rng(1)
     g, theta0 = problems(arm, 80)
     g[::5, :3, 3] *= 1.7
-    targets, told = [target_from(KINDS[i % 4], pose, rng) for i, pose in enumerate(g)], []
-    batch = solve_ik_batch(arm, targets, theta0, progress=told.append)
+    targets, fractions = [target_from(KINDS[i % 4], pose, rng) for i, pose in enumerate(g)], []
+    batch = solve_ik_batch(arm, targets, theta0, progress=fractions.append)
     for ours, target, start in zip(batch, targets, theta0, strict=True):
         alone = solve_ik(arm, target, start)
         assert ours.target is target
         assert ours.stop is alone.stop
         assert ours.position_error <= max(1e-6, alone.position_error + 1e-6)
         assert judged(arm, target, ours) == ours.converged
-    assert told == sorted(told)
-    assert told[-1] == 1.0
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1.0
 
 
 def test_an_answer_depends_on_its_own_target_alone(arm):
@@ -106,8 +106,8 @@ def test_a_posture_holds_for_every_target():
     assert batch.converged.all()
     assert (away[0] <= away[1] + 1e-9).all()
     own = solve_ik_batch(arm, g, theta0, posture="theta0").theta
-    one = [solve_ik_batch(arm, g[i : i + 1], theta0[i], posture=theta0[i]).theta[0] for i in range(3)]
-    np.testing.assert_array_equal(own[:3], one)
+    single = [solve_ik_batch(arm, g[i : i + 1], theta0[i], posture=theta0[i]).theta[0] for i in range(3)]
+    np.testing.assert_array_equal(own[:3], single)
 
 
 def test_the_time_is_up_before_all_are_begun(arm):

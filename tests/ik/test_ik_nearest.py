@@ -1,4 +1,4 @@
-"""Targets that cannot be met: the nearest against SciPy's optimisers, the reasons, and the words for them."""
+"""Targets that cannot be reached: the nearest against SciPy's optimisers, the reasons, and the words for them."""
 
 from __future__ import annotations
 

@@ -39,8 +39,8 @@ def _core():
 
 
 def check_one(arm, g, solution):
-    """What holds of every answer: inside the limits, converged if and only if Pinocchio finds the target met, and an
-    answer without limits where, and only where, they block: it meets the target, or misses less of its rotation.
+    """What holds of every answer: inside the limits, converged if and only if Pinocchio finds the target reached, and
+    an answer without limits where, and only where, they block: it reaches the target, or misses less of its rotation.
     """
     assert solution.within_limits
     assert arm.limits.contains(solution.theta)
@@ -74,7 +74,7 @@ def of_every_kind(g):
 def test_the_reason_does_not_hang_on_the_kind_of_target():
     """scara, whose reach without limits is a ring about its first axis, at any height: l₁ − l₂ ≤ r ≤ l₁ + l₂.
 
-    Heights are those outside the slide's range, so that nothing is met inside; the tool is asked for tilted.
+    Heights are those outside the slide's range, so that nothing is reached inside; the tool is asked for tilted.
     """
     arm, rng = load("scara"), np.random.default_rng(8)
     a, b = (np.linalg.norm(step[:3, 3]) for step in reason_targets.placements(arm)[1:3])
@@ -166,9 +166,9 @@ def test_limits_are_blamed_for_what_they_add_to_a_direction_that_is_lacking(asid
     position, angle = errors(solution.target, pinocchio_fk(arm, solution.unlimited))
     assert position < 1e-6
     assert angle == pytest.approx(lacking, abs=1e-6)
-    said = solution.explain()
-    assert f"{np.degrees(missed - lacking):.1f}°" in said
-    assert aside < 1e-2 or ("no joint turns" in said and f"{np.degrees(lacking):.1f}°" in said)
+    text = solution.explain()
+    assert f"{np.degrees(missed - lacking):.1f}°" in text
+    assert aside < 1e-2 or ("no joint turns" in text and f"{np.degrees(lacking):.1f}°" in text)
 
 
 def test_a_position_out_of_reach_hides_no_direction_that_is_lacking():
@@ -205,7 +205,7 @@ CORNERS = [("z1", "Approach"), ("panda", "Pose"), ("so101", "Pose"), ("ur5", "Ap
 
 
 @pytest.mark.parametrize(("name", "kind"), CORNERS)
-def test_corners_of_the_limits_are_met(name, kind):
+def test_corners_of_the_limits_are_reached(name, kind):
     """Every joint at a bound, and most: the race alone misses one in a thousand of the six joints' approaches."""
     arm, rng = load(name), np.random.default_rng(10)
     theta = at_some_limits(arm, rng, 5000)
@@ -213,15 +213,15 @@ def test_corners_of_the_limits_are_met(name, kind):
     corner = bounds[rng.integers(2, size=theta.shape), np.arange(arm.n)]
     theta[::2] = corner[::2]
     g = arm.fk(theta)
-    targets = g if kind == "Pose" else [target_from(kind, each, rng) for each in g]
+    targets = g if kind == "Pose" else [target_from(kind, pose, rng) for pose in g]
     assert solve_ik_batch(arm, targets, arm.random_theta(rng, len(theta))).converged.all()
 
 
-def test_no_configuration_meets_what_is_certain_not_to_be_met():
+def test_no_configuration_reaches_what_is_certain_not_to_be_reached():
     """A configuration inside the limits that misses a target by no more than the tolerances refutes certainty."""
     arm, rng = load("ur5"), np.random.default_rng(13)
     narrow = replace(arm, limits=replace(arm.limits, lower=np.full(6, -1.0), upper=np.full(6, 1.0)), named_states={})
-    said = Counter()
+    counts = Counter()
     for theta in rng.uniform(-1, 1, (100, 6)):
         theta[rng.integers(6)] = rng.choice([-1.0, 1.0])
         g = narrow.fk(theta + rng.choice([0.0, 1e-3, 0.1, 1.0]) * rng.normal(size=6))
@@ -230,12 +230,12 @@ def test_no_configuration_meets_what_is_certain_not_to_be_met():
                 solution = solve_ik(narrow, target, position_tol=tolerance, orientation_tol=tolerance)
                 missed = errors(target, pinocchio_fk(arm, theta))
                 assert not (solution.certain and max(missed) <= tolerance)
-                said[solution.certain, tolerance] += 1
-    assert min(said[True, tolerance] for tolerance in (1e-6, 1e-3)) > 20
+                counts[solution.certain, tolerance] += 1
+    assert min(counts[True, tolerance] for tolerance in (1e-6, 1e-3)) > 20
 
 
 def test_an_approach_of_four_joints_that_limits_alone_prevent_is_blocked():
-    """Poses of configurations outside the limits: without them each is met where it was made."""
+    """Poses of configurations outside the limits: without them each is reached where it was made."""
     arm, rng = pan_pitch_roll(roll=False, bound=0.6), np.random.default_rng(14)
     theta = rng.uniform(-3, 3, (500, 4))
     targets = [Approach(g[:3, 3], g[:3, 2], [0, 0, 1]) for g in arm.fk(theta)]
@@ -279,13 +279,13 @@ def test_arms_of_many_joints_are_said_to_come_nearer_perhaps():
 @pytest.mark.parametrize(("case", "name"), PAIRS, ids=IDS)
 def test_a_thousand_reasons(case, name):
     """All at once, and each of a part alone."""
-    rng, said, alone, differing = np.random.default_rng(2), Counter(), Counter(), 0
+    rng, stops, alone, differing = np.random.default_rng(2), Counter(), Counter(), 0
     arms = arms_of(case, name, BOXES)
     for arm in arms:
         count = 1000 // len(arms)
         poses = draw(case.builder, arm, rng, count)
         batch = solve_ik_batch(arm, poses, arm.random_theta(rng, count))
-        said.update(batch.stop)
+        stops.update(batch.stop)
         assert arm.limits.contains(batch.theta).all()
         assert (judged_batch(arm, poses, batch) == batch.converged).all()
         for i in range(0, count, 10):
@@ -293,15 +293,15 @@ def test_a_thousand_reasons(case, name):
             check_one(arm, poses[i], solution)
             alone[solution.stop] += 1
             differing += solution.stop is not batch.stop[i]
-    assert said[case.stop] >= (1 - WRONG) * said.total(), said
+    assert stops[case.stop] >= (1 - WRONG) * stops.total(), stops
     assert alone[case.stop] >= (1 - 2 * WRONG) * alone.total(), alone
-    assert differing <= 2 * WRONG * alone.total(), (said, alone)
+    assert differing <= 2 * WRONG * alone.total(), (stops, alone)
 
 
 @pytest.mark.parametrize("name", ["so101", "panda"])
 @pytest.mark.parametrize("searches", [1, 3])
 def test_few_searches_exclude_nothing(name, searches):
-    """A target that can be met is never called out of reach, blocked or impossible, however short the search."""
+    """A target that can be reached is never called out of reach, blocked or impossible, however short the search."""
     arm, rng = load(name), np.random.default_rng(3)
     for builder in (reason_targets.inside, reason_targets.at_limits):
         for g in draw(builder, arm, rng, 100):
@@ -317,14 +317,14 @@ def test_a_deadline_is_kept(case, seconds):
     """In time but for `LATE`, the best of three calls, and what is said is true or that the time was up."""
     arm = arms_of(case, case.arms[-1], 1)[0]
     for g in draw(case.builder, arm, np.random.default_rng(4), 1):
-        taken = []
+        durations = []
         for _ in range(3):
             begun = time.perf_counter()
             solution = solve_ik(arm, g, max_time=seconds, restarts=UNENDING)
-            taken.append(time.perf_counter() - begun)
+            durations.append(time.perf_counter() - begun)
             check_one(arm, g, solution)
             assert solution.stop in (case.stop, StopReason.TIMED_OUT), solution
-        assert min(taken) <= seconds + LATE
+        assert min(durations) <= seconds + LATE
     targets = draw(case.builder, arm, np.random.default_rng(5), 50)
     begun = time.perf_counter()
     batch = solve_ik_batch(arm, targets, max_time=seconds)

@@ -1,4 +1,4 @@
-"""Targets built reachable are met, of every kind by every arm; and whatever is asked is answered."""
+"""Targets built reachable are reached, of every kind by every arm; and whatever is asked is answered."""
 
 from __future__ import annotations
 
@@ -28,19 +28,19 @@ ALONE = 50  # One in so many targets of a sweep is asked of `solve_ik` too.
 
 
 def sweep_at_once(arm, targets, rng):
-    """The share of targets met as a batch, and of a part one by one; no answer is wrong, none leaves the limits."""
+    """The share of targets reached as a batch, and of a part one by one; no answer is wrong, none leaves the limits."""
     starts = arm.random_theta(rng, len(targets))
     batch = solve_ik_batch(arm, targets, starts)
     assert arm.limits.contains(batch.theta).all()
-    met = judged_batch(arm, targets, batch)
-    assert (met == batch.converged).all(), f"{(met != batch.converged).sum()} wrongly told"
+    reached = judged_batch(arm, targets, batch)
+    assert (reached == batch.converged).all(), f"{(reached != batch.converged).sum()} wrong verdicts"
     alone = 0
     for i in range(0, len(targets), ALONE):
         solution = solve_ik(arm, targets[i], starts[i])
         assert judged(arm, as_target(targets[i]), solution) == solution.converged, solution
         alone += not solution.converged
     assert alone <= max(1, 0.005 * len(targets) / ALONE)
-    return met.mean()
+    return reached.mean()
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -70,7 +70,7 @@ def test_a_hundred_thousand_poses_are_found_and_ten_thousand_at_limits(name):
 
 
 def asked_of(arm, kind, rng):
-    """Targets of a kind: met, turned at random, far out, at the base's origin, half a hair beside, absurdly far."""
+    """Targets of a kind: reached, turned at random, far out, at the base's origin, half a hair beside, absurdly far."""
     g = arm.fk(arm.random_theta(rng))
     there = [g, g.copy(), g.copy(), np.eye(4), turned(g, [1, 0, 0], 1e-4), g.copy()]
     there[1][:3, :3] = Rotation.random(random_state=int(rng.integers(2**31))).as_matrix()
@@ -87,7 +87,7 @@ def test_whatever_is_asked_is_answered_inside_the_limits_with_a_reason(name, kin
     for target in asked_of(arm, kind, rng):
         solution = solve_ik(arm, target, arm.random_theta(rng))
         assert arm.limits.contains(solution.theta)
-        told = solution.position_error, solution.orientation_error
-        np.testing.assert_allclose(told, errors(target, pinocchio_fk(arm, solution.theta)), rtol=1e-9, atol=2e-8)
+        given = solution.position_error, solution.orientation_error
+        np.testing.assert_allclose(given, errors(target, pinocchio_fk(arm, solution.theta)), rtol=1e-9, atol=2e-8)
         assert judged(arm, target, solution) == solution.converged == (solution.stop is StopReason.CONVERGED)
         assert ("reason: " in solution.explain()) != solution.converged

@@ -1,4 +1,5 @@
-"""The textbook's inverse kinematics, which answers without a core: met or the best found, and what needs the core."""
+"""The textbook's inverse kinematics, which answers without a core: reached or the best found, and what needs the
+core."""
 
 from __future__ import annotations
 
@@ -30,7 +31,7 @@ def bare(monkeypatch):
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", ["so101", "scara", "panda"])
-def test_what_can_be_met_is_met(name, kind):
+def test_what_can_be_reached_is_reached(name, kind):
     arm, rng = load(name), np.random.default_rng([1, KINDS.index(kind)])
     for theta, theta0 in zip(arm.random_theta(rng, 10), arm.random_theta(rng, 10), strict=True):
         target = target_from(kind, arm.fk(theta), rng)

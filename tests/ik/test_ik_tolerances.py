@@ -40,7 +40,7 @@ def five_joints(digits):
     return robot(*parts, links=links)
 
 
-def test_a_rounded_arm_meets_what_the_exact_one_meets(tmp_path):
+def test_a_rounded_arm_reaches_what_the_exact_one_reaches(tmp_path):
     """Within the tolerances, and never an answer outside them."""
     exact = load_arm(write(tmp_path, five_joints(16), "exact.urdf"))
     rng = np.random.default_rng(5)
@@ -49,8 +49,8 @@ def test_a_rounded_arm_meets_what_the_exact_one_meets(tmp_path):
     for digits in (4, 5, 6):
         arm = load_arm(write(tmp_path, five_joints(digits), f"rounded{digits}.urdf"))
         batch = solve_ik_batch(arm, targets)
-        for target, one in zip(targets, batch, strict=True):
-            for solution in (solve_ik(arm, target), one):
+        for target, solution_in_batch in zip(targets, batch, strict=True):
+            for solution in (solve_ik(arm, target), solution_in_batch):
                 position, angle = errors(target, pinocchio_fk(arm, solution.theta))
                 assert solution.converged == (position <= 1e-5 and angle <= 5e-5)  # another arm's limits are near
         assert batch.converged.mean() > 0.95
@@ -101,7 +101,7 @@ def inside_tolerance(rng, g, position, orientation):
 @pytest.mark.parametrize(("name", "position_tol", "orientation_tol"), [
     ("so101", 0.01, 1e-3), ("so101", 1e-4, 0.02), ("rover_arm", 5e-3, 1e-4), ("ur5", 0.01, 1e-3), ("panda", 1e-4, 0.02),
 ])  # fmt: skip
-def test_whatever_has_a_configuration_within_both_tolerances_is_met(name, position_tol, orientation_tol):
+def test_whatever_has_a_configuration_within_both_tolerances_is_reached(name, position_tol, orientation_tol):
     arm, rng = load(name), np.random.default_rng(8)
     thetas = arm.random_theta(rng, 200)
     poses = [inside_tolerance(rng, pinocchio_fk(arm, theta), position_tol, orientation_tol) for theta in thetas]
@@ -126,7 +126,7 @@ def test_a_search_aims_at_the_target_itself_however_wide_the_tolerances_are(name
 
 @pytest.mark.parametrize(("position_tol", "orientation_tol"), [(1e-6, 1e-6), (1e-5, 5e-5), (1e-3, 1e-6), (5e-3, 0.05)])
 @pytest.mark.parametrize("name", ["rr_planar", "so101", "ur5"])
-def test_what_the_start_meets_is_never_refused(name, position_tol, orientation_tol):
+def test_what_the_start_reaches_is_never_refused(name, position_tol, orientation_tol):
     """Poses that theta0 misses by 0.92 to 0.98 of the tolerances, by one search."""
     arm, rng = load(name), np.random.default_rng(7)
     how = {"position_tol": position_tol, "orientation_tol": orientation_tol, "restarts": 1}
@@ -166,15 +166,15 @@ def resized(arm, size):
 
 
 def test_a_list_is_never_empty_where_a_configuration_within_the_tolerances_was_found():
-    """Poses half a tolerance off what an arm of five joints meets: one configuration of each branch, and no proof."""
+    """Poses half a tolerance off what an arm of five joints reaches: one configuration of each branch, and no proof."""
     arm, rng = load("so101"), np.random.default_rng(13)
     for theta in arm.random_theta(rng, 10):
         target = Pose(inside_tolerance(rng, pinocchio_fk(arm, theta), 5e-6, 2.5e-5))
-        one, found = solve_ik(arm, target), solve_ik_all(arm, target)
-        assert bool(len(found)) == one.converged
+        alone, found = solve_ik(arm, target), solve_ik_all(arm, target)
+        assert bool(len(found)) == alone.converged
         assert not (len(found) and found.complete)
-        for each in found:
-            position, angle = errors(target, pinocchio_fk(arm, each))
+        for answer in found:
+            position, angle = errors(target, pinocchio_fk(arm, answer))
             assert position <= 1e-5 + 1e-9
             assert angle <= 5e-5 + 1e-9
 
@@ -185,7 +185,7 @@ def test_a_list_is_never_empty_where_a_configuration_within_the_tolerances_was_f
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", ["panda", "ur5", "so101"])
 def test_an_answer_is_near_the_start_where_one_is(name, kind):
-    """Targets that some configuration within 0.2 of theta0 meets, however far the tool has to go."""
+    """Targets that some configuration within 0.2 of theta0 reaches, however far the tool has to go."""
     arm, rng = load(name), np.random.default_rng([33, KINDS.index(kind)])
     for theta in arm.random_theta(rng, 60):
         theta0 = np.clip(theta + rng.uniform(-HALF, HALF, arm.n), arm.limits.lower, arm.limits.upper)
@@ -214,7 +214,7 @@ def test_a_small_step_is_answered_on_the_nearest_branch(name):
 
 
 def test_no_list_is_called_complete_for_tolerances_that_a_closed_form_does_not_know():
-    """A target 1 mm beyond the reach, which solve_ik meets within 2 cm: the list has it, and claims no proof."""
+    """A target 1 mm beyond the reach, which solve_ik reaches within 2 cm: the list has it, and claims no proof."""
     arm, target = load("rover_arm"), Approach([1.075, 0.02, 0.7], [1, 0, 0])
     found = solve_ik_all(arm, target, position_tol=0.02, orientation_tol=0.05)
     assert len(found)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from catalogue import load
-from ik_targets import KINDS, errors, is_met, pinocchio_poses, require_core, target_from
+from ik_targets import KINDS, errors, is_reached, pinocchio_poses, require_core, target_from
 from twistarm import Approach, InputError, JointLimits, Pose, Position, reachable, solve_ik_batch
 from twistarm.arm.arm_data import Coupling
 from twistarm.ik.reached import CHUNK
@@ -57,7 +57,7 @@ def test_the_verdicts_are_those_of_patient_searches(arm):
     g = arm.fk(arm.random_theta(rng, 60))
     g[::3, :3, 3] *= rng.uniform(0.5, 1.5, size=(20, 1))
     mixed = [target_from(KINDS[i % 4], pose, rng) for i, pose in enumerate(g)]
-    down = [Approach(each, DOWN).of(arm) for each in p]
+    down = [Approach(point, DOWN).of(arm) for point in p]
     for asked, found in ((down, reachable(arm, p, direction=DOWN)), (mixed, reachable(arm, mixed))):
         assert (found.converged == solve_ik_batch(arm, asked).converged).all()
         assert np.isnan(found.theta[~found.converged]).all()
@@ -66,7 +66,7 @@ def test_the_verdicts_are_those_of_patient_searches(arm):
         assert len(theta) or asked is down
         reached = arm.fk(theta) if arm.n != len(arm.coupling.A) else pinocchio_poses(arm, theta)
         missed = [errors(asked[i], pose) for i, pose in zip(np.flatnonzero(found.converged), reached, strict=True)]
-        assert is_met(*np.reshape(missed, (-1, 2)).T).all()
+        assert is_reached(*np.reshape(missed, (-1, 2)).T).all()
 
 
 def test_two_links_reach_a_ring():
@@ -82,19 +82,19 @@ def test_two_links_reach_a_ring():
 
 
 def test_the_same_bits_however_a_call_is_divided():
-    arm, told = load("panda"), []
+    arm, fractions = load("panda"), []
     require_core(arm)
     p = np.repeat(voxels(arm, 5)[:, None], 80, axis=1).reshape(-1, 3) + np.linspace(0.0, 0.02, 10_000)[:, None]
-    met, theta = reachable(arm, p, direction=DOWN, progress=told.append)
+    reached, theta = reachable(arm, p, direction=DOWN, progress=fractions.append)
     parts = [slice(0, CHUNK), slice(CHUNK, None)]
     for threads in (1, 2):
-        each = [reachable(arm, p[part], direction=DOWN, threads=threads) for part in parts]
-        np.testing.assert_array_equal(np.concatenate([part.converged for part in each]), met)
-        np.testing.assert_array_equal(np.concatenate([part.theta for part in each]), theta)
-    poses = arm.fk(theta[met])
+        answers = [reachable(arm, p[part], direction=DOWN, threads=threads) for part in parts]
+        np.testing.assert_array_equal(np.concatenate([part.converged for part in answers]), reached)
+        np.testing.assert_array_equal(np.concatenate([part.theta for part in answers]), theta)
+    poses = arm.fk(theta[reached])
     np.testing.assert_array_equal(reachable(arm, poses).theta, reachable(arm, [*map(Pose, poses)]).theta)
-    assert told == sorted(told)
-    assert told[-1] == 1.0
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1.0
 
 
 @pytest.mark.parametrize(

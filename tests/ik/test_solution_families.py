@@ -7,7 +7,7 @@ import pytest
 
 import twistarm
 from catalogue import load
-from family_arms import apart, family_arm, missed, pose_of, screws_of
+from family_arms import family_arm, joint_distance, missed, pose_of, screws_of
 from ik_targets import pinocchio_fk
 from test_core_matches import gathered
 from twistarm import Pose, Position, solve_ik_all, solve_ik_all_batch
@@ -57,13 +57,13 @@ def straight_wrists(count, gap=0.0):
 def test_a_straight_wrist_keeps_its_first_joint_where_it_is(by, monkeypatch):
     for arm, g, _, near in straight_wrists(2):
         found = solve_ik_all(arm, Pose(g), near) if by == "core" else gathered(monkeypatch, arm, Pose(g), near=near)
-        straight = [each for each, free in zip(found, found.free, strict=True) if free == WRIST]
+        straight = [answer for answer, free in zip(found, found.free, strict=True) if free == WRIST]
         assert straight
-        assert len({tuple(each[:3].round(6)) for each in straight}) == len(straight)
-        for each in straight:
-            assert each[3] == pytest.approx(near[3], abs=1e-9)
+        assert len({tuple(answer[:3].round(6)) for answer in straight}) == len(straight)
+        for answer in straight:
+            assert answer[3] == pytest.approx(near[3], abs=1e-9)
             for turn in (0.7, -2.0):
-                assert missed(arm, g, each + turn * np.array([0, 0, 0, 1, 0, -1])) < EXACT
+                assert missed(arm, g, answer + turn * np.array([0, 0, 0, 1, 0, -1])) < EXACT
 
 
 def test_a_wrist_straight_but_for_1e_8_is_not_free():
@@ -71,8 +71,8 @@ def test_a_wrist_straight_but_for_1e_8_is_not_free():
         exact = solve_ik_all(arm, Pose(g), near)
         assert not any(exact.free)
         assert len(exact) + len(exact.outside) <= 8
-        assert min(apart(arm, each, theta) for each in exact) < 1e-6
-        assert all(missed(arm, g, each) < EXACT for each in exact)
+        assert min(joint_distance(arm, answer, theta) for answer in exact) < 1e-6
+        assert all(missed(arm, g, answer) < EXACT for answer in exact)
 
 
 def test_a_ur_arm_with_a_singular_wrist_by_pinocchio():
@@ -82,11 +82,11 @@ def test_a_ur_arm_with_a_singular_wrist_by_pinocchio():
         near = arm.random_theta(rng)
         g = pinocchio_fk(arm, theta)
         found = solve_ik_all(arm, Pose(g), near)
-        moving = [each for each, free in zip(found, found.free, strict=True) if free]
+        moving = [answer for answer, free in zip(found, found.free, strict=True) if free]
         assert 1 <= len(moving) <= 2  # a four-bar linkage has two circuits at most
-        for each in moving:
-            assert np.abs(pinocchio_fk(arm, each) - g).max() < 1e-8
-            assert np.abs(each - near)[[1, 2, 3, 5]].min() < EXACT
+        for answer in moving:
+            assert np.abs(pinocchio_fk(arm, answer) - g).max() < 1e-8
+            assert np.abs(answer - near)[[1, 2, 3, 5]].min() < EXACT
         assert nearest_first(arm, found, near)
 
 
@@ -98,14 +98,14 @@ def test_a_position_for_six_joints_is_a_few_families():
     assert 1 <= len(found) <= 8
     assert found.free == (tuple(arm.joint_names),) * len(found)
     assert nearest_first(arm, found, near)
-    assert all(np.linalg.norm(pinocchio_fk(arm, each)[:3, 3] - p) < 1e-8 for each in found)
+    assert all(np.linalg.norm(pinocchio_fk(arm, answer)[:3, 3] - p) < 1e-8 for answer in found)
     batch = solve_ik_all_batch(arm, [Position(p)], near, redundancy_samples=6)
     np.testing.assert_array_equal(batch.theta[0], found.theta)
 
 
 @pytest.mark.parametrize("by", ["core", "gathered"])
 @pytest.mark.parametrize(("bend", "count"), [(1e-8, 1), (2e-5, 1), (1e-3, 2)])
-def test_two_answers_are_one_where_halfway_between_them_the_target_is_met(by, bend, count, monkeypatch):
+def test_two_answers_are_one_where_halfway_between_them_the_target_is_reached(by, bend, count, monkeypatch):
     """Elbow up and down, ± bend from stretched: halfway the tip is bend² a b / 2 (a + b) too far out."""
     arm = load("rr_planar")
     theta = np.array([0.4, bend])

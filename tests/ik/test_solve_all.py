@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 import twistarm
 from catalogue import load
-from family_arms import CASES, apart, assert_exact_and_different, family_arm, missed, pose_of, screws_of
+from family_arms import CASES, assert_exact_and_different, family_arm, joint_distance, missed, pose_of, screws_of
 from ik_targets import pinocchio_fk
 from twistarm import Approach, Pose, Position, solve_ik_all
 
@@ -74,9 +74,9 @@ def test_arms_of_the_catalogue_by_pinocchio(name):
         theta = arm.random_theta(rng)
         g = pinocchio_fk(arm, theta)
         found = solve_ik_all(arm, Pose(g))
-        assert min(apart(arm, each, theta) for each in found) < 1e-6
-        for each in [*found.theta, *found.outside]:
-            assert np.abs(pinocchio_fk(arm, each) - g).max() < EXACT
+        assert min(joint_distance(arm, answer, theta) for answer in found) < 1e-6
+        for answer in [*found.theta, *found.outside]:
+            assert np.abs(pinocchio_fk(arm, answer) - g).max() < EXACT
     # Shoulder, elbow and wrist, two ways each: Hawkins, Analytic inverse kinematics for the UR-5/10, 2013.
     assert name != "ur5" or len(found) + len(found.outside) == 8
 
@@ -92,7 +92,7 @@ def test_nothing_more_is_found_by_searching(name):
     batch = twistarm.solve_ik_batch(arm, [Pose(g)] * 50, starts, restarts=1, position_tol=1e-9, orientation_tol=1e-9)
     everything = [*found.theta, *found.outside]
     for theta in batch.theta[batch.converged]:
-        assert min(apart(arm, each, theta) for each in everything) < 1e-5
+        assert min(joint_distance(arm, answer, theta) for answer in everything) < 1e-5
 
 
 @pytest.mark.parametrize("name", [name for name in CASES if CASES[name]["kind"] != "decoupled"][::4])
@@ -112,7 +112,7 @@ def test_a_family_met_outside_the_limits_is_followed_inside():
     arm = family_arm("spherical wrist", half_turns=0.5)
     theta = np.array([0.3, -0.5, 0.9, 1.5, 0.0, 1.5])  # their sum is 3 rad, so each has to be above 1.43
     found = solve_ik_all(arm, Pose(pose_of(arm, theta)), np.zeros(6))
-    assert any(abs(each[3] + each[5] - 3.0) < 1e-7 for each in found)
+    assert any(abs(answer[3] + answer[5] - 3.0) < 1e-7 for answer in found)
 
 
 def test_a_folded_scara_turns_about_the_point_it_reaches():
@@ -131,9 +131,9 @@ def test_a_folded_scara_turns_about_the_point_it_reaches():
 def test_copies_by_whole_turns_are_counted_on_request():
     arm = family_arm("SCARA, slide last", half_turns=2.0)
     g = pose_of(arm, np.array([0.3, 0.8, -0.4, 0.2]))
-    one, many = solve_ik_all(arm, Pose(g)), solve_ik_all(arm, Pose(g), include_turns=True)
-    assert len(many) == 8 * len(one)  # three joints, two turns each
-    assert all(missed(arm, g, each) < EXACT for each in many)
+    single, many = solve_ik_all(arm, Pose(g)), solve_ik_all(arm, Pose(g), include_turns=True)
+    assert len(many) == 8 * len(single)  # three joints, two turns each
+    assert all(missed(arm, g, answer) < EXACT for answer in many)
     share = np.abs(many.theta - arm.ready) / (arm.limits.upper - arm.limits.lower)
     assert (np.diff(share.max(axis=1)) >= -1e-12).all()
 
@@ -144,15 +144,15 @@ def test_targets_that_leave_something_free():
     g = pose_of(five, theta)
     found = solve_ik_all(five, Approach(g[:3, 3], g[:3, :3] @ [0, 0, 1], tool_axis=[0, 0, 1]))
     assert found.complete
-    assert min(apart(five, each, theta) for each in found) < 1e-6
+    assert min(joint_distance(five, answer, theta) for answer in found) < 1e-6
     so101 = load("so101")
     theta = so101.random_theta(rng)
     p = pose_of(so101, theta)[:3, 3]
     found = solve_ik_all(so101, Position(p), theta, redundancy_samples=3)
     assert not found.complete
     assert len(found)
-    for each in found:
-        assert np.linalg.norm(pose_of(so101, each)[:3, 3] - p) < EXACT
+    for answer in found:
+        assert np.linalg.norm(pose_of(so101, answer)[:3, 3] - p) < EXACT
 
 
 def test_a_search_keeps_the_joints_that_are_given():
@@ -166,7 +166,7 @@ def test_a_search_keeps_the_joints_that_are_given():
     theta = np.array([0.2, -0.4, 0.3, 0.1, 0.8, -0.5, 0.6])
     found = solve_ik_all(arm, Pose(pose_of(arm, theta)), fixed_joints={"joint1": 0.2})
     assert found.method == "search from many starts"
-    assert min(apart(arm, each, theta) for each in found) < 1e-6
+    assert min(joint_distance(arm, answer, theta) for answer in found) < 1e-6
     assert (found.theta[:, 0] == 0.2).all()
 
 
@@ -177,7 +177,7 @@ def test_a_joint_without_a_range_stands_and_is_not_sampled():
     theta = np.array([0.4, 0.3, -0.7, 1.1])
     found = solve_ik_all(arm, Pose(pose_of(arm, theta)))
     assert found.complete
-    assert min(apart(arm, each, theta) for each in found) < 1e-6
+    assert min(joint_distance(arm, answer, theta) for answer in found) < 1e-6
     assert len(twistarm.solve_ik_all_batch(arm, pose_of(arm, theta)[None])[0]) == len(found)
 
 
@@ -198,7 +198,7 @@ def test_a_slide_that_changes_places_across_a_given_joint():
     arm = twistarm.arm_from_screws(screws_of([*axes, ["R", [-1, 0, 0], [0, -0.45, 0.45]]]), np.eye(4))
     theta = np.array([0.026, -0.933, 1.474, -2.486, -2.761, -1.172, -2.58])
     found = solve_ik_all(arm, Pose(pose_of(arm, theta)), fixed_joints={"joint4": -2.486, "joint6": -1.172})
-    assert min(apart(arm, each, theta) for each in found) < 1e-6
+    assert min(joint_distance(arm, answer, theta) for answer in found) < 1e-6
 
 
 @pytest.mark.parametrize(
@@ -223,7 +223,7 @@ def test_arms_that_no_joint_makes_mobile_or_whose_axes_coincide():
     found = solve_ik_all(twice, Pose(pose_of(twice, np.array([0.3, 0.4]))))
     assert len(found)
     assert not found.complete
-    assert all(abs(np.sin((each.sum() - 0.7) / 2)) < EXACT for each in found)
+    assert all(abs(np.sin((answer.sum() - 0.7) / 2)) < EXACT for answer in found)
     idle = solve_ik_all(twice, Position([0.0, 0.0, 0.0]))
     assert len(idle)
     assert not len(solve_ik_all(twice, Position([0.1, 0.0, 0.0])))
@@ -240,19 +240,21 @@ def test_time_is_kept(count, seconds):
     rng = np.random.default_rng(1)
     axes = [["R", rng.normal(size=3), rng.uniform(-0.5, 0.5, 3)] for _ in range(count)]
     arm = twistarm.arm_from_screws(screws_of(axes), np.eye(4)) if count > 5 else load("so101")
-    told = []
-    one, other = arm.random_theta(3), arm.random_theta(5)
-    share = 0.0 if count != 6 else brentq(lambda t: np.linalg.det(arm.body_jacobian(one + t * (other - one))), 0.0, 1.0)
-    g = arm.fk(one + share * (other - one))
+    fractions = []
+    start, end = arm.random_theta(3), arm.random_theta(5)
+    share = (
+        0.0 if count != 6 else brentq(lambda t: np.linalg.det(arm.body_jacobian(start + t * (end - start))), 0.0, 1.0)
+    )
+    g = arm.fk(start + share * (end - start))
     target = Pose(g) if count > 5 else Position(g[:3, 3])
     solve_ik_all(arm, target, max_time=1e-9)  # the method is chosen once for each arm
     began = time.monotonic()
-    found = solve_ik_all(arm, target, max_time=seconds, include_turns=True, progress=told.append)
+    found = solve_ik_all(arm, target, max_time=seconds, include_turns=True, progress=fractions.append)
     assert time.monotonic() - began < seconds + 0.5
     assert count > 5 or (len(found), "values of wrist_flex and wrist_roll" in found.explain()) == (1, True)
     assert found.timed_out
     assert not found.complete
     assert "the time was up" in found.explain()
     assert max(found.position_error.max(initial=0.0), found.orientation_error.max(initial=0.0)) <= EXACT
-    assert told == sorted(told)
-    assert all(0.0 < share < 1.0 for share in told)
+    assert fractions == sorted(fractions)
+    assert all(0.0 < share < 1.0 for share in fractions)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from family_arms import apart, assert_exact_and_different, pose_of, screws_of
+from family_arms import assert_exact_and_different, joint_distance, pose_of, screws_of
 from twistarm import Pose, arm_from_screws, solve_ik_all_batch, solve_ik_batch
 from twistarm.ik.closed_form.methods import method_for
 
@@ -44,7 +44,7 @@ class Geometry:
         while True:
             w = [self.direction() for _ in range(3)]
             if min(np.linalg.norm(np.cross(w[i], w[i + 1])) for i in range(2)) > 0.2:
-                return [["R", each, point] for each in w]
+                return [["R", axis, point] for axis in w]
 
     def planar(self, kinds):
         """Parallel axes, and slides across them."""
@@ -93,9 +93,9 @@ def test_all_roots_of_random_arms(name):
         home[:3, 3] = rng.uniform(-0.8, 0.8, 3)
         arm = arm_from_screws(screws_of(axes), home, joints=names, limits={"lower": lower, "upper": bound})
         method = method_for(arm, Pose(home))
-        assert method.there
+        assert method.algebraic
         assert method.exact
-        if method.swept:  # drawn axes may be dependent; what is sampled is another test's
+        if method.sampled:  # drawn axes may be dependent; what is sampled is another test's
             continue
         whole += 1
         made = arm.random_theta(rng, TARGETS)
@@ -115,4 +115,4 @@ def assert_nothing_more(arm, g, found, rng):
     batch = solve_ik_batch(arm, [Pose(g)] * 30, starts, restarts=1, position_tol=1e-10, orientation_tol=1e-10)
     everything = [*found.theta, *found.outside]
     for theta in batch.theta[batch.converged]:
-        assert min(apart(arm, each, theta) for each in everything) < 1e-4
+        assert min(joint_distance(arm, answer, theta) for answer in everything) < 1e-4

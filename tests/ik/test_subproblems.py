@@ -64,12 +64,12 @@ def made_2(rng, slides, meeting=False):
     if meeting:
         o = rng.normal(size=3)
         first[:3], second[:3] = np.cross(o, first[3:]), np.cross(o, second[3:])
-    p, x = rng.normal(size=3), np.array([random_value(rng, each) for each in slides])
+    p, x = rng.normal(size=3), np.array([random_value(rng, slide) for slide in slides])
     q = moved(first, x[0], moved(second, x[1], p))
     return (first, second, p, q), x, lambda y: np.linalg.norm(moved(first, y[0], moved(second, y[1], p)) - q)
 
 
-def apart(a, b, slides):
+def difference(a, b, slides):
     """The largest difference of two values, angles modulo whole turns."""
     d = np.atleast_1d(np.asarray(a) - np.asarray(b))
     return np.abs(np.where(slides, d, (d + np.pi) % (2 * np.pi) - np.pi)).max()
@@ -86,7 +86,7 @@ def test_one_joint_finds_the_value_that_made_the_problem(solve, made, most, slid
         roots = solve(*given)
         assert 1 <= len(roots.values) <= most
         assert not roots.free
-        assert min(apart(value, x, slides) for value in roots.values) < 1e-6
+        assert min(difference(value, x, slides) for value in roots.values) < 1e-6
         assert max(miss(value) for value in roots.values) < 1e-9
         assert roots.residual == pytest.approx(min(miss(value) for value in roots.values), abs=1e-13)
 
@@ -99,7 +99,7 @@ def test_two_joints_find_the_values_that_made_the_problem(slides):
         given, x, miss = made_2(rng, slides, meeting=meeting)
         roots = subproblem_2(*given)
         assert (2 if meeting else 1) <= len(roots.values) <= 2
-        assert min(apart(value, x, slides) for value in roots.values) < 1e-6
+        assert min(difference(value, x, slides) for value in roots.values) < 1e-6
         assert max(miss(value) for value in roots.values) < 1e-6
         assert roots.residual < 1e-9
 

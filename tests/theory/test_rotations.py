@@ -182,9 +182,9 @@ def test_quaternion_inverse_of_any_length(data):
     batch, scale = data.draw(batches), data.draw(st.sampled_from([*SCALES, 1e-150, 1e150]))
     Q = scale * (data.draw(vectors(batch, 4)) + np.array([5.0, 0, 0, 0]))
     inverse = rotations.quaternion_inverse_wxyz(Q)
-    one = np.broadcast_to([1.0, 0, 0, 0], Q.shape)
-    close(rotations.quaternion_product_wxyz(Q, inverse), one, SCIPY)
-    close(rotations.quaternion_product_wxyz(inverse, Q), one, SCIPY)
+    identity = np.broadcast_to([1.0, 0, 0, 0], Q.shape)
+    close(rotations.quaternion_product_wxyz(Q, inverse), identity, SCIPY)
+    close(rotations.quaternion_product_wxyz(inverse, Q), identity, SCIPY)
 
 
 # Euler angles -----------------------------------------------------------------------------------------
@@ -277,5 +277,5 @@ def test_a_rotation_is_its_own_nearest_whatever_it_is_multiplied_by(R, factor):
 def test_where_many_rotations_are_equally_near_none_is_taken(A):
     with pytest.raises(InputError, match="no one nearest rotation"):
         rotations.nearest(A)
-    for one in (np.diag([2.0, 1.0, 0.0]), np.diag([1.0, 1.0, -0.5])):  # flat, and a mirror that is uneven
-        close(rotations.nearest(one), np.eye(3), SCIPY)
+    for matrix in (np.diag([2.0, 1.0, 0.0]), np.diag([1.0, 1.0, -0.5])):  # flat, and a mirror that is uneven
+        close(rotations.nearest(matrix), np.eye(3), SCIPY)

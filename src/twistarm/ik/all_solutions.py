@@ -1,4 +1,4 @@
-"""The answer of `solve_ik_all`: every configuration that meets a target, and whether these are all."""
+"""The answer of `solve_ik_all`: every configuration that reaches a target, and whether these are all."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ..support.errors import printable
 from ..support.messages import plural
 from .closed_form.methods import Method
 from .ranges import holding, joint_ranges
-from .solution import reached, why_not
+from .solution import errors_in_words, why_not
 from .solve import solve_ik
 from .targets import AnyTarget, Pose
 from .task_space import Tolerances
@@ -25,9 +25,10 @@ from .task_space import Tolerances
 
 @dataclass(eq=False, repr=False, slots=True)
 class AllSolutions:
-    """Configurations inside the limits that meet the target, each verified by forward kinematics. It cannot be changed.
+    """Configurations inside the limits that reach the target, each verified by forward kinematics. It cannot be
+    changed.
 
-    They meet it exactly. Where none does, they miss it by no more than the tolerances, one for each branch.
+    They reach it exactly. Where none does, they miss it by no more than the tolerances, one for each branch.
 
     Nearest to theta0 first, by the largest joint difference relative to the joint's range (else 2π or 1 m).
     `solutions[i]` is theta[i]. Where a wrist is singular, or an arm redundant, configurations form continuous families.
@@ -37,7 +38,7 @@ class AllSolutions:
 
     _arm: Arm
     _rows: Array
-    """(k, 2, n): theta, and 1 for joints that may move while the target stays met, else 0."""
+    """(k, 2, n): theta, and 1 for joints that may move while the target stays reached, else 0."""
     _inside: int
     _theta0: Array
     _method: Method
@@ -80,7 +81,7 @@ class AllSolutions:
 
     @property
     def free(self) -> tuple[tuple[str, ...], ...]:
-        """For each of theta, the joints that can go on moving with the target met."""
+        """For each of theta, the joints that can go on moving with the target reached."""
         names = self._arm.joint_names
         moving = self._rows[: self._inside, 1]
         return tuple(tuple(names[i] for i in np.flatnonzero(row)) for row in moving)
@@ -120,7 +121,7 @@ class AllSolutions:
 
     @property
     def hits(self) -> int:
-        """How many of these met the target."""
+        """How many of these reached the target."""
         return self._tries[1]
 
     @property
@@ -134,17 +135,17 @@ class AllSolutions:
         return np.array([self.target.orientation_error(g) for g in self.arm.fk(self.theta)])
 
     def explain(self) -> str:
-        """The target and how many configurations meet it, or how far off the nearest is."""
-        each = f" at each value of {self._sampled}" if self._sampled else ""
+        """The target and how many configurations reach it, or how far off the nearest is."""
+        by_value = f" at each value of {self._sampled}" if self._sampled else ""
         lines = [
-            f"asked of {self.arm.name}: {self.target.describe()}",
+            f"target of {self.arm.name}: {self.target.describe()}",
             self._counted(),
-            f"{'found' if len(self) else 'looked for'} by {self.method}{each}: {self.family}",
+            f"{'found' if len(self) else 'looked for'} by {self.method}{by_value}: {self.family}",
         ]
         if not len(self):
             held = holding(self.arm, self._method.given, self.theta0)
             nearest = solve_ik(held, self.target, self.theta0, **self._tolerances.keywords)
-            lines.append(f"the nearest configuration: {reached(nearest)}")
+            lines.append(f"the nearest configuration: {errors_in_words(nearest)}")
             lines += [] if nearest.converged else why_not(nearest)
         return "\n".join(map(printable, lines))
 
@@ -159,7 +160,7 @@ class AllSolutions:
         outside = f", {beyond}{' more' * (count > 0)} outside" if beyond else ""
         share = f"{self.hits} of {self.starts}" if self.hits else f"none of {self.starts}"
         tries = f"values of {self._sampled}" if self._sampled else "searches"
-        sampled = f", {share} {tries} met the target" if self.starts else ""
+        sampled = f", {share} {tries} reached the target" if self.starts else ""
         if not count and self.complete:
             return f"no configuration inside the limits{outside}: that is certain"
         late = "; the time was up before everything had been tried" * self.timed_out

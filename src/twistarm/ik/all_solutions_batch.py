@@ -39,20 +39,20 @@ class AllSolutionsBatch:
     theta0: Array = field(repr=False)
     """(n,) or (N, n) [rad, m]."""
     rows: Array = field(repr=False)
-    """(r, 2, n): theta, and 1 for joints that may move while the target stays met, else 0.
+    """(r, 2, n): theta, and 1 for joints that may move while the target stays reached, else 0.
 
     The rows of one target follow those of another; those inside the limits come first.
     """
     known: tuple[tuple[Method, bool], ...] = field(repr=False)
     """How, and whether these are all there are: of all targets, or for each."""
     tolerances: Tolerances
-    """What was to count as met."""
+    """What was to count as reached."""
     answers: tuple[AllSolutions, ...] = field(default=(), repr=False)
     """The answers where they were found one by one."""
 
     def __post_init__(self) -> None:
-        asked = [self.targets] if isinstance(self.targets, np.ndarray) else []
-        for array in (self.count, self.outside_count, self.theta0, self.rows, *asked):
+        poses = [self.targets] if isinstance(self.targets, np.ndarray) else []
+        for array in (self.count, self.outside_count, self.theta0, self.rows, *poses):
             array.flags.writeable = False
 
     @property
@@ -67,7 +67,7 @@ class AllSolutionsBatch:
 
     @cached_property
     def free(self) -> NDArray[np.bool_]:
-        """(N, most, n): which joints may go on moving while the target stays met."""
+        """(N, most, n): which joints may go on moving while the target stays reached."""
         return self._padded(self.rows[:, 1] > 0.5, False)
 
     def _padded(self, rows: NDArray[Any], nothing: float) -> NDArray[Any]:
@@ -86,7 +86,7 @@ class AllSolutionsBatch:
         return np.cumsum(both) - both
 
     def __repr__(self) -> str:
-        return f"AllSolutionsBatch({self.arm.name}, {len(self)} targets, {int((self.count > 0).sum())} met)"
+        return f"AllSolutionsBatch({self.arm.name}, {len(self)} targets, {int((self.count > 0).sum())} reached)"
 
     def __len__(self) -> int:
         return len(self.count)
@@ -147,7 +147,7 @@ def solve_ik_all_batch(
     as_flag(include_turns, "include_turns")
     count = as_whole(redundancy_samples, "redundancy_samples", 1, 1000)
 
-    def one(target: TargetLike, start: ArrayLike) -> AllSolutions:
+    def solve_single(target: TargetLike, start: ArrayLike) -> AllSolutions:
         return solve_ik_all(
             arm, target, start, fixed_joints=fixed_joints, redundancy_samples=count, include_turns=include_turns,
             position_tol=position_tol, orientation_tol=orientation_tol,
@@ -156,26 +156,26 @@ def solve_ik_all_batch(
     if isinstance(targets, np.ndarray) and fixed_joints is None and not include_turns:
         # Poses that are plainly right go straight to the core, which looks at each of them much faster.
         method = method_for(arm, Pose(np.eye(4)))
-        plain = method.core is not None and not method.swept and type(position_tol) is type(orientation_tol) is float
+        plain = method.core is not None and not method.sampled and type(position_tol) is type(orientation_tol) is float
         start = arm.ready if theta0 is None else theta0
         tolerances = Tolerances(position_tol, orientation_tol)
-        found = _by_core(arm, method, targets, start, tolerances, threads, one) if plain else None
+        found = _by_core(arm, method, targets, start, tolerances, threads, solve_single) if plain else None
         if found is not None:
             return found
-    asked = targets_for(arm, targets)
-    request = checked(arm, theta0, None, position_tol, orientation_tol, 1, 0, None, count=len(asked))
+    goals = targets_for(arm, targets)
+    request = checked(arm, theta0, None, position_tol, orientation_tol, 1, 0, None, count=len(goals))
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
     fixed = checked_fixed_joints(arm, fixed_joints)
     near = np.array(request.theta0)
     near[..., list(fixed)] = list(fixed.values())
-    kinds = {(type(target), target.axis.tobytes() if isinstance(target, Approach) else b"") for target in asked}
-    method = method_for(arm, asked[0] if asked else Pose(np.eye(4)), tuple(fixed))
-    if len(kinds) <= 1 and not include_turns and method.core is not None and not method.swept:
-        found = _by_core(arm, method, asked, near, request.tolerances, workers, one)
+    kinds = {(type(target), target.axis.tobytes() if isinstance(target, Approach) else b"") for target in goals}
+    method = method_for(arm, goals[0] if goals else Pose(np.eye(4)), tuple(fixed))
+    if len(kinds) <= 1 and not include_turns and method.core is not None and not method.sampled:
+        found = _by_core(arm, method, goals, near, request.tolerances, workers, solve_single)
         assert found is not None, "what was checked is plain"
         return found
-    starts = np.broadcast_to(near, (len(asked), arm.n))
-    return _gathered(arm, asked, near, request.tolerances, list(map(one, asked, starts)))
+    starts = np.broadcast_to(near, (len(goals), arm.n))
+    return _gathered(arm, goals, near, request.tolerances, list(map(solve_single, goals, starts)))
 
 
 def _by_core(
@@ -185,11 +185,11 @@ def _by_core(
     near: ArrayLike,
     tolerances: Tolerances,
     threads: int,
-    one: Callable[[TargetLike, Array], AllSolutions],
+    solve_single: Callable[[TargetLike, Array], AllSolutions],
 ) -> AllSolutionsBatch | None:
     """The core's answer. None where an argument is not plainly right.
 
-    `one` solves a target if the core cannot separate families, or if it is met within the tolerances alone.
+    `solve_single` solves a target if the core cannot separate families, or if only the tolerances reach it.
     """
     assert method.core is not None
     numbers = targets
@@ -207,13 +207,15 @@ def _by_core(
     left = found.families > 0
     missed = np.flatnonzero((found.inside == 0) & ~left)
     if len(missed) and exact != tolerances:
-        asked = kept[missed] if isinstance(kept, np.ndarray) else [kept[i] for i in missed]
-        left[missed] = reachable(arm, asked, **tolerances.keywords, threads=threads).converged
+        beyond_exact = kept[missed] if isinstance(kept, np.ndarray) else [kept[i] for i in missed]
+        left[missed] = reachable(arm, beyond_exact, **tolerances.keywords, threads=threads).converged
     beyond = found.counts - found.inside
     batch = AllSolutionsBatch(arm, found.inside, beyond, kept, start, found.rows, known, tolerances)
     if not left.any():
         return batch
-    answers = [one(answer.target, answer.theta0) if more else answer for answer, more in zip(batch, left, strict=True)]
+    answers = [
+        solve_single(answer.target, answer.theta0) if more else answer for answer, more in zip(batch, left, strict=True)
+    ]
     return _gathered(arm, kept, start, tolerances, answers)
 
 

@@ -21,20 +21,20 @@ class StopReason(Enum):
 
     A missed position decides alone. So the reason is the same for every kind of target. It is BLOCKED_BY_LIMITS if the
     arm reaches it without position limits, else OUT_OF_REACH. A missed rotation is BLOCKED_BY_LIMITS if the whole
-    target can be met without limits. Otherwise the largest part of the missing rotation decides. IMPOSSIBLE_DIRECTION
-    is a turn that this configuration and those beside it lack. BLOCKED_BY_LIMITS is what the nearest configuration
-    without limits does not miss. OUT_OF_REACH is the rest.
+    target can be reached without limits. Otherwise the largest part of the missing rotation decides.
+    IMPOSSIBLE_DIRECTION is a turn that this configuration and those beside it lack. BLOCKED_BY_LIMITS is what the
+    nearest configuration without limits does not miss. OUT_OF_REACH is the rest.
 
-    IN_COLLISION needs a scene: configurations meet the target, and all that were found collide.
+    IN_COLLISION needs a scene: configurations reach the target, and all that were found collide.
     """
 
-    CONVERGED = "the target is met"
+    CONVERGED = "the target is reached"
     OUT_OF_REACH = "out of reach"
     IMPOSSIBLE_DIRECTION = CANNOT_TURN
     BLOCKED_BY_LIMITS = "blocked by joint limits"
     EXHAUSTED = "no answer found, and none excluded"
     TIMED_OUT = "the time was up"
-    IN_COLLISION = "every configuration found that meets the target collides"
+    IN_COLLISION = "every configuration found that reaches the target collides"
 
 
 STOPS = tuple(StopReason)  # The reasons by their numbers in an answer.
@@ -48,11 +48,11 @@ def record_type(n: int) -> np.dtype[np.void]:
     """NumPy's type of an answer of an arm with n coordinates. The core's `Record` has the same fields in this order.
 
     Errors and tolerances are in m and rad. stop: the number of the reason in STOPS. kind: the kind of the target.
-    nearest: theta is the nearest configuration, because no search met the target. has_unlimited: limits block, and
+    nearest: theta is the nearest configuration, because no search reached the target. has_unlimited: limits block, and
     `unlimited` is an answer without them. other_branch: theta is not near theta0. Either the target is near theta0's
-    pose, or it cannot be met. start_moved: theta0 lay outside the limits. by_closed_form: theta comes from the closed
-    form, because no search met the target. certain: the closed form shows that no configuration meets the target.
-    theta0 and numbers are copies of what was asked; `numbers` are the target's, followed by 0.
+    pose, or it cannot be reached. start_moved: theta0 lay outside the limits. by_closed_form: theta comes from the
+    closed form, because no search reached the target. certain: the closed form shows that no configuration reaches the
+    target. theta0 and numbers are copies of what was asked; `numbers` are the target's, followed by 0.
     """
     reals = ["position_error", "orientation_error", "position_tol", "orientation_tol"]
     wholes = ["iterations", "restarts", "stop", "kind"]
@@ -71,8 +71,8 @@ def fill(answer: Record, **values: Any) -> None:
 class Configurations(NamedTuple):
     """What a closed form of the core finds for one target: `rows` (k, 2, n), first the `inside` ones, by distance.
 
-    A row holds theta (n,) and, as 0 and 1, which coordinates may move while the target stays met. hits: how many of the
-    values tried for held joints have any. families: how many belong to continuous families; left: those outside.
+    A row holds theta (n,) and, as 0 and 1, which coordinates may move while the target stays reached. hits: how many of
+    the values tried for held joints have any. families: how many belong to continuous families; left: those outside.
     """
 
     rows: Array

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -17,7 +18,7 @@ from ..support.errors import InputError, quote
 from .answer import CONVERGED, NOT_FINISHED, STOPS, Record, StopReason, record_type
 from .certainty import decide
 from .ranges import joint_ranges
-from .request import Deadline, Request, checked, named
+from .request import Deadline, Options, Request, checked, named
 from .solution import IKResult
 from .solve import collision_free
 from .targets import AnyTarget, Pose, TargetLike, checked_target, shape_hint, target_for, target_of
@@ -94,13 +95,13 @@ class IKBatch:
 
     @property
     def converged(self) -> NDArray[np.bool_]:
-        """(N,): which targets are met to the tolerances, and free of collisions with the scene."""
+        """(N,): which targets are reached to the tolerances, and free of collisions with the scene."""
         converged: NDArray[np.bool_] = self.records["stop"] == CONVERGED
         converged[list(self.contacts)] = False
         return converged
 
     def __repr__(self) -> str:
-        return f"IKBatch({self.arm.name}, {len(self)} targets, {int(self.converged.sum())} met)"
+        return f"IKBatch({self.arm.name}, {len(self)} targets, {int(self.converged.sum())} reached)"
 
     def __len__(self) -> int:
         return len(self.records)
@@ -156,43 +157,57 @@ def solve_ik_batch(
         InputError: A target (the message says which), a start, a posture or a number is unusable.
         TwistarmError: The arm is not in the compiled core. The message says how to get it.
     """
+    deadline = Deadline()
     if scene is not None:
         from ..collision import require_scene
 
         require_scene(scene, arm)
-        ends = Deadline.after(None if max_time is None else as_positive(max_time, "max_time"))
-        batch = solve_ik_batch(
-            arm, targets, theta0, position_tol=position_tol, orientation_tol=orientation_tol, restarts=restarts,
-            max_time=max_time, rng=rng, posture=posture, threads=threads, progress=progress,
-        )  # fmt: skip
-        return _free(batch, scene, ends, threads)
-    chain = require_arm(arm).require_core("solve_ik_batch")
+        deadline = Deadline.after(None if max_time is None else as_positive(max_time, "max_time"))
+    require_arm(arm).require_core("solve_ik_batch")
+    options, batch = (position_tol, orientation_tol, restarts, rng, max_time), None
     if isinstance(targets, np.ndarray):
-        # Poses in one array go straight to the core, which looks at each of them much faster.
-        start = arm.ready if theta0 is None else named(arm, theta0)
-        preferred = None if posture is None else named(arm, posture, start)
-        how = as_given(start), position_tol, orientation_tol, restarts, rng, max_time, as_given(preferred), threads
-        report = partial(_report, progress, 0, None) if callable(progress) else progress
-        found = np.zeros(targets.shape[:1], record_type(arm.n))
-        if chain.solve_batch(Pose.kind, as_given(targets), *how, report, found):
-            return IKBatch(arm, _finished(arm, found, None, max_time is None))
-    asked = targets_for(arm, targets)
-    request = checked(arm, theta0, posture, position_tol, orientation_tol, restarts, rng, max_time, count=len(asked))
-    workers = as_whole(threads, "threads", 1, MAX_THREADS)
-    require_callback(progress, "progress", "(fraction)")
-    records, done = np.zeros(len(asked), record_type(arm.n)), 0
-    kinds = np.array([target.kind for target in asked], dtype=np.int64)
+        batch = _of_poses(arm, targets, theta0, posture, options, threads, progress)
+    if batch is None:
+        goals = targets_for(arm, targets)
+        request = checked(arm, theta0, posture, *options, count=len(goals))
+        workers = as_whole(threads, "threads", 1, MAX_THREADS)
+        require_callback(progress, "progress", "(fraction)")
+        batch = _of_goals(arm, goals, request, workers, progress)
+    return batch if scene is None else _free(batch, scene, deadline, threads)
+
+
+def _of_poses(
+    arm: Arm, poses: RealArray, theta0: Any, posture: Any, options: Options, threads: int, progress: Progress | None
+) -> IKBatch | None:
+    """The core's answers to poses (N, 4, 4), which it checks much faster. None where an argument is not plain."""
+    start = arm.ready if theta0 is None else named(arm, theta0)
+    preferred = None if posture is None else named(arm, posture, start)
+    report = partial(_report, progress, 0, None) if callable(progress) else progress
+    found = np.zeros(poses.shape[:1], record_type(arm.n))
+    arguments = as_given(poses), as_given(start), *options, as_given(preferred), threads, report, found
+    if not arm.require_core("solve_ik_batch").solve_batch(Pose.kind, *arguments):
+        return None
+    return IKBatch(arm, _finished(arm, found, None, options[-1] is None))
+
+
+def _of_goals(
+    arm: Arm, goals: tuple[AnyTarget, ...], request: Request, threads: int, progress: Progress | None
+) -> IKBatch:
+    """The core's answers to targets of any kinds, those of a kind together."""
+    chain = arm.require_core("solve_ik_batch")
+    records, done = np.zeros(len(goals), record_type(arm.n)), 0
+    kinds = np.array([target.kind for target in goals], dtype=np.int64)
     for kind in np.unique(kinds).tolist():
         places = np.flatnonzero(kinds == kind)
-        numbers, part = np.array([asked[i].numbers for i in places]), records[places]
-        report = None if progress is None else partial(_report, progress, done, len(asked))
-        if not chain.solve_batch(kind, numbers, *_part_of(request, places).for_core, workers, report, part):
+        numbers, part = np.array([goals[i].numbers for i in places]), records[places]
+        report = None if progress is None else partial(_report, progress, done, len(goals))
+        mine = _part_of(request, places)
+        if not chain.solve_batch(kind, numbers, mine.theta0, *mine.options, mine.posture, threads, report, part):
             # Somebody has written into the arrays of a target.
-            again = targets_for(arm, asked, checked_target)
-            return solve_ik_batch(arm, again, **request.keywords, threads=workers, progress=progress)
+            return _of_goals(arm, targets_for(arm, goals, checked_target), request, threads, progress)
         records[places] = part
         done += len(places)
-    return IKBatch(arm, _finished(arm, records, asked, max_time is None), asked)
+    return IKBatch(arm, _finished(arm, records, goals, math.isinf(request.max_time)), goals)
 
 
 def _free(batch: IKBatch, scene: Scene, deadline: Deadline, threads: int) -> IKBatch:

@@ -1,4 +1,4 @@
-"""Certainty: what the closed form says about a target that no search has met.
+"""Certainty: what the closed form says about a target that no search has reached.
 
 Searches may miss a configuration, and cannot prove that no configuration exists. An arm's closed form in the core
 answers in some microseconds. It also proves, where the axes are exact and no joint is sampled.
@@ -22,7 +22,7 @@ OTHER_SEED = 0x5EED  # Of the searches after which limits are the reason.
 SAMPLES = 5  # Values tried for a joint that the target does not determine, its bounds included.
 # Greatest errors [m, rad] of what the closed form finds, which is exact whatever the tolerances are.
 EXACT = 1e-6
-# Error [m, rad] of the nearest configuration for certainty that no configuration meets the target exactly.
+# Error [m, rad] of the nearest configuration for certainty that no configuration reaches the target exactly.
 FAR = 1e-5
 BARELY_OUTSIDE = 1e-4  # A configuration outside the limits by less than this [rad, m] proves nothing.
 
@@ -31,9 +31,10 @@ def decide(arm: Arm, target: AnyTarget, answer: Record, patient: bool) -> None:
     """Correct an answer by the closed form.
 
     It may give a configuration after all. If that lies outside the limits, these are the reason. The answer is
-    `certain` if the closed form proves that nothing inside the limits meets the target exactly. An answer that is met,
-    or was not finished in time, stays as it is. So does that of one search: its caller wants its result. Without a
-    closed form, limits are the reason only if other searches find nothing either; `patient`: there is time for them.
+    `certain` if the closed form proves that nothing inside the limits reaches the target exactly. An answer that is
+    reached, or was not finished in time, stays as it is. So does that of one search: its caller wants its result.
+    Without a closed form, limits are the reason only if other searches find nothing either; `patient`: there is time
+    for them.
     """
     if answer["stop"] in (CONVERGED, TIMED_OUT, NOT_FINISHED) or answer["restarts"] <= 1:
         return
@@ -60,14 +61,14 @@ def decide(arm: Arm, target: AnyTarget, answer: Record, patient: bool) -> None:
         beyond = np.abs(outside - np.clip(outside, arm.limits.lower, arm.limits.upper))
         if len(outside):
             _blame_limits(arm, target, answer, outside[np.argmin(np.square(beyond).sum(axis=1))])
-        proves = method.exact and not method.swept and not found.left
+        proves = method.exact and not method.sampled and not found.left
         nearly = beyond.max(axis=1, initial=0.0).min(initial=np.inf) <= BARELY_OUTSIDE
         if proves and not nearly and max(answer["position_error"], answer["orientation_error"]) > FAR:
             answer["certain"] = True
 
 
 def _search_again(arm: Arm, target: AnyTarget, answer: Record) -> None:
-    """Look for an answer that meets the target after all. A root at a corner of the limits has a small basin."""
+    """Look for an answer that reaches the target after all. A root at a corner of the limits has a small basin."""
     assert arm.compiled is not None, "the core has answered"
     # Another seed: the same one would repeat the searches that found nothing.
     how = float(answer["position_tol"]), float(answer["orientation_tol"]), int(answer["restarts"]), OTHER_SEED
@@ -78,17 +79,17 @@ def _search_again(arm: Arm, target: AnyTarget, answer: Record) -> None:
 
 def _held_values(arm: Arm, method: Method, start: Array) -> Array | None:
     """Values (k, h) of the joints that the closed form holds. None to hold them at the start."""
-    if not method.swept:
+    if not method.sampled:
         return None
     values = np.tile(np.clip(start, arm.limits.lower, arm.limits.upper), (SAMPLES, 1))
     lower, upper = arm.sampling_bounds
-    for i in method.swept:
+    for i in method.sampled:
         values[:, i] = np.linspace(lower[i], upper[i], SAMPLES)
     return np.ascontiguousarray(values[:, list(method.held)])
 
 
 def _blame_limits(arm: Arm, target: AnyTarget, answer: Record, theta: Array) -> None:
-    """Name the limits with a configuration outside them, unless the answer has one that meets the whole target."""
+    """Name the limits with a configuration outside them, unless the answer has one that reaches the whole target."""
     tolerances = Tolerances(float(answer["position_tol"]), float(answer["orientation_tol"]))
     known = arm.fk(answer["unlimited"])
     if answer["has_unlimited"] and tolerances.converged(target.position_error(known), target.orientation_error(known)):

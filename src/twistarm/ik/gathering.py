@@ -17,7 +17,7 @@ from .answer import Configurations
 from .batch import Progress
 from .certainty import EXACT
 from .closed_form.methods import Method
-from .closed_form.roots import ROUNDED_LIMIT, Asked, Root, copies_inside, joint_difference
+from .closed_form.roots import ROUNDED_LIMIT, Root, Task, copies_inside, joint_difference
 from .ranges import holding, joint_ranges
 from .request import Deadline
 from .searches import searched
@@ -29,14 +29,14 @@ from .task_space import Tolerances
 STARTS = 1000  # Searches where no closed form is known.
 # Searches besides elimination, or a family that the axes miss. They find what rounding loses.
 EXTRA_SEARCHES = 64
-# Shares of the way from one configuration to another at which the target must be met if both are of one branch.
+# Shares of the way from one configuration to another at which the target must be reached if both are of one branch.
 BETWEEN = np.linspace(0.0, 1.0, 9)[1:-1]
 SAME_VALUE = 1e-9  # A joint within this [rad, m] of theta0's value has that value.
 MOST_COMBINATIONS = 4096  # Values of several sampled joints together.
 
 
 @dataclass(frozen=True, eq=False)
-class Gathering(Asked):
+class Gathering(Task):
     """One task: a target, tolerances, the configuration to be near, the method and the deadline.
 
     `progress` gets the fraction of values and searches done.
@@ -58,36 +58,36 @@ class Gathering(Asked):
     def eliminated(self, values: Array) -> Configurations | None:
         """What elimination finds with the held joints at `values` (h,). None where every way leaves a doubt."""
         for candidates in self.method.eliminated(self.arm, self.target, values):
-            found = None if candidates.answers is None else self._judged(candidates.x)
+            found = None if candidates.answers is None else self._verified(candidates.x)
             if found is not None and len(found.rows) == candidates.answers and not found.families:
                 return found
         return None
 
-    def _judged(self, candidates: Array) -> Configurations:
+    def _verified(self, candidates: Array) -> Configurations:
         """The different answers among the candidates (k, n), verified by the core."""
-        assert self.method.judge is not None
-        exact = self.tolerances
-        found = self.method.judge.verify(self.target.numbers, self.near, candidates, exact.position, exact.orientation)
+        assert self.method.verifier is not None
+        how = self.near, candidates, self.tolerances.position, self.tolerances.orientation
+        found = self.method.verifier.verify(self.target.numbers, *how)
         assert found is not None, "checked input needs no conversion"
         return Configurations(*found)
 
     @property
     def complete(self) -> bool:
         """Whether the method finds everything."""
-        return self.method.exact and not self.method.swept
+        return self.method.exact and not self.method.sampled
 
     @property
     def searches(self) -> int:
         """The number of searches beside the method, or instead of one."""
-        if not self.method.there:
+        if not self.method.algebraic:
             return STARTS
-        lossy = self.method.rooted is not None or not self.method.exact
-        return EXTRA_SEARCHES if lossy and not self.method.swept else 0
+        lossy = self.method.elimination is not None or not self.method.exact
+        return EXTRA_SEARCHES if lossy and not self.method.sampled else 0
 
     def new_roots(self, candidates: Array, held: tuple[int, ...], known: list[Root]) -> list[Root]:
         """New different answers among the candidates (k, n), until the time is up."""
-        if self.method.judge is not None:
-            found = self._judged(candidates)
+        if self.method.verifier is not None:
+            found = self._verified(candidates)
             if not found.families:
                 return [Root(theta, ()) for theta in found.theta if not self.known(theta, known)]
         return self.roots(self.deadline.until(candidates), held, known)
@@ -96,19 +96,19 @@ class Gathering(Asked):
         """Roots with the held joints at each of the values (k, h), and how many values have any."""
         method, found = self.method, list[Root]()
         tries = hits = 0
-        for row in self.deadline.until(values if method.there else ()):
+        for row in self.deadline.until(values if method.algebraic else ()):
             new = self._roots_with(row)
-            held = {*method.idle, *method.swept}
+            held = {*method.idle, *method.sampled}
             found += [replace(root, free=tuple(sorted({*root.free, *held}))) for root in new]
             hits += bool(new)
             tries += 1
             self.report_progress(tries, len(values) + self.searches)
-        return (found, tries, hits) if method.swept else (found, 0, 0)
+        return (found, tries, hits) if method.sampled else (found, 0, 0)
 
     def _roots_with(self, values: Array) -> list[Root]:
         """Roots with the held joints at `values` (h,)."""
         method = self.method
-        found = self.eliminated(values) if method.judge is not None and method.swept else None
+        found = self.eliminated(values) if method.verifier is not None and method.sampled else None
         if found is not None:
             return [Root(theta, ()) for theta in found.theta]
         candidates = method.candidates(self.arm, self.target, self.near, values, method.exact)
@@ -119,10 +119,10 @@ class Gathering(Asked):
         found = self.one_search()
         return found.theta[None, list(self.method.held)][: int(found.converged)]
 
-    def within(self, tolerances: Tolerances) -> tuple[list[Root], int, int]:
-        """One configuration of each branch that meets the target within these, where none does exactly.
+    def within_tolerances(self, tolerances: Tolerances) -> tuple[list[Root], int, int]:
+        """One configuration of each branch that reaches the target within these, where none does exactly.
 
-        Also the number of searches and how many met the target. Two branches are separate if the straight line
+        Also the number of searches and how many reached the target. Two branches are separate if the straight line
         between them leaves the target.
         """
         task = replace(self, tolerances=tolerances, progress=None)
@@ -150,9 +150,9 @@ class Gathering(Asked):
 
     def held_values(self, count: int) -> Array:
         """Values (k, h) of the held joints: given ones, theta0's for idle ones, else a grid."""
-        while count ** len(self.method.swept) > MOST_COMBINATIONS:
+        while count ** len(self.method.sampled) > MOST_COMBINATIONS:
             count -= 1
-        grid = {i: self._theta0_first(i, self._spread(i, count)) for i in self.method.swept}
+        grid = {i: self._theta0_first(i, self._spread(i, count)) for i in self.method.sampled}
         choices = [grid.get(i, np.array([self.theta0_inside[i]])) for i in self.method.held]
         combinations = list(itertools.product(*choices))
         return np.array(combinations).reshape(len(combinations), len(self.method.held))
@@ -175,7 +175,7 @@ class Gathering(Asked):
         return np.append(self.near[joint], values[np.abs(offset) > ROUNDED_LIMIT])
 
     def searched(self, count: int, known: list[Root], before: int) -> tuple[list[Root], int, int]:
-        """New roots from `count` starts, the number of searches, and how many met the target.
+        """New roots from `count` starts, the number of searches, and how many reached the target.
 
         `before`: how many values of `progress` are done.
         """
@@ -207,15 +207,15 @@ class Gathering(Asked):
         still = (*self.method.given, *self.method.idle)
         return SelfMotions(self.arm, self.target, self.tolerances, still, self.deadline)
 
-    def alone(self, root: Root) -> bool:
+    def isolated(self, root: Root) -> bool:
         """Whether a root belongs to no continuous family, apart from the motions of idle joints."""
         return {*self.motions.still}.issuperset(root.free)
 
     def families(self, found: list[Root]) -> list[Members]:
         """The roots, those of one self-motion together."""
-        moving = [root for root in found if not self.alone(root)]
+        moving = [root for root in found if not self.isolated(root)]
         connected = self.motions.families([root.theta for root in moving])
-        alone = [Members([root], root.theta[None]) for root in found if self.alone(root)]
+        alone = [Members([root], root.theta[None]) for root in found if self.isolated(root)]
         return alone + [Members([moving[i] for i in places], curve) for places, curve in connected]
 
     def at_start(self, theta: Array, joints: Sequence[int]) -> int:
@@ -242,7 +242,7 @@ class Gathering(Asked):
             inside = inside or self.inside(self.motions.toward(family.roots[0].theta, self.theta0_inside))
         inside.sort(key=lambda theta: (-self.at_start(theta, own), self.distance(theta)))
         theta = inside[0] if inside else family.roots[0].theta
-        if self.method.swept and not self.deadline.passed:
+        if self.method.sampled and not self.deadline.passed:
             free |= {*self.self_motion(theta, self.motions.still)}
         moving = np.array([i in free for i in range(self.arm.n)])
         return Entry(theta, moving, bool(inside), self.distance(theta))
@@ -272,7 +272,7 @@ class Gathering(Asked):
         arm, kept, thetas = self.arm, list[Entry](), np.empty((len(families), self.arm.n))
         entries = [self.entry(family) for family in families]
         pairs = zip(entries, families, strict=True)
-        all_seen = all_seen and all(entry.inside or self.alone(family.roots[0]) for entry, family in pairs)
+        all_seen = all_seen and all(entry.inside or self.isolated(family.roots[0]) for entry, family in pairs)
         for entry in sorted(entries, key=lambda entry: (not entry.inside, entry.distance)):
             i = self.twin(entry.theta, thetas[: len(kept)])
             if i is None:

@@ -1,4 +1,4 @@
-"""`reachable`: which of many targets an arm meets, for maps of its workspace.
+"""`reachable`: which of many targets an arm reaches, for maps of its workspace.
 
 `reach_ball` bounds where a point of the tool may be, whatever the joints do. It excludes far targets.
 """
@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -66,13 +65,13 @@ def reachable(
     threads: int = 1,
     progress: Progress | None = None,
 ) -> Reached:
-    """Which of N targets the arm meets inside its limits, without the nearest configuration and the reason.
+    """Which of N targets the arm reaches inside its limits, without the nearest configuration and the reason.
 
-    A target outside the tool's ball (`reach_ball`) is not met. The arm's closed form decides which others are met
-    exactly, if it has one for these targets; a few searches decide which of the rest are met within the tolerances.
-    Without one, `restarts` searches decide, and may miss a configuration: on a grid of voxels one in 10,000. The first
-    search begins at the answer before, so put neighbours one after the other. It begins at theta0 again after each 4096
-    targets. So the parts of a call that is divided there give the same bits, as do any `threads`.
+    A target outside the tool's ball (`reach_ball`) is not reached. The arm's closed form decides which others are
+    reached exactly, if it has one for these targets; a few searches decide which of the rest are reached within the
+    tolerances. Without one, `restarts` searches decide, and may miss a configuration: on a grid of voxels one in
+    10,000. The first search begins at the answer before, so put neighbours one after the other. It begins at theta0
+    again after each 4096 targets. So the parts of a call that is divided there give the same bits, as do any `threads`.
 
     Args:
         arm: The arm.
@@ -94,6 +93,7 @@ def reachable(
     """
     chain = require_arm(arm).require_core("reachable")
     request = checked(arm, theta0, None, position_tol, orientation_tol, restarts, 0, None)
+    tolerances = request.tolerances
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
     require_callback(progress, "progress", "(fraction)")
     groups = [group for group in _groups(arm, targets, direction) if len(group.places)]
@@ -111,8 +111,9 @@ def reachable(
         for left, searches in rest:
             at = group.places[left]
             chunks = np.searchsorted(at, np.arange(0, count + CHUNK, CHUNK)).astype(np.float64)
-            how = *replace(request, restarts=searches).for_core[:5], chunks, workers, progress and report
-            answers = chain.reachable(group.like.kind, group.numbers[left], *how)
+            how = tolerances.position, tolerances.orientation, searches, request.seed, chunks
+            numbers, callback = group.numbers[left], progress and report
+            answers = chain.reachable(group.like.kind, numbers, request.theta0, *how, workers, callback)
             assert answers is not None, "what was checked is plain"
             found.converged[at], found.theta[at] = answers
             decided += len(left)
@@ -136,13 +137,13 @@ def _groups(arm: Arm, targets: Any, direction: ArrayLike | None) -> Iterator[_Gr
         with suppress(InputError):  # raised below, with the place of the wrong pose
             yield _Group(Pose(np.eye(4)), True, np.arange(len(given)), as_pose(given, "targets"))
             return
-    asked = targets_for(arm, targets, checked_target)
+    goals = targets_for(arm, targets, checked_target)
     alike: dict[tuple[int, bool], list[int]] = {}
-    for i, target in enumerate(asked):
+    for i, target in enumerate(goals):
         own = not isinstance(target, Approach) or np.array_equal(target.axis, arm.tool_axis)
         alike.setdefault((target.kind, own), []).append(i)
     for (_, own), places in alike.items():
-        yield _Group(asked[places[0]], own, np.asarray(places), np.array([asked[i].numbers for i in places]))
+        yield _Group(goals[places[0]], own, np.asarray(places), np.array([goals[i].numbers for i in places]))
 
 
 def _axes(like: AnyTarget, shape: tuple[int, ...], direction: ArrayLike | None) -> list[Array]:
@@ -174,10 +175,10 @@ def _left_by_closed_form(
 ) -> list[tuple[NDArray[np.int64], int]]:
     """Write what the closed form decides into `found`. Returns the rest of `some`, and the searches for each of them.
 
-    A target that no configuration meets exactly may still be met within tolerances that are not tight.
+    A target that no configuration reaches exactly may still be reached within tolerances that are not tight.
     """
     method, tolerances = family_for(arm, group.like) if group.own else None, request.tolerances
-    if method is None or method.core is None or method.swept or not method.exact:
+    if method is None or method.core is None or method.sampled or not method.exact:
         return [(some, request.restarts)]
     open_, excluded, exact = [some[:0]], [some[:0]], tolerances.at_most(EXACT)
     for begin in range(0, len(some), AT_ONCE):

@@ -17,6 +17,7 @@ from ..support.errors import InputError, listed, quote
 from .task_space import Tolerances
 
 T = TypeVar("T")
+Options = tuple[float, float, int, Any, float | None]  # Tolerances [m], [rad], restarts, rng and max_time of a call.
 
 LEAST_TOLERANCE = 1e-12  # Smaller tolerances need more digits than forward kinematics has.
 
@@ -40,17 +41,10 @@ class Request:
     max_time: float
 
     @property
-    def for_core(self) -> tuple[Array, float, float, int, int, float | None, Array | None]:
-        """The request as the compiled core's arguments, after the target's kind and numbers."""
+    def options(self) -> Options:
+        """The arguments of the compiled core between the start and the posture."""
         seconds = None if math.isinf(self.max_time) else self.max_time
-        tolerances = self.tolerances
-        return self.theta0, tolerances.position, tolerances.orientation, self.restarts, self.seed, seconds, self.posture
-
-    @property
-    def keywords(self) -> dict[str, Any]:
-        """The request as keyword arguments of `solve_ik` and `solve_ik_batch`."""
-        names = "theta0", "position_tol", "orientation_tol", "restarts", "rng", "max_time", "posture"
-        return dict(zip(names, self.for_core, strict=True))
+        return self.tolerances.position, self.tolerances.orientation, self.restarts, self.seed, seconds
 
 
 def named(arm: Arm, given: Any, start: Any = None) -> Any:
@@ -107,10 +101,10 @@ def _start(arm: Arm, theta0: ArrayLike | None, count: int | None) -> Array:
         )
     if given.ndim == 1 or (count is not None and given.shape == (count, arm.n)):
         return frozen(given)
-    raise InputError(f"theta0 must be one configuration of shape ({arm.n},){_each(arm, count)}; got {given.shape}")
+    raise InputError(f"theta0 must be one configuration of shape ({arm.n},){_or_batch(arm, count)}; got {given.shape}")
 
 
-def _each(arm: Arm, count: int | None) -> str:
+def _or_batch(arm: Arm, count: int | None) -> str:
     return "" if count is None else f" or one for each target ({count}, {arm.n})"
 
 
@@ -126,7 +120,7 @@ def _posture(arm: Arm, posture: ArrayLike | str | None, start: Array, count: int
     if given.ndim == 1 or (count is not None and given.shape == (count, arm.n)):
         return frozen(given)
     raise InputError(
-        f"posture must be 'theta0', 'middle' or one configuration ({arm.n},){_each(arm, count)}; got {given.shape}"
+        f"posture must be 'theta0', 'middle' or one configuration ({arm.n},){_or_batch(arm, count)}; got {given.shape}"
     )
 
 

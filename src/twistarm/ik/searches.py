@@ -18,7 +18,7 @@ from .task_space import USUAL, Tolerances
 
 
 class Searched(NamedTuple):
-    """Ends of searches (k, n), which meet their targets (k,), and their number."""
+    """Ends of searches (k, n), which reach their targets (k,), and their number."""
 
     theta: Array
     converged: NDArray[np.bool_]
@@ -26,7 +26,7 @@ class Searched(NamedTuple):
 
     @property
     def solutions(self) -> Array:
-        """The configurations that meet their targets, (m, n)."""
+        """The configurations that reach their targets, (m, n)."""
         return self.theta[self.converged]
 
 

@@ -1,4 +1,4 @@
-"""Self-motions: motions of the arm that keep a target met. Answers that one of them connects are one family."""
+"""Self-motions: motions of the arm that keep a target reached. Answers that one of them connects are one family."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ from functools import cached_property
 import numpy as np
 
 from ..support.checks import Array
-from .closed_form.roots import DEPENDENT, Asked, joint_difference
+from .closed_form.roots import DEPENDENT, Task, joint_difference
 from .ranges import TURN, joint_ranges
 from .request import Deadline
 
 STEP = 0.2  # Along a self-motion, the norm over the joints [rad, m].
 # Most steps along a curve, in either sense, and straight toward another answer.
 CURVE_STEPS, STRAIGHT_STEPS = 200, 50
-NEIGHBOUR = 0.5  # Two answers nearer than this [rad, m] are together if halfway the target is met, ...
+NEIGHBOUR = 0.5  # Two answers nearer than this [rad, m] are together if halfway the target is reached, ...
 BENT = 0.1  # ... after a correction of at most this share of their distance.
 ACCURACY = 1e-10  # Greatest errors [m, rad] on the way.
 MOST_COMPARED = 300  # Answers of a family, evenly chosen, that may be the nearest to another.
 
 
 @dataclass(frozen=True, eq=False)
-class SelfMotions(Asked):
-    """Motions of the arm that keep the target met, with the joints `still` at rest.
+class SelfMotions(Task):
+    """Motions of the arm that keep the target reached, with the joints `still` at rest.
 
     Their tangents are the null space of the Jacobian. Where that is a line, the answers are a curve, and one walk along
-    it meets them all. Where it has more dimensions, straight walks connect neighbours.
+    it passes them all. Where it has more dimensions, straight walks connect neighbours.
     """
 
     still: tuple[int, ...]

@@ -14,7 +14,7 @@ from ..support.checks import Array
 from ..support.directions import value_in_words
 from ..support.display import short_repr
 from ..support.errors import NotConvergedError, printable
-from ..support.messages import Argument, Quantity, Text, joined
+from ..support.messages import Argument, Quantity, Text, joined, plural
 from ..support.units import length_hint, theta_hint
 from .answer import CLOSED_FORM, CONVERGED, DAMPED, NEAREST, STOPS, Record, StopReason, record_type
 from .ranges import joint_ranges
@@ -136,7 +136,7 @@ class IKResult:
 
     @property
     def certain(self) -> bool:
-        """Whether the closed form proves that nothing inside the limits meets the target exactly."""
+        """Whether the closed form proves that nothing inside the limits reaches the target exactly."""
         return bool(self.record["certain"])
 
     @property
@@ -146,7 +146,7 @@ class IKResult:
 
     @property
     def converged(self) -> bool:
-        """Whether theta meets the target to the tolerances, and is free of collisions with the scene."""
+        """Whether theta reaches the target to the tolerances, and is free of collisions with the scene."""
         return self.record["stop"].item() == 0 and not self._contacts
 
     @property
@@ -165,11 +165,17 @@ class IKResult:
         return tuple(notes if self.converged or self._arm.compiled is not None else [*notes, WITHOUT_CORE])
 
     def explain(self) -> str:
-        """What was asked, what was reached and why not more, line by line. Computed when called."""
-        return explain(self)
+        """The target, what was reached and why not more, line by line. Computed when called."""
+        lines = [f"target of {self.arm.name}: {self.target.describe()}"]
+        lines.append(Text("reached: {errors}", errors=errors_in_words(self)))
+        lines += [] if self.converged else why_not(self)
+        searches = plural(self.restarts, "search", "searches")
+        lines.append(f"found by {self.method}: {self.iterations} iterations, {searches}")
+        notes = [Text("note: {note}", note=note) for note in self.notes]
+        return joined("\n", map(printable, [*lines, *notes]))
 
     def require(self) -> Array:
-        """theta (n,). Raises NotConvergedError, which carries this solution, where the target is not met."""
+        """theta (n,). Raises NotConvergedError, which carries this solution, where the target is not reached."""
         if self.converged:
             return self.theta
         raise NotConvergedError(joined("; ", [summary(self), "solution.explain() says more"]), self)
@@ -205,20 +211,8 @@ class IKResult:
         return short_repr("IKResult", {"stop": self.stop, "theta": self.theta, **off, "method": self.method})
 
 
-def explain(solution: IKResult) -> str:
-    """The solution in words, line by line."""
-    asked = f"asked of {solution.arm.name}: {solution.target.describe()}"
-    lines = [asked, Text("reached: {errors}", errors=reached(solution))]
-    if not solution.converged:
-        lines += why_not(solution)
-    searches = "1 search" if solution.restarts == 1 else f"{solution.restarts} searches"
-    lines.append(f"found by {solution.method}: {solution.iterations} iterations, {searches}")
-    notes = [Text("note: {note}", note=note) for note in solution.notes]
-    return joined("\n", map(printable, [*lines, *notes]))
-
-
 def why_not(solution: IKResult) -> list[str]:
-    """The reason why the target is not met, line by line."""
+    """The reason why the target is not reached, line by line."""
     return [f"reason: {solution.stop.value}", *(f"  {line}" for line in _why(solution))]
 
 
@@ -236,11 +230,11 @@ def in_one_line(solution: IKResult) -> str:
 
 
 def _missed(solution: IKResult) -> str:
-    what = "{arm} does not meet {target}: {errors}"
-    return Text(what, arm=solution.arm.name, target=solution.target.describe(), errors=reached(solution))
+    what = "{arm} does not reach {target}: {errors}"
+    return Text(what, arm=solution.arm.name, target=solution.target.describe(), errors=errors_in_words(solution))
 
 
-def reached(solution: IKResult) -> str:
+def errors_in_words(solution: IKResult) -> str:
     """The two errors in words."""
     if math.isinf(solution.position_error):
         return "nothing yet"
@@ -253,7 +247,9 @@ def reached(solution: IKResult) -> str:
         off = Text("position {off} off{wider}{hint}", off=_length(solution.position_error), wider=wider, hint=hint)
         parts.append(off if solution.position_error > tolerances.position else "position reached")
     if len(solution.target._rotation_tolerance):
-        wider = _wider(solution.orientation_error, tolerances.orientation, "orientation_tol", "rad") or _eased(solution)
+        wider = _wider(
+            solution.orientation_error, tolerances.orientation, "orientation_tol", "rad"
+        ) or _wider_position_tolerance(solution)
         angle, which = _degrees(solution.orientation_error), OFF_BY[type(solution.target)]
         off = Text("orientation {angle} off, {which}{wider}", angle=angle, which=which, wider=wider)
         parts.append(off if solution.orientation_error > tolerances.orientation else "orientation reached")
@@ -268,8 +264,8 @@ def _wider(error: float, tolerance: float, argument: str, unit: str) -> str:
     return Text(what, tolerance=Quantity(tolerance, unit), argument=Argument(argument, None))
 
 
-def _eased(solution: IKResult) -> str:
-    """The wider position tolerance with which the arm meets the rotation."""
+def _wider_position_tolerance(solution: IKResult) -> str:
+    """The wider position tolerance with which the arm reaches the rotation."""
     chain, target, tolerances = solution.arm.compiled, solution.target, solution.tolerances
     if chain is None or solution.position_error > tolerances.position or not len(target._position_tolerance):
         return ""
@@ -292,7 +288,7 @@ def _why(solution: IKResult) -> list[str]:
         return [*map(str, solution.contacts[:3]), help_]
     if solution.stop is StopReason.EXHAUSTED:
         nearest = solution.method == NEAREST
-        what = "the search for the nearest did not converge" if nearest else "no search met the target"
+        what = "the search for the nearest did not converge" if nearest else "no search reached the target"
         return [f"{what}; try more restarts, another rng or another theta0"]
     lines = _blocked(solution) if solution.stop is StopReason.BLOCKED_BY_LIMITS else _missing(solution)
     bounds = at_bounds(solution)
@@ -329,12 +325,12 @@ def _blocked(solution: IKResult) -> list[str]:
     where = f"for one with {', '.join(needs)}" if needs else "a hair beyond them"
     rotation = solution.target.orientation_error(arm.fk(theta))
     if rotation <= solution.tolerances.orientation:
-        return [f"without limits it could be met, {where}"]
+        return [f"without limits it could be reached, {where}"]
     if solution.position_error > solution.tolerances.position:
-        return [f"without limits its position could be met, {where}", *_impossible(solution, theta)]
+        return [f"without limits its position could be reached, {where}", *_impossible(solution, theta)]
     return [
         f"{_degrees(solution.orientation_error - rotation)} of the rotation are prevented by limits",
-        f"without limits it could be met to within {_degrees(rotation)}, {where}",
+        f"without limits it could be reached to within {_degrees(rotation)}, {where}",
         *_impossible(solution, theta),
     ]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +14,7 @@ from . import textbook
 from .answer import CONVERGED, record_type
 from .certainty import decide
 from .ranges import joint_ranges
-from .request import Deadline, checked, named
+from .request import Deadline, Options, checked, named
 from .solution import IKResult
 from .targets import Pose, TargetLike, checked_target, target_for
 from .task_space import ORIENTATION_TOL, POSITION_TOL
@@ -45,7 +45,7 @@ def solve_ik(
     The first search begins at `theta0`, brought inside the limits. The starts of the others depend only on the target,
     the seed `rng` and their number. So the same call gives the same bits, unless `max_time` cuts it short. Continuous
     joints come back as near to theta0 as the limits allow. A configuration within 0.2 rad (0.2 reaches) of theta0 that
-    meets the target is the answer, if a search finds one. Otherwise, for a target within 0.02 reaches and 3° of
+    reaches the target is the answer, if a search finds one. Otherwise, for a target within 0.02 reaches and 3° of
     theta0's pose, the nearest found is the answer. `notes` says so.
 
     Every search aims at the target itself. A configuration that misses by no more than the tolerances is the answer
@@ -53,11 +53,11 @@ def solve_ik(
 
     A redundant arm moves in the null space toward `posture`, to a minimum of ‖θ − posture‖².
 
-    With a `scene` an answer that meets the target collides with nothing. It is the nearest such one found. `stop` is
+    With a `scene` an answer that reaches the target collides with nothing. It is the nearest such one found. `stop` is
     IN_COLLISION if every configuration found collides, and `contacts` are the pairs.
 
-    A target that cannot be met is no error. The solution is then the nearest configuration: the least position error
-    inside the limits, then the least rotation error there. `stop` and `explain()` say why.
+    A target that cannot be reached is no error. The solution is then the nearest configuration: the least position
+    error inside the limits, then the least rotation error there. `stop` and `explain()` say why.
 
     Args:
         arm: The arm.
@@ -81,40 +81,43 @@ def solve_ik(
         from ..collision import require_scene
 
         require_scene(scene, arm)
-        first = solve_ik(
-            arm, target, theta0, position_tol=position_tol, orientation_tol=orientation_tol, restarts=restarts,
-            max_time=max_time, rng=rng, posture=posture,
-        )  # fmt: skip
-        free = not first.converged or not scene.collides(first.theta)
-        return first if free else collision_free(scene, first, Deadline.after(max_time))
-    chain = (arm if type(arm) is Arm else require_arm(arm)).compiled
-    if chain is None:
-        asked = checked_target(arm, target)
-        request = checked(arm, theta0, posture, position_tol, orientation_tol, restarts, rng, max_time)
+    options = position_tol, orientation_tol, restarts, rng, max_time
+    if (arm if type(arm) is Arm else require_arm(arm)).compiled is not None:
+        found = _by_core(arm, target, theta0, posture, options)
+    else:
+        goal, request = checked_target(arm, target), checked(arm, theta0, posture, *options)
         if posture is not None and not (isinstance(posture, str) and posture == "theta0"):
             arm.require_core("a posture other than 'theta0'")
-        return IKResult(arm, textbook.solve(arm, asked, request), asked)
+        found = IKResult(arm, textbook.solve(arm, goal, request), goal)
+    if scene is None or not found.converged or not scene.collides(found.theta):
+        return found
+    return collision_free(scene, found, Deadline.after(max_time))
+
+
+def _by_core(arm: Arm, target: TargetLike, theta0: Any, posture: Any, options: Options) -> IKResult:
+    """The compiled core's answer."""
+    assert arm.compiled is not None
     # An array of a pose becomes a `Pose` only when somebody asks for it: that takes as long as the search.
     given = None if type(target) is np.ndarray else target_for(arm, target)
     kind, numbers = (Pose.kind, target) if given is None else (given.kind, given.numbers)
     start = arm.ready if theta0 is None else named(arm, theta0)
     preferred = None if posture is None else named(arm, posture, start)
-    answer = chain.solve(kind, numbers, start, position_tol, orientation_tol, restarts, rng, max_time, preferred)
+    answer = arm.compiled.solve(kind, numbers, start, *options, preferred)
     if answer is None:
         # The core takes plain arrays and numbers in their ranges. The checks convert the others, or say what is wrong.
-        request = checked(arm, theta0, posture, position_tol, orientation_tol, restarts, rng, max_time)
-        return solve_ik(arm, checked_target(arm, target), **request.keywords)
+        request = checked(arm, theta0, posture, *options)
+        return _by_core(arm, checked_target(arm, target), request.theta0, request.posture, request.options)
     stop, record = answer
     found = IKResult(arm, record, given)
     if stop != CONVERGED:
-        decide(arm, found.target, np.ndarray((), record_type(arm.n), record), max_time is None)
+        decide(arm, found.target, np.ndarray((), record_type(arm.n), record), options[-1] is None)
     return found
 
 
 def collision_free(scene: Scene, first: IKResult, deadline: Deadline) -> IKResult:
-    """The nearest free configuration that meets the target of `first`, or `first` with its contacts.
+    """The nearest free configuration that reaches the target of `first`, or `first` with its contacts.
 
-    `first` meets the target and collides. Searches start near theta0, then at random configurations.
+    `first` reaches the target and collides. Searches start near theta0, then at random configurations.
     """
     arm, start = first.arm, first.record["theta0"]
     for candidates in _rounds(arm, first, start):
@@ -131,7 +134,7 @@ def collision_free(scene: Scene, first: IKResult, deadline: Deadline) -> IKResul
 
 
 def _rounds(arm: Arm, first: IKResult, start: Array) -> Iterator[Array]:
-    """Configurations (k, n) that meet the target, several at a time."""
+    """Configurations (k, n) that reach the target, several at a time."""
     tolerances, chain, target = first.tolerances, arm.require_core("solve_ik with a scene"), first.target
     numbers = np.repeat(target.numbers[None], SEARCHES, axis=0)
     rng, ranges = np.random.default_rng(0), joint_ranges(arm)  # one seed: equal calls give equal bits

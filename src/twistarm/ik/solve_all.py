@@ -1,4 +1,4 @@
-"""`solve_ik_all`: every configuration that meets a target."""
+"""`solve_ik_all`: every configuration that reaches a target."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
-from ..support.checks import as_flag, as_given, as_number, as_whole, frozen, require_callback
+from ..support.checks import Array, as_flag, as_given, as_number, as_whole, frozen, require_callback
 from ..support.errors import InputError, NoClosedFormError, quote, unknown_name
 from ..support.messages import Quantity, Text
 from .all_solutions import AllSolutions
 from .answer import Configurations
 from .batch import Progress
-from .closed_form.methods import closest_miss_of, known_method, method_for
+from .closed_form.methods import Method, closest_miss_of, known_method, method_for
 from .closed_form.roots import Root
 from .gathering import Gathering, Members
 from .ranges import locked_joints
 from .request import Deadline, checked
-from .targets import Approach, Pose, TargetLike, checked_target, target_for
+from .targets import AnyTarget, Approach, Pose, TargetLike, checked_target, target_for
 from .task_space import ORIENTATION_TOL, POSITION_TOL, Tolerances
 
 if TYPE_CHECKING:
@@ -47,22 +47,22 @@ def solve_ik_all(
     scene: Scene | None = None,
     progress: Progress | None = None,
 ) -> AllSolutions:
-    """Every configuration inside the limits that meets `target`, verified, nearest to `theta0` first.
+    """Every configuration inside the limits that reaches `target`, verified, nearest to `theta0` first.
 
     Distance is the largest joint difference, in shares of the joint's range (else 2π or 1 m).
 
     The closed form solves an arm's family: joints with parallel or intersecting axes, and at most three others.
     Elimination, an eigenvalue problem, solves five or six joints that turn, whatever their axes. Newton's method
-    corrects each answer until forward kinematics meets the target to rounding. Answers that do not meet it are dropped.
-    Where neither applies, searches from many starts are tried, and `complete` is False. Tolerances count where no
-    configuration meets the target exactly: one of each branch that searches find within them is then listed.
+    corrects each answer until forward kinematics reaches the target to rounding. Answers that do not reach it are
+    dropped. Where neither applies, searches from many starts are tried, and `complete` is False. Tolerances count where
+    no configuration reaches the target exactly: one of each branch that searches find within them is then listed.
 
-    A `Pose` takes up to six joints, an `Approach` up to five, a `Position` up to three. Arms with fewer joints meet the
-    targets that fit them. `explain()` says how far off another is. Of too many joints some are held: at the values in
-    `fixed_joints`, else at `redundancy_samples` values. A joint that only rolls the tool about an `Approach`'s axis
+    A `Pose` takes up to six joints, an `Approach` up to five, a `Position` up to three. Arms with fewer joints reach
+    the targets that fit them. `explain()` says how far off another is. Of too many joints some are held: at the values
+    in `fixed_joints`, else at `redundancy_samples` values. A joint that only rolls the tool about an `Approach`'s axis
     keeps theta0's value.
 
-    Two answers less than 0.01 rad or m apart are one if the target is also met halfway. Answers on one connected
+    Two answers less than 0.01 rad or m apart are one if the target is also reached halfway. Answers on one connected
     self-motion are one, with a free joint at theta0's value if possible.
 
     Sources: MLS §3.3; Pieper 1968; Elias & Wen, IK-Geo, 2022; Raghavan & Roth 1993.
@@ -96,53 +96,58 @@ def solve_ik_all(
         from ..collision import require_scene
 
         require_scene(scene, arm)
-        found = solve_ik_all(
-            arm, target, theta0, fixed_joints=fixed_joints, redundancy_samples=redundancy_samples,
-            include_turns=include_turns, closed_form=closed_form, position_tol=position_tol,
-            orientation_tol=orientation_tol, max_time=max_time, progress=progress,
-        )  # fmt: skip
-        return replace(found, _colliding=scene.collides(found.theta))
     # What is plainly right goes straight to the core; checking it here would cost more than solving it.
-    # Types and values both: 32.0 or an array meets the checks below.
+    # Types and values both: 32.0 or an array fails the test and is checked below.
     plain = type(redundancy_samples) is int and redundancy_samples == DEFAULT_SAMPLES and type(closed_form) is bool
-    if plain and include_turns is False and fixed_joints is None and max_time is None and progress is None:
-        answer = _at_once(require_arm(arm), target, theta0, position_tol, orientation_tol)
-        if answer is not None and len(answer):
-            return answer
-    require_arm(arm).require_core("solve_ik_all")
-    asked = checked_target(arm, target)
-    request = checked(arm, theta0, None, position_tol, orientation_tol, 1, 0, max_time)
-    require_callback(progress, "progress", "(fraction)")
-    as_flag(include_turns, "include_turns")
-    as_flag(closed_form, "closed_form")
-    count = as_whole(redundancy_samples, "redundancy_samples", 1, 1000)
+    plain = plain and include_turns is False and fixed_joints is None and max_time is None and progress is None
+    answer = _at_once(require_arm(arm), target, theta0, position_tol, orientation_tol) if plain else None
+    if answer is None or not len(answer):
+        require_arm(arm).require_core("solve_ik_all")
+        goal = checked_target(arm, target)
+        request = checked(arm, theta0, None, position_tol, orientation_tol, 1, 0, max_time)
+        require_callback(progress, "progress", "(fraction)")
+        as_flag(include_turns, "include_turns")
+        as_flag(closed_form, "closed_form")
+        count = as_whole(redundancy_samples, "redundancy_samples", 1, 1000)
+        method, near = _method_and_start(arm, goal, request.theta0, fixed_joints, closed_form)
+        exact, deadline = request.tolerances.at_most(ROUNDING), Deadline.after(request.max_time)
+        task = Gathering(arm, goal, exact, near, method, deadline, progress)
+        answer = _answered(task, request.tolerances, count, include_turns)
+    return answer if scene is None else replace(answer, _colliding=scene.collides(answer.theta))
+
+
+def _method_and_start(
+    arm: Arm, goal: AnyTarget, theta0: Array, fixed_joints: Mapping[str, float] | None, closed_form: bool
+) -> tuple[Method, Array]:
+    """The method with the joints at their fixed values, and theta0 (n,) with these. NoClosedFormError without one."""
     fixed = checked_fixed_joints(arm, fixed_joints)
-    method = method_for(arm, asked, tuple(fixed))
+    method = method_for(arm, goal, tuple(fixed))
     if closed_form and method.family is None:
         miss = f"{closest_miss_of(arm, method)[1]}; elimination solves it numerically, without closed_form=True"
-        raise NoClosedFormError(f"{arm.name} has no closed form for a {type(asked).__name__}: {method.reason or miss}")
-    near = np.array(request.theta0)
+        raise NoClosedFormError(f"{arm.name} has no closed form for a {type(goal).__name__}: {method.reason or miss}")
+    near = np.array(theta0)
     near[list(fixed)] = list(fixed.values())
-    deadline = Deadline.after(request.max_time)
-    task = Gathering(arm, asked, request.tolerances.at_most(ROUNDING), near, method, deadline, progress)
-    answer = _answered(task, count, include_turns)
-    if not (len(answer) or answer.timed_out or request.tolerances == task.tolerances):
-        roots, *tries = task.within(request.tolerances)
-        if roots:
-            answer = task.assembled(
-                [Members([root], root.theta[None]) for root in roots], include_turns, (tries[0], tries[1]), False
-            )
-    return replace(answer, _tolerances=request.tolerances)
+    return method, near
 
 
-def _answered(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
+def _answered(task: Gathering, tolerances: Tolerances, count: int, include_turns: bool) -> AllSolutions:
+    """The answers, exact ones where there are any, else within the tolerances."""
+    answer = _exact_answers(task, count, include_turns)
+    if not (len(answer) or answer.timed_out or tolerances == task.tolerances):
+        roots, run, hits = task.within_tolerances(tolerances)
+        families = [Members([root], root.theta[None]) for root in roots]
+        answer = task.assembled(families, include_turns, (run, hits), False) if roots else answer
+    return replace(answer, _tolerances=tolerances)
+
+
+def _exact_answers(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
     """The answers of the method, with `count` values of each sampled joint."""
     method, values = task.method, task.held_values(count)
     known = None if method.core is None else task.compiled(values)
-    if method.judge is not None and not method.swept:
+    if method.verifier is not None and not method.sampled:
         known = task.eliminated(values[0])
     more = 0 if known is not None and method.exact else task.searches
-    if known is not None and not method.swept:
+    if known is not None and not method.sampled:
         if known.families:
             known = None  # the core keeps one of all families that move the same joints
         elif not include_turns:
@@ -155,13 +160,18 @@ def _answered(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
         pairs = zip(known.theta, known.moves, strict=True)
         found = [Root(theta, tuple(np.flatnonzero(moves).tolist())) for theta, moves in pairs]
         starts, hits = (len(values), known.hits) if len(values) > 1 else (0, 0)
-    if method.there and method.swept and not task.inside([root.theta for root in found]) and not task.deadline.passed:
+    if (
+        method.algebraic
+        and method.sampled
+        and not task.inside([root.theta for root in found])
+        and not task.deadline.passed
+    ):
         members, tried, converged = replace(task, progress=None).solved(task.values_found())
         found, starts, hits = found + members, starts + tried, hits + converged
     families = task.families(found)
     missed = False
     if more:
-        beside, run, converged = task.searched(more, found, int(method.there))
+        beside, run, converged = task.searched(more, found, int(method.algebraic))
         before, families = len(families), task.families(found + beside) if beside else families
         missed = len(families) > before
         if missed or not method.exact:
@@ -177,7 +187,7 @@ def _at_once(
     given = np.array(as_given(target)) if type(target) is np.ndarray else target_for(arm, target)
     like, numbers = (Pose, given) if isinstance(given, np.ndarray) else (type(given), given.numbers)
     method = known_method(arm, like, given.axis.tobytes() if isinstance(given, Approach) else None)
-    if method is None or method.core is None or method.swept:
+    if method is None or method.core is None or method.sampled:
         return None
     if not (type(position_tol) is type(orientation_tol) is float):
         return None

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from ..support.checks import Array, as_direction, as_number, as_twist, as_vector, frozen
 from ..support.errors import InputError
-from .closed_form.chain import JointAxis, Point, across, along, axis_of, product, settle
+from .closed_form.chain import JointAxis, Point, across, along, axis_of, nearest_motion, product
 from .ranges import Mask
 
 UNIT = 1e-6
@@ -74,7 +74,7 @@ def subproblem_1(xi: ArrayLike, p: ArrayLike, q: ArrayLike) -> Roots:
         q: The wanted point (3,) [m].
     """
     axis, start, goal = _axis(xi, "xi"), _point(p, "p"), _point(q, "q")
-    x, free = settle(axis, start, goal)
+    x, free = nearest_motion(axis, start, goal)
     return _roots((axis,), [x], lambda value: _distance(start.moved(axis.motion(value)), goal), free)
 
 
@@ -96,7 +96,7 @@ def subproblem_2(xi_1: ArrayLike, xi_2: ArrayLike, p: ArrayLike, q: ArrayLike) -
     seconds, free = _second(*axes, start, goal)
     values = [(0.0, 0.0)] * (not seconds)
     for second in seconds:
-        first, any_first = settle(axes[0], start.moved(axes[1].motion(second)), goal)
+        first, any_first = nearest_motion(axes[0], start.moved(axes[1].motion(second)), goal)
         values.append((first, second))
         free = free or any_first
     return _roots(axes, values, lambda value: _distance(start.moved(product(axes, np.array(value))), goal), free)

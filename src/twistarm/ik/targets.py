@@ -76,7 +76,7 @@ class Pose(Brief):
         angles = one_vector(rpy, "rpy", 3, "")
         if angle_hint(angles):
             raise InputError(f"rpy: {angle_hint(angles)}: numpy.radians converts them")
-        return cls(_posed(p, from_rpy(angles)))
+        return cls(_pose_at(p, from_rpy(angles)))
 
     @classmethod
     def from_quaternion(cls, p: Row, *, wxyz: Row | None = None, xyzw: Row | None = None) -> Pose:
@@ -93,7 +93,7 @@ class Pose(Brief):
         length = float(np.linalg.norm(Q))
         if abs(length - 1.0) > UNIT_LENGTH_TOL:
             raise InputError(f"a quaternion has length 1; this one has {length:.3g}")
-        return cls(_posed(p, from_xyzw(Q)))
+        return cls(_pose_at(p, from_xyzw(Q)))
 
     @property
     def numbers(self) -> Array:
@@ -116,7 +116,7 @@ class Pose(Brief):
         return rotation_errors.angle(self.g[:3, :3].T @ as_frame(g)[:3, :3])
 
     def at(self, g: Array) -> Pose:
-        """The same kind of target, met by the pose g."""
+        """The same kind of target, reached by the pose g."""
         return Pose(g)
 
     def describe(self) -> str:
@@ -161,7 +161,7 @@ class Position(Brief):
         return 0.0
 
     def at(self, g: Array) -> Position:
-        """The same kind of target, met by the pose g."""
+        """The same kind of target, reached by the pose g."""
         return Position(as_frame(g)[:3, 3])
 
     def describe(self) -> str:
@@ -245,7 +245,7 @@ class Approach(Brief):
         return math.atan2(math.sqrt(turn @ turn), float(axis @ self.direction))
 
     def at(self, g: Array) -> Approach:
-        """The same kind of target, met by the pose g."""
+        """The same kind of target, reached by the pose g."""
         g = as_frame(g)
         return Approach(g[:3, 3], g[:3, :3] @ self.axis, self.axis)
 
@@ -324,7 +324,7 @@ class TolerancedPose(Brief):
         return float(np.linalg.norm(excess(phi[self.held[1]], self._rotation_tolerance)))
 
     def at(self, g: Array) -> TolerancedPose:
-        """The same kind of target, met by the pose g."""
+        """The same kind of target, reached by the pose g."""
         return TolerancedPose(g, self.tolerance, self.frame)
 
     def describe(self) -> str:
@@ -426,7 +426,7 @@ def one_vector(value: Any, name: str, size: int = 3, unit: str = "m") -> Array:
     return frozen(vector)
 
 
-def _posed(p: Row, R: Array) -> Array:
+def _pose_at(p: Row, R: Array) -> Array:
     g = np.eye(4)
     g[:3, :3], g[:3, 3] = R, one_vector(p, "p")
     return g

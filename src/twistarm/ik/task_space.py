@@ -16,7 +16,7 @@ POSITION_TOL, ORIENTATION_TOL = 1e-5, 5e-5
 
 @dataclass(frozen=True)
 class Tolerances:
-    """The greatest errors that count as met: position [m] and orientation [rad]."""
+    """The greatest errors that count as reached: position [m] and orientation [rad]."""
 
     position: float
     orientation: float

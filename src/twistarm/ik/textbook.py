@@ -1,7 +1,7 @@
 """Inverse kinematics by the textbook: damped least squares inside the limits, start after start.
 
-It works without a compiled core. It returns a configuration that meets the target, or the best found. Only the core is
-fast and finds the nearest configuration and the reason: docs/inverse_kinematics.md.
+It works without a compiled core. It returns a configuration that reaches the target, or the best found. Only the core
+is fast and finds the nearest configuration and the reason: docs/inverse_kinematics.md.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from .task_space import Tolerances, excess_rows
 ROTATION_WEIGHT = 0.2
 # λ = DAMPING · E + LEAST_DAMPING: strong far from the target, vanishing with the error (Chan & Lawrence).
 DAMPING, LEAST_DAMPING = 0.03, 1e-9
-# Errors [m, rad] below which a search has met its target, and below which it also stops.
+# Errors [m, rad] below which a search has reached its target, and below which it also stops.
 EXACT, POLISHED = 1e-6, 1e-9
 
 ITERATIONS = 30
@@ -55,7 +55,7 @@ class Problem(NamedTuple):
 def solve(arm: Arm, target: AnyTarget, request: Request) -> Record:
     """At most `request.restarts` searches, the first from theta0, the others from random configurations.
 
-    The first search that meets the target exactly answers. Otherwise the best of them answers: one within the
+    The first search that reaches the target exactly answers. Otherwise the best of them answers: one within the
     tolerances first, then the position counts, then the rotation.
     """
     problem = Problem(arm, joint_ranges(arm), target, request.tolerances)
@@ -120,7 +120,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
 
 
 def _rank(problem: Problem, end: Search) -> tuple[bool, bool, float, float]:
-    """A key that sorts ends: met exactly, met within the tolerances, the position missed, the rotation."""
+    """A key that sorts ends: reached exactly, reached within the tolerances, the position missed, the rotation."""
     position, orientation = end.errors
     missed = 0.0 if position <= problem.tolerances.position else position
     return not problem.tolerances.at_most(EXACT).converged(*end.errors), not end.converged, missed, orientation

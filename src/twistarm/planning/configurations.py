@@ -184,7 +184,7 @@ def _by_closed_form(arm: Arm, target: AnyTarget, starts: Array) -> tuple[Array, 
     if method.core is None:
         return starts[:0], False
     held = list(method.held)
-    values = np.ascontiguousarray(starts[: None if method.swept else FREE_VALUES, held]) if held else None
+    values = np.ascontiguousarray(starts[: None if method.sampled else FREE_VALUES, held]) if held else None
     answer = method.core.solve(target.numbers, np.array(starts[0]), values, EXACT, EXACT)
     assert answer is not None, "what was checked is plain"
     found = Configurations(*answer)

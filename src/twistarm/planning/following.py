@@ -145,7 +145,7 @@ class _Climber:
     def _by_closed_form(self, moving: MovingTarget, ideal: Array, near: Array) -> Solutions | None:
         """Return the nearest answer to each target. The arm's family must give all of them and hold no joint."""
         method = family_method(self.arm, moving.like)
-        if method.core is None or method.swept:
+        if method.core is None or method.sampled:
             return None
         targets = targets_at(moving.like, ideal)
         numbers = targets if isinstance(targets, np.ndarray) else np.array([target.numbers for target in targets])

@@ -127,7 +127,7 @@ class ServoOutput(Brief):
     halted: bool = False
     contact: Contact | None = None
     _why: str | None = field(default=None, repr=False)
-    _asked: StepRequest | None = field(default=None, repr=False)
+    _request: StepRequest | None = field(default=None, repr=False)
 
     @property
     def status(self) -> str:
@@ -142,7 +142,8 @@ class ServoOutput(Brief):
         It names the joint or motor and its limit, the motion that the arm lacks, or the command's error. "stopped on
         its course" precedes it if settings.on_unreachable stopped the arm.
         """
-        on_course = self._asked is not None and self._asked.stops and self.scale * (1.0 - self.lost_share) < STANDSTILL
+        stands = self.scale * (1.0 - self.lost_share) < STANDSTILL
+        on_course = stands and self._request is not None and self._request.stops
         if on_course and self._words != ServoReason.MOVING.words and self.reason is not ServoReason.IMPOSSIBLE:
             return f"stopped on its course: {self._words}"
         return self._words
@@ -163,8 +164,8 @@ class ServoOutput(Brief):
         complete = self.status == "OK" and self._missing_share < NOTABLE_LOSS
         if complete and self.scale < ALL:
             return ServoReason.CHANGING_SPEED.words
-        if self._asked and not (complete and self.lost_share < NOTABLE_LOSS):
-            return _missing(self._asked, self.lost_twist, self.joint, self.share)[1]
+        if self._request and not (complete and self.lost_share < NOTABLE_LOSS):
+            return _missing(self._request, self.lost_twist, self.joint, self.share)[1]
         return self.reason.words
 
     @property
@@ -175,10 +176,10 @@ class ServoOutput(Brief):
     @property
     def _missing_share(self) -> float:
         """aᵀ lost / |a|² for the commanded twist a, metres measured in the reach; `lost_share` for other commands."""
-        asked, share = self._asked, self.lost_share
-        if asked is not None and isinstance(asked.command, TwistCommand) and asked.command.numbers.any():
-            scale = np.repeat([1.0 / asked.arm.reach, 1.0], 3)
-            twist = asked.command.numbers * scale
+        request, share = self._request, self.lost_share
+        if request is not None and isinstance(request.command, TwistCommand) and request.command.numbers.any():
+            scale = np.repeat([1.0 / request.arm.reach, 1.0], 3)
+            twist = request.command.numbers * scale
             share = float(twist @ (self.lost_twist * scale) / (twist @ twist))
         return min(max(share, 0.0), 1.0)
 
@@ -193,11 +194,11 @@ class ServoOutput(Brief):
         return cls(theta_dot, ServoReason.STALE, 0.0, _NOTHING_LOST, 0.0, None, (0.0, 0.0), _why=reason)
 
 
-def output_of(step: CoreStep, bounds: ServoBounds, asked: StepRequest, contact: Contact | None) -> ServoOutput:
+def output_of(step: CoreStep, bounds: ServoBounds, request: StepRequest, contact: Contact | None) -> ServoOutput:
     """The output for an answer of the compiled step, with `contact`, the pair of bodies that holds the arm."""
     reason = REASON_OF_CAUSE[step.cause]
     near = reason is ServoReason.COLLISION
-    names = asked.arm.joint_names if reason is ServoReason.SINGULARITY else bounds.motion.names
+    names = request.arm.joint_names if reason is ServoReason.SINGULARITY else bounds.motion.names
     joint = names[step.row] if step.row >= 0 and not near else None
     if reason is ServoReason.MOVING and step.lost_share >= NOTABLE_LOSS:
         reason = ServoReason.TURN_LOST
@@ -205,24 +206,24 @@ def output_of(step: CoreStep, bounds: ServoBounds, asked: StepRequest, contact: 
         reason = ServoReason.CHANGING_SPEED
     output = ServoOutput(
         step.theta_dot, reason, step.scale, step.lost, step.lost_share, joint, (step.position, step.angle),
-        step.halted, contact, _asked=asked,
+        step.halted, contact, _request=request,
     )  # fmt: skip
     if joint is not None or near or step.lost_share <= ALL or output._missing_share <= ALL:
         return output
-    nowhere, why = _missing(asked, step.lost, joint, 0.0)
+    nowhere, why = _missing(request, step.lost, joint, 0.0)
     return replace(output, reason=ServoReason.IMPOSSIBLE if nowhere else ServoReason.SINGULARITY, _why=why)
 
 
-def _missing(asked: StepRequest, lost: Array, joint: str | None, share: float) -> tuple[bool, str]:
+def _missing(request: StepRequest, lost: Array, joint: str | None, share: float) -> tuple[bool, str]:
     """The graver half of the lost twist (6,): whether the arm has it nowhere, and words."""
-    angular = np.linalg.norm(lost[3:]) * asked.arm.reach >= np.linalg.norm(lost[:3])
+    angular = np.linalg.norm(lost[3:]) * request.arm.reach >= np.linalg.norm(lost[:3])
     half, way = (ANGULAR, "turn") if angular else (LINEAR, "move")
     part = lost[list(half)]
     unit = part / max(float(np.linalg.norm(part)), np.finfo(float).tiny)
-    twist = asked.command if isinstance(asked.command, TwistCommand) else None
+    twist = request.command if isinstance(request.command, TwistCommand) else None
     frame = BASE if twist is None else twist.frame
     before, held = _prior_components(twist, half)
-    nowhere = lacks(asked.arm, asked.theta, half, unit, frame, before)
+    nowhere = lacks(request.arm, request.theta, half, unit, frame, before)
     on_the_way = angular and twist is not None and not twist.twist[3:].any()
     if not nowhere:
         # An axis that the lost direction has for good: numbers would change from step to step.

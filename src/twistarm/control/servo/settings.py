@@ -95,7 +95,7 @@ def bounds_of(arm: Arm, settings: ServoSettings) -> ServoBounds:
         known = _KNOWN.setdefault(arm, {})
     found = known.get(settings)
     if found is None:
-        found = known.setdefault(settings, _made(arm, settings))
+        found = known.setdefault(settings, _prepare(arm, settings))
     return found
 
 
@@ -114,7 +114,7 @@ def servo_numbers(arm: Arm, settings: ServoSettings) -> tuple[MotionLimits, tupl
     return motion, doubles, (length, settings.singularity_threshold, settings.damping)
 
 
-def _made(arm: Arm, settings: ServoSettings) -> ServoBounds:
+def _prepare(arm: Arm, settings: ServoSettings) -> ServoBounds:
     (motion, arrays, numbers), stops = servo_numbers(arm, settings), settings.on_unreachable == STOP
     compiled = engine.servo_of(arrays, *numbers, stops)
     return ServoBounds(motion, frozen(arrays[-2]), arm.ready, *numbers, stops, compiled)

@@ -272,7 +272,7 @@ class Cycles(ABC, Generic[C]):
 
     def _braked(self, now: float, reason: str) -> Setpoint:
         """One step toward rest of each joint alone, as fast as its acceleration limit allows."""
-        assert self.state is not None  # whoever steps has asked
+        assert self.state is not None  # a step needs a state, and its caller has checked that
         state, output = servo_step(self.arm, self.state, None, self._elapsed(now), settings=self.settings)
         return self._moved(state, ServoOutput.stale(output.theta_dot, reason), now, follow=False)
 

@@ -129,7 +129,7 @@ class Streaming(Cycles[Cycle]):
     def _step(self, command: AnyCommand | None, now: float, reason: str) -> Setpoint:
         if command is None:
             return self._braked(now, reason)
-        assert self.state is not None  # whoever steps has asked
+        assert self.state is not None  # a step needs a state, and its caller has checked that
         dt = self._elapsed(now)
         state, output = servo_step(
             self._commanded_arm, self.state, command, dt, settings=self.settings, scene=self.scene

@@ -1,1 +1,1 @@
-"""All configurations that meet a target: families with a closed form, elimination, verification."""
+"""All configurations that reach a target: families with a closed form, elimination, verification."""

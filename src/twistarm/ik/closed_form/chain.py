@@ -109,7 +109,7 @@ def product(axes: tuple[JointAxis, ...], x: Array) -> Array:
     return g
 
 
-def settle(axis: JointAxis, X: Point, Y: Point) -> tuple[float, bool]:
+def nearest_motion(axis: JointAxis, X: Point, Y: Point) -> tuple[float, bool]:
     """The x that brings E(x) X nearest to Y, and whether all do: Paden–Kahan subproblem 1, MLS §3.3.2."""
     if axis.slides:
         return float(axis.w @ (Y.p - X.p)), False
@@ -209,7 +209,7 @@ def chain_for(arm: Arm, like: AnyTarget) -> Chain:
 
 
 def goal(arm: Arm, target: AnyTarget) -> Array:
-    """G (4, 4) for a target: g home⁻¹, with any pose g that meets it."""
+    """G (4, 4) for a target: g home⁻¹, with any pose g that reaches it."""
     return _any_pose(target) @ inverse_of(arm.home)
 
 
@@ -227,7 +227,7 @@ def _left_free(arm: Arm, like: AnyTarget) -> tuple[JointAxis, ...]:
 
 
 def _any_pose(target: AnyTarget) -> Array:
-    """A pose (4, 4) that meets the target."""
+    """A pose (4, 4) that reaches the target."""
     assert not isinstance(target, TolerancedPose)
     if isinstance(target, Pose):
         return target.g

@@ -16,7 +16,7 @@ Five joints get a sixth that stands still, about an unrelated line. The answers 
 0.
 
 For special axes the matrix may be singular everywhere. G closes the chain of joints, so it may begin at any joint, in
-either direction. `rooted` keeps those of these twelve ways that find random configurations, the best first.
+either direction. `elimination_for` keeps those of these twelve ways that find random configurations, the best first.
 """
 
 from __future__ import annotations
@@ -109,7 +109,7 @@ class Way(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Rooted:
+class Elimination:
     """How elimination solves five or six axes: `ways`, the best first, and the joint `still` that is added to five."""
 
     ways: tuple[Way, ...]
@@ -138,7 +138,7 @@ class Rooted:
         return np.vstack([self.candidates(lines, self.ways[0], G @ beside).x for beside in NEARBY_POSES])
 
 
-def rooted(axes: tuple[JointAxis, ...], reach: float) -> Rooted | None:
+def elimination_for(axes: tuple[JointAxis, ...], reach: float) -> Elimination | None:
     """The ways that find random configurations. None where the matrix is singular every way."""
     if not SIX - 1 <= len(axes) <= SIX or any(axis.slides for axis in axes):
         return None
@@ -146,12 +146,12 @@ def rooted(axes: tuple[JointAxis, ...], reach: float) -> Rooted | None:
     trials = rng.uniform(-np.pi, np.pi, (TRIALS, len(axes)))
     still = (JointAxis(EXTRA_AXIS[0], reach * EXTRA_AXIS[1], slides=False),) * (SIX - len(axes))
     ways = [Way(start, backward) for start in range(SIX) for backward in (False, True)]
-    missed = {way: max(_missed(axes, Rooted((way,), still), x, reach) for x in trials) for way in ways}
+    missed = {way: max(_missed(axes, Elimination((way,), still), x, reach) for x in trials) for way in ways}
     best = sorted((way for way in ways if missed[way] <= FOUND), key=lambda way: missed[way])
-    return Rooted(tuple(best[:MOST_WAYS]), still) if best else None
+    return Elimination(tuple(best[:MOST_WAYS]), still) if best else None
 
 
-def _missed(axes: tuple[JointAxis, ...], by: Rooted, x: Array, reach: float) -> float:
+def _missed(axes: tuple[JointAxis, ...], by: Elimination, x: Array, reach: float) -> float:
     """Distance of the nearest answer from the pose at x, in shares of the reach or rad."""
     G = product(axes, x)
     errors = [np.inf]
@@ -211,8 +211,8 @@ def _fourteen(tip: Array, points: Array, turns: Array, order: tuple[int, ...]) -
 
 def _first_two(middle: Array, left: Array, constant: Array, U: Array, size: Array, Vt: Array) -> tuple[Array, Array]:
     """x₂ and x₁ (m,) of x₃, x₄, x₅ (m, 3), by least squares from the fourteen equations with U diag(size) Vt right."""
-    one, two, three = np.stack([np.ones(middle.shape), np.cos(middle), np.sin(middle)]).transpose(2, 1, 0)
-    products = (one[:, :, None, None] * two[:, None, :, None] * three[:, None, None, :]).reshape(-1, 27)
+    of_3, of_4, of_5 = np.stack([np.ones(middle.shape), np.cos(middle), np.sin(middle)]).transpose(2, 1, 0)
+    products = (of_3[:, :, None, None] * of_4[:, None, :, None] * of_5[:, None, None, :]).reshape(-1, 27)
     inverse = np.divide(1.0, size, out=np.zeros(8), where=size > RANK * size[0])
     found = ((products @ left - constant) @ U * inverse) @ Vt
     return np.arctan2(found[:, 5], found[:, 2]), np.arctan2(found[:, 1], found[:, 0])
@@ -247,5 +247,6 @@ def _angles(lower: Array, upper: Array) -> Array:
 
     Neighbours in the vector of products differ by the factor t.
     """
-    a, b, both = ((one * other).sum(axis=(1, 2)) for one, other in ((lower, lower), (upper, upper), (lower, upper)))
+    pairs = (lower, lower), (upper, upper), (lower, upper)
+    a, b, both = ((first * second).sum(axis=(1, 2)) for first, second in pairs)
     return 2.0 * np.where(a >= b, np.arctan2(both, a), np.arctan2(b, both))

@@ -22,9 +22,8 @@ from ...support.errors import InputError
 from ...theory.screws import inverse
 from ..ranges import locked_joints
 from ..targets import AnyTarget, Approach, Pose, Position, TargetLike, checked_target
-from . import elimination
 from .chain import MOST_JOINTS, Chain, JointAxis, Plane, Point, chain_for, goal
-from .elimination import Candidates, Lines, Rooted
+from .elimination import Candidates, Elimination, Lines, elimination_for
 from .families import (
     DECOUPLED,
     EXACT,
@@ -115,11 +114,11 @@ CLOSED_FORM, ELIMINATION, SEARCH = "closed form", "elimination", "search from ma
 
 @dataclass(frozen=True, eq=False)
 class Method:
-    """A way by a `family`, or by elimination if it is `rooted`. With neither, `reason` says why.
+    """A way by a `family`, or by elimination if it is `elimination`. With neither, `reason` says why.
 
     `held`: joints of the arm that are `given` or sampled, because the target does not determine them. `idle`: held
     joints that move only free parts of the target, so one value is enough. `numbers` and `core`: the family for the
-    core and in it. `judge`: what verifies the candidates of elimination in the core.
+    core and in it. `verifier`: what verifies the candidates of elimination in the core.
     """
 
     chain: Chain
@@ -127,41 +126,41 @@ class Method:
     given: tuple[int, ...]
     idle: tuple[int, ...]
     family: Family | None = None
-    rooted: Rooted | None = None
+    elimination: Elimination | None = None
     off: float = 0.0
     reason: str = ""
     numbers: ClosedFormParameters | None = None
     core: ClosedForm | None = None
-    judge: ClosedForm | None = None
+    verifier: ClosedForm | None = None
 
     @property
-    def there(self) -> bool:
+    def algebraic(self) -> bool:
         """Whether there is a family or an elimination."""
-        return self.family is not None or self.rooted is not None
+        return self.family is not None or self.elimination is not None
 
     @property
     def exact(self) -> bool:
         """Whether the candidates hold every answer: by an exact family or by elimination."""
-        return self.rooted is not None or (self.family is not None and self.off <= EXACT)
+        return self.elimination is not None or (self.family is not None and self.off <= EXACT)
 
     @property
     def name(self) -> str:
         """The way in a word or two."""
-        return CLOSED_FORM if self.family is not None else ELIMINATION if self.rooted is not None else SEARCH
+        return CLOSED_FORM if self.family is not None else ELIMINATION if self.elimination is not None else SEARCH
 
     def in_words(self, arm: Arm) -> str:
         """The family, or why the axes have none."""
         if self.family is None:
-            if self.rooted is None:
+            if self.elimination is None:
                 return self.reason
-            return f"{'five' if self.rooted.still else 'six'} joints that turn, with any axes"
+            return f"{'five' if self.elimination.still else 'six'} joints that turn, with any axes"
         axes, _ = self.chain.held(self.held, np.full(len(self.held), SAMPLE))
         fitted = self.family.fitted(axes)
         what = family_in_words(arm, fitted, self.chain.left(self.held))
         return what if self.exact else f"{what} but for {off_in_words(fitted)}"
 
     @cached_property
-    def swept(self) -> tuple[int, ...]:
+    def sampled(self) -> tuple[int, ...]:
         """Held joints, beside those given, that give other configurations for each value."""
         return tuple(i for i in self.held if i not in self.idle and i not in self.given)
 
@@ -170,9 +169,9 @@ class Method:
 
         `exact`: whether only rounding of numbers, not of axes, makes candidates miss a subproblem.
         """
-        if self.rooted is not None:
+        if self.elimination is not None:
             lines, G = self._lines(goal(arm, target), values)
-            return self._theta(self.rooted.nearby(lines, G), values)
+            return self._theta(self.elimination.nearby(lines, G), values)
         if len(self.held) == arm.n:
             return values[None]
         assert self.core is not None, "the solvers ask for the core"
@@ -182,24 +181,24 @@ class Method:
 
     def eliminated(self, arm: Arm, target: AnyTarget, values: Array) -> Iterator[Candidates]:
         """The candidates (k, n) of elimination in one way after another, for what leaves no doubt."""
-        assert self.rooted is not None
+        assert self.elimination is not None
         lines, G = self._lines(goal(arm, target), values)
-        for way in self.rooted.ways:
-            x, answers = self.rooted.candidates(lines, way, G)
+        for way in self.elimination.ways:
+            x, answers = self.elimination.candidates(lines, way, G)
             yield Candidates(self._theta(x, values), answers)
 
     def _lines(self, G: Array, values: Array) -> tuple[Lines, Array]:
         """The lines that elimination solves, and the factor G (4, 4) without held joints."""
-        assert self.rooted is not None
+        assert self.elimination is not None
         if not self.held:
             return self._own_lines, G
         axes, behind = self.chain.held(self.held, self.chain.rates[list(self.held)] * values)
-        return self.rooted.lines(axes), G @ behind
+        return self.elimination.lines(axes), G @ behind
 
     @cached_property
     def _own_lines(self) -> Lines:
-        assert self.rooted is not None
-        return self.rooted.lines(self.chain.axes)
+        assert self.elimination is not None
+        return self.elimination.lines(self.chain.axes)
 
     def _theta(self, x: Array, values: Array) -> Array:
         """theta (k, n) of x, without what the target leaves free."""
@@ -210,7 +209,7 @@ class Method:
         return theta
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "core": None, "judge": None}  # what is compiled belongs to this process
+        return {**self.__dict__, "core": None, "verifier": None}  # what is compiled belongs to this process
 
 
 _KEPT: WeakKeyDictionary[Arm, dict[object, Method]] = WeakKeyDictionary()
@@ -248,7 +247,7 @@ def family_for(arm: Arm, target: AnyTarget) -> Method | None:
     if arm.n - len(locked_joints(arm)) + free > MOST_JOINTS + 1:
         return None
     method = family_method(arm, target)
-    return method if method.core is not None and len(method.swept) <= 1 else None
+    return method if method.core is not None and len(method.sampled) <= 1 else None
 
 
 def _cached_method(arm: Arm, target: AnyTarget, what: object, made: Callable[[], Method]) -> Method:
@@ -262,15 +261,15 @@ def _cached_method(arm: Arm, target: AnyTarget, what: object, made: Callable[[],
 def _in_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
     """The method, with its family in the core, or what verifies its candidates there."""
     family = method.family
-    if method.rooted is not None:  # all joints together, as the core is not asked to solve for them
+    if method.elimination is not None:  # all joints together, as the core is not asked to solve for them
         left = len(method.chain.left(method.held))
         family = Family(DECOUPLED, tuple(range(left)), 0, left)
     if family is None or not family.order:  # with every joint given nothing is solved
         return method
     numbers = family_numbers(arm, method.chain, family, method.held, {*method.held} - {*method.given})
     made = None if arm.compiled is None else engine.asked("ClosedForm", arm.compiled, target.kind, *numbers)
-    if method.rooted is not None:
-        return replace(method, judge=made)
+    if method.elimination is not None:
+        return replace(method, verifier=made)
     return replace(method, numbers=numbers, core=made)
 
 
@@ -316,9 +315,9 @@ def _by_elimination(
     """The first choice of held joints that leaves axes for elimination, or why there is none."""
     for held in ways:
         axes, _ = chain.held(held, np.full(len(held), SAMPLE))
-        way = elimination.rooted(axes, arm.reach)
+        way = elimination_for(axes, arm.reach)
         if way is not None:
-            return Method(chain, held, given, tuple(i for i in idle if i in held), rooted=way)
+            return Method(chain, held, given, tuple(i for i in idle if i in held), elimination=way)
     return Method(chain, ways[0] if ways else (), given, idle, reason=_why_not(arm, chain, ways))
 
 
@@ -379,7 +378,7 @@ def closed_form_of(arm: Arm, like: TargetLike | None = None) -> ClosedFormReport
     target = _usual(arm) if like is None else checked_target(arm, like)
     method = method_for(arm, target)
     off, miss = closest_miss_of(arm, method)
-    held = tuple(arm.joint_names[i] for i in method.swept)
+    held = tuple(arm.joint_names[i] for i in method.sampled)
     return ClosedFormReport(
         type(target).__name__, method.name, method.in_words(arm), method.exact, held, miss,
         nearly=bool(miss) and off <= NEARLY,
@@ -389,4 +388,4 @@ def closed_form_of(arm: Arm, like: TargetLike | None = None) -> ClosedFormReport
 def _usual(arm: Arm) -> AnyTarget:
     g = arm.home
     approach = Approach(g[:3, 3], g[:3, :3] @ arm.tool_axis, arm.tool_axis)
-    return approach if arm.n == FITS_APPROACH and not method_for(arm, approach).swept else Pose(g)
+    return approach if arm.n == FITS_APPROACH and not method_for(arm, approach).sampled else Pose(g)

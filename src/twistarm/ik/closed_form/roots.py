@@ -20,14 +20,14 @@ LONGEST_STEP = 0.3  # Longest Newton step [rad, m]. A candidate farther from an 
 ROUNDING = 1e-14  # Errors [m, rad] below this are those of forward kinematics itself.
 SINGULAR = 1e-12  # Relative singular values below this are 0. Newton's step does not use those directions.
 DEPENDENT = 1e-6  # Relative singular values below this are directions without first-order motion.
-# Two candidates nearer together than this [rad, m] are one if the target is met equally well halfway.
+# Two candidates nearer together than this [rad, m] are one if the target is reached equally well halfway.
 SAME = 1e-5
-# Two answers nearer together than this [rad, m] are one if the target is met to the tolerances halfway.
+# Two answers nearer together than this [rad, m] are one if the target is reached to the tolerances halfway.
 TWINS = 1e-2
 HALFWAY = 1e-13  # Or to this precision [m, rad].
 # An answer beyond a limit by less than this [rad, m] may be at the limit: multiple roots are no more exact.
 ROUNDED_LIMIT = 1e-5
-LEAST_ROUNDED = 1e-11  # Below this excess [rad, m] the target is met at the limit as well.
+LEAST_ROUNDED = 1e-11  # Below this excess [rad, m] the target is reached at the limit as well.
 # Greatest error of a family's members [m, rad], and the greatest if the first member has it too.
 MEMBER_MISS, MAX_MEMBER_MISS = 1e-12, 1e-10
 SIDESTEP = 0.05  # Step [rad, m] along a singular direction. If an answer exists there too, a family begins.
@@ -44,8 +44,8 @@ class Root:
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
-    """A target that an arm is to meet to tolerances."""
+class Task:
+    """A target that an arm is to reach to tolerances."""
 
     arm: Arm
     target: AnyTarget
@@ -57,7 +57,7 @@ class Asked:
         return self.target.position_error(g), self.target.orientation_error(g)
 
     def converged(self, theta: Array) -> bool:
-        """Whether forward kinematics meets the target to the tolerances."""
+        """Whether forward kinematics reaches the target to the tolerances."""
         return self.tolerances.converged(*self.errors(theta))
 
     def rows(self, theta: Array) -> tuple[Array, Array]:
@@ -96,7 +96,7 @@ class Asked:
         return found
 
     def self_motion(self, theta: Array, held: tuple[int, ...] = ()) -> tuple[int, ...]:
-        """The joints, beside those `held`, that move while the target stays met.
+        """The joints, beside those `held`, that move while the target stays reached.
 
         If more joints are left than independent rows, the null space is a family's tangent: all that it moves is free.
         Otherwise a direction in it only moves nothing at first. A step along it, corrected, may come back. If not, it
@@ -130,8 +130,8 @@ class Asked:
     def inside_limits(self, theta: Array, near: Array) -> Array | None:
         """theta (n,) by whole turns inside the limits, as near to `near` (n,) as possible. None where it is outside.
 
-        A copy may pass a limit by the error of a multiple root. It is brought to the limit if the other joints can meet
-        the target there too.
+        A copy may pass a limit by the error of a multiple root. It is brought to the limit if the other joints can
+        reach the target there too.
         """
         lower, upper = self.arm.limits.lower, self.arm.limits.upper
         for slack in (ROUNDED_LIMIT, LEAST_ROUNDED):

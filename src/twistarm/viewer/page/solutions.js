@@ -1,4 +1,4 @@
-// All configurations that meet the target: counted, stepped through, and each drawn faintly.
+// All configurations that reach the target: counted, stepped through, and each drawn faintly.
 
 import { ArmCopy } from "./arm_copy.js";
 import { $ } from "./element.js";

@@ -1,4 +1,4 @@
-"""The tool's target, which a page has solved, and all configurations that meet a target."""
+"""The tool's target, which a page has solved, and all configurations that reach a target."""
 
 from __future__ import annotations
 

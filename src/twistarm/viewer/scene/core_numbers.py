@@ -61,7 +61,7 @@ def _forms(arm: Arm) -> Iterator[tuple[str, str]]:
         idle = [float(i in method.idle) for i in range(arm.n)]
         first, last, keeps, axes, joint, kept, held, held_axes, rate, home, _ = method.numbers
         yield type(target).__name__.lower(), _packed(
-            family_for(arm, target) is not None, method.exact, method.swept[0] if method.swept else -1, target.kind,
+            family_for(arm, target) is not None, method.exact, method.sampled[0] if method.sampled else -1, target.kind,
             len(axes), first, last, keeps, len(held), axes, kept, joint, held, held_axes, rate, home, idle,
         )  # fmt: skip
 
