@@ -152,10 +152,10 @@ def test_the_rate_of_the_logarithm_is_its_derivative(size):
 REFLECTION = np.diag([1.0, 1.0, -1.0, 1.0])
 REFUSED = (
     (lambda: Pose(np.eye(3)), "pose g must have shape (..., 4, 4)"),
-    (lambda: Pose(np.zeros((2, 4, 4)) + np.eye(4)), "one pose of shape (4, 4)"),
+    (lambda: Pose(np.zeros((2, 4, 4)) + np.eye(4)), "one pose (4, 4)"),
     (lambda: Pose(REFLECTION), "determinant"),
     (lambda: Position([0.0, np.nan, 0.0]), "p must be finite"),
-    (lambda: Position(np.zeros((2, 3))), "p must have shape (3,)"),
+    (lambda: Position(np.zeros((2, 3))), "p must be one vector (3,)"),
     (lambda: Position([0.0, 2e6, 0.0]), "beyond 1e+06 m"),
     (lambda: Approach([0, 0, 0], [0, 0, 0]), "direction"),
     (lambda: Approach([0, 0, 0], [0, 0, 1], tool_axis=[0, 0, 0]), "tool_axis"),

@@ -32,7 +32,7 @@ class AllSolutions:
 
     Nearest to theta0 first, by the largest joint difference relative to the joint's range (else 2π or 1 m).
     `solutions[i]` is theta[i]. Where a wrist is singular, or an arm redundant, configurations form continuous families.
-    A family counts once: by a member with a free joint at theta0's value, or else the nearest. `fixed_joints`
+    A family counts once. Its entry has a free joint at theta0's value, or else is the nearest member. `fixed_joints`
     chooses another.
     """
 
@@ -152,7 +152,7 @@ class AllSolutions:
     @property
     def _sampled(self) -> str:
         """The joints that a closed form or elimination is tried at values of; "" without any."""
-        return " and ".join(self.arm.joint_names[i] for i in self._method.swept) if self._method.there else ""
+        return " and ".join(self.arm.joint_names[i] for i in self._method.sampled) if self._method.algebraic else ""
 
     def _counted(self) -> str:
         count, beyond = len(self), len(self.outside)

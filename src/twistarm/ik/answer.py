@@ -69,10 +69,11 @@ def fill(answer: Record, **values: Any) -> None:
 
 
 class Configurations(NamedTuple):
-    """What a closed form of the core finds for one target: `rows` (k, 2, n), first the `inside` ones, by distance.
+    """The configurations of one target by a closed form of the core: `rows` (k, 2, n), the `inside` ones first.
 
-    A row holds theta (n,) and, as 0 and 1, which coordinates may move while the target stays reached. hits: how many of
-    the values tried for held joints have any. families: how many belong to continuous families; left: those outside.
+    The nearest come first. A row holds theta (n,) and, as 0 and 1, which coordinates may move while the target stays
+    reached. hits: how many of the values tried for held joints have any. families: how many belong to continuous
+    families; left: those outside.
     """
 
     rows: Array

@@ -31,10 +31,10 @@ def decide(arm: Arm, target: AnyTarget, answer: Record, patient: bool) -> None:
     """Correct an answer by the closed form.
 
     It may give a configuration after all. If that lies outside the limits, these are the reason. The answer is
-    `certain` if the closed form proves that nothing inside the limits reaches the target exactly. An answer that is
-    reached, or was not finished in time, stays as it is. So does that of one search: its caller wants its result.
-    Without a closed form, limits are the reason only if other searches find nothing either; `patient`: there is time
-    for them.
+    `certain` if the closed form proves that nothing inside the limits reaches the target exactly. An answer that
+    converged, or was not finished in time, does not change. Nor does that of one search: its caller wants its result.
+    Without a closed form, other searches must find nothing before limits are the reason. `patient`: there is time for
+    them.
     """
     if answer["stop"] in (CONVERGED, TIMED_OUT, NOT_FINISHED) or answer["restarts"] <= 1:
         return

@@ -179,18 +179,14 @@ class Gathering(Task):
 
         `before`: how many values of `progress` are done.
         """
-        starts = np.vstack([self.near, self.arm.random_theta(0, count - 1)])
-        return self.from_starts(starts, known, lambda done: self.report_progress(before + done * count, before + count))
-
-    def from_starts(
-        self, starts: Array, known: list[Root], progress: Progress | None = None
-    ) -> tuple[list[Root], int, int]:
-        """The same from these starts (k, n)."""
         if self.deadline.passed:
             return [], 0, 0
-        targets = [self.target] * len(starts)
+        starts = np.vstack([self.near, self.arm.random_theta(0, count - 1)])
         arm = holding(self.arm, self.method.given, self.near)
-        done = searched(arm, targets, starts, Tolerances(EXACT, EXACT), max_time=self.deadline.left, progress=progress)
+        done = searched(
+            arm, [self.target] * count, starts, Tolerances(EXACT, EXACT), max_time=self.deadline.left,
+            progress=lambda done: self.report_progress(before + done * count, before + count),
+        )  # fmt: skip
         idle = [i in self.method.idle for i in range(self.arm.n)]  # their values distinguish no answers
         candidates = np.where(idle, self.theta0_inside, done.solutions)
         held = (*self.method.given, *self.method.idle)
@@ -230,7 +226,7 @@ class Gathering(Task):
         return float(shares.max(initial=0.0))
 
     def entry(self, family: Members) -> Entry:
-        """An answer, or one of a family inside the limits: with free joints at theta0's value, then the nearest."""
+        """An answer, or the best of a family inside the limits: most free joints at theta0's value, then nearest."""
         free = {i for root in family.roots for i in root.free}
         own = sorted(free - {*self.motions.still})
         inside = self.inside(np.array([root.theta for root in family.roots]))

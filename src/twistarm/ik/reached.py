@@ -1,6 +1,6 @@
 """`reachable`: which of many targets an arm reaches, for maps of its workspace.
 
-`reach_ball` bounds where a point of the tool may be, whatever the joints do. It excludes far targets.
+`reach_ball` bounds where a point of the tool may be, at any configuration. It excludes far targets.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ AT_ONCE = 16 * CHUNK  # Targets whose closed forms are in memory at once: six co
 
 
 class Reached(NamedTuple):
-    """The verdicts of `reachable`: `converged` (N,), and theta (N, n) [rad, m], NaN where a target is not reached."""
+    """The verdicts of `reachable`: `converged` (N,), and theta (N, n) [rad, m]. NaN: the target is not reached."""
 
     converged: NDArray[np.bool_]
     theta: Array
@@ -67,11 +67,11 @@ def reachable(
 ) -> Reached:
     """Which of N targets the arm reaches inside its limits, without the nearest configuration and the reason.
 
-    A target outside the tool's ball (`reach_ball`) is not reached. The arm's closed form decides which others are
-    reached exactly, if it has one for these targets; a few searches decide which of the rest are reached within the
-    tolerances. Without one, `restarts` searches decide, and may miss a configuration: on a grid of voxels one in
-    10,000. The first search begins at the answer before, so put neighbours one after the other. It begins at theta0
-    again after each 4096 targets. So the parts of a call that is divided there give the same bits, as do any `threads`.
+    A target outside the tool's ball (`reach_ball`) is not reached. If the arm has a closed form for these targets, it
+    decides which others are reached exactly. A few searches decide which of the rest are reached within the tolerances.
+    Without a closed form, `restarts` searches decide. They may miss a configuration: on a grid of voxels one in 10,000.
+    The first search begins at the answer before, so put neighbours one after the other. It begins at theta0 again after
+    each 4096 targets. So the parts of a call that is divided there give the same bits, as do any `threads`.
 
     Args:
         arm: The arm.
@@ -208,11 +208,11 @@ class ReachBall(NamedTuple):
 def reach_ball(arm: Arm, like: Position | Approach | Pose, bounds: tuple[Array, Array] | None = None) -> ReachBall:
     """A small ball for targets like this one, where theta is inside `bounds` or the limits.
 
-    A turn about its axis keeps the distance of a point q_i on it to the next one, q_{i+1}. So the tool's point x stays
+    A turn about an axis keeps the distance from its point q_i to the next one, q_{i+1}. So the tool's point x stays
     within Σ ‖q_{i+1} − q_i‖ of q_1. A slide or helical joint adds half of its range. That holds for any q_i on the axes
-    and any x that the target fixes: the origin of a `Position`, the tool axis of an `Approach`, any point of a `Pose`.
-    The q_i and x are those of the least sum, by iteratively reweighted least squares (E. Weiszfeld, Tôhoku Math. J.
-    43, 1937). Coupled joints count as if they moved alone. If one that slides has no limits, the radius is inf.
+    and any x that the target fixes. A `Position` fixes the origin, an `Approach` the tool axis, a `Pose` every point.
+    The q_i and x are those of the least sum, by iteratively reweighted least squares (E. Weiszfeld, Tôhoku Math. J. 43,
+    1937). Coupled joints count as if they moved alone. If one that slides has no limits, the radius is inf.
     """
     kept = {Position: np.zeros((3, 0)), Approach: getattr(like, "axis", np.zeros(3))[:, None], Pose: np.eye(3)}
     lower, upper = bounds or (arm.limits.lower, arm.limits.upper)

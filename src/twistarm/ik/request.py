@@ -1,4 +1,4 @@
-"""The arguments of a solver besides the target, checked before it begins, and the deadline that follows from them."""
+"""Checked arguments of a solver besides the target, and the deadline that follows from them."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ class SelfMotions(Task):
     deadline: Deadline
 
     def families(self, thetas: Sequence[Array]) -> Iterator[tuple[list[int], Array]]:
-        """The places of the answers of one family, and the curve (k, n) that was walked to find them.
+        """The places of the answers of one family, and the curve (k, n) that connects them.
 
         Two families without a way between them stay separate. Answers not compared before the deadline count with
         the last family: no family is then listed many times.
@@ -50,7 +50,7 @@ class SelfMotions(Task):
             left = left[~of_it]
 
     def curve(self, start: Array) -> Array:
-        """The curve (k, n) through an answer, from one end to the other; the answer alone if it is no curve's."""
+        """The whole curve (k, n) through an answer. An answer that lies on no curve comes alone."""
         tangents = self._tangents(start)
         if len(tangents) != 1:
             return start[None]

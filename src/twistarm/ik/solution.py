@@ -178,7 +178,8 @@ class IKResult:
         """theta (n,). Raises NotConvergedError, which carries this solution, where the target is not reached."""
         if self.converged:
             return self.theta
-        raise NotConvergedError(joined("; ", [summary(self), "solution.explain() says more"]), self)
+        lines = [_missed(self), self.stop.value, "solution.explain() says more"]
+        raise NotConvergedError(joined("; ", lines), self)
 
     @property
     def _start(self) -> Array:
@@ -214,11 +215,6 @@ class IKResult:
 def why_not(solution: IKResult) -> list[str]:
     """The reason why the target is not reached, line by line."""
     return [f"reason: {solution.stop.value}", *(f"  {line}" for line in _why(solution))]
-
-
-def summary(solution: IKResult) -> str:
-    """One line: what was asked, how far off the answer is, the reason."""
-    return joined("; ", [_missed(solution), solution.stop.value])
 
 
 def in_one_line(solution: IKResult) -> str:
@@ -368,7 +364,7 @@ def _missing_rotation(solution: IKResult) -> list[str]:
 
 
 def split_rotation(solution: IKResult, theta: Array) -> tuple[float, float, Array]:
-    """The rotation error [rad] at theta (n,) with the position held, split: beyond all joints, the rest, the axis (3,).
+    """The rotation error [rad] at theta (n,) with the position held: beyond all joints, the rest, and the axis (3,).
 
     The axis, in tool axes, is that of the part beyond all joints. The compiled core splits the error
     (core/include/twistarm/ik/reason.hpp). Rotation rows times the null space of the position rows span what can be

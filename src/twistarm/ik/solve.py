@@ -44,20 +44,20 @@ def solve_ik(
 
     The first search begins at `theta0`, brought inside the limits. The starts of the others depend only on the target,
     the seed `rng` and their number. So the same call gives the same bits, unless `max_time` cuts it short. Continuous
-    joints come back as near to theta0 as the limits allow. A configuration within 0.2 rad (0.2 reaches) of theta0 that
-    reaches the target is the answer, if a search finds one. Otherwise, for a target within 0.02 reaches and 3° of
-    theta0's pose, the nearest found is the answer. `notes` says so.
+    joints come back as near to theta0 as the limits allow. If a search finds a configuration within 0.2 rad (0.2
+    reaches) of theta0, that is the answer. Otherwise, for a target within 0.02 reaches and 3° of theta0's pose, the
+    nearest found is the answer. `notes` says so.
 
-    Every search aims at the target itself. A configuration that misses by no more than the tolerances is the answer
-    where no search finds an exact one.
+    Every search aims at the target itself. Where no search finds an exact answer, one that misses by no more than the
+    tolerances counts.
 
     A redundant arm moves in the null space toward `posture`, to a minimum of ‖θ − posture‖².
 
     With a `scene` an answer that reaches the target collides with nothing. It is the nearest such one found. `stop` is
     IN_COLLISION if every configuration found collides, and `contacts` are the pairs.
 
-    A target that cannot be reached is no error. The solution is then the nearest configuration: the least position
-    error inside the limits, then the least rotation error there. `stop` and `explain()` say why.
+    A target that cannot be reached is no error. The solution is then the nearest configuration. It has the least
+    position error inside the limits, then the least rotation error. `stop` and `explain()` say why.
 
     Args:
         arm: The arm.

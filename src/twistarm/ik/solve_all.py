@@ -52,10 +52,10 @@ def solve_ik_all(
     Distance is the largest joint difference, in shares of the joint's range (else 2π or 1 m).
 
     The closed form solves an arm's family: joints with parallel or intersecting axes, and at most three others.
-    Elimination, an eigenvalue problem, solves five or six joints that turn, whatever their axes. Newton's method
-    corrects each answer until forward kinematics reaches the target to rounding. Answers that do not reach it are
-    dropped. Where neither applies, searches from many starts are tried, and `complete` is False. Tolerances count where
-    no configuration reaches the target exactly: one of each branch that searches find within them is then listed.
+    Elimination, an eigenvalue problem, solves five or six joints that turn about any axes. Newton's method corrects
+    each answer until forward kinematics reaches the target to rounding. Answers that do not reach it are dropped. Where
+    neither applies, searches from many starts are tried, and `complete` is False. Tolerances count where no
+    configuration reaches the target exactly. The list then has one of each branch that searches find within them.
 
     A `Pose` takes up to six joints, an `Approach` up to five, a `Position` up to three. Arms with fewer joints reach
     the targets that fit them. `explain()` says how far off another is. Of too many joints some are held: at the values

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..support.checks import Array, as_direction, as_number, as_twist, as_vector, frozen
+from ..support.checks import Array, as_direction, as_number, as_twist, as_vector, frozen, require_one
 from ..support.errors import InputError
 from .closed_form.chain import JointAxis, Point, across, along, axis_of, nearest_motion, product
 from .ranges import Mask
@@ -129,8 +129,8 @@ def subproblem_3(xi: ArrayLike, p: ArrayLike, q: ArrayLike, distance: float) -> 
 def subproblem_4(xi: ArrayLike, p: ArrayLike, normal: ArrayLike, offset: float) -> Roots:
     """The turn about one axis that takes p into a plane: n · e^{ξ̂θ} p = d. Subproblem 4 of IK-Geo.
 
-    The circle of p meets the plane where a cos θ + b sin θ = c: θ = atan2(b, a) ± acos(c / √(a² + b²)), up to two
-    values. The line of a sliding joint meets it once, unless they are parallel.
+    The circle of p meets the plane where a cos θ + b sin θ = c, so θ = atan2(b, a) ± acos(c / √(a² + b²)). There are up
+    to two values. The line of a sliding joint meets it once, unless they are parallel.
 
     Args:
         xi: Twist (6,) of a joint that turns or slides.
@@ -141,9 +141,7 @@ def subproblem_4(xi: ArrayLike, p: ArrayLike, normal: ArrayLike, offset: float) 
     Source: A. J. Elias & J. T. Wen, IK-Geo: Unified Robot Inverse Kinematics Using Subproblem Decomposition, 2022.
     """
     axis, start, d = _axis(xi, "xi"), _point(p, "p"), as_number(offset, "offset [m]")
-    n = as_direction(normal, "normal")
-    if n.ndim != 1:
-        raise InputError(f"normal must be one vector (3,); got {n.shape}")
+    n = require_one(as_direction(normal, "normal"), "normal", 1)
 
     def off(value: float) -> float:
         return abs(float(n @ start.moved(axis.motion(value)).p) - d)
@@ -153,9 +151,7 @@ def subproblem_4(xi: ArrayLike, p: ArrayLike, normal: ArrayLike, offset: float) 
 
 
 def _axis(xi: ArrayLike, name: str) -> JointAxis:
-    twist = as_twist(xi, name)
-    if twist.ndim != 1:
-        raise InputError(f"{name} must be one twist (6,); got {twist.shape}")
+    twist = require_one(as_twist(xi, name), name, 1)
     rate = float(np.linalg.norm(twist[3:]) or np.linalg.norm(twist[:3]))
     if abs(rate - 1.0) > UNIT:
         raise InputError(f"{name} must be a unit twist, ‖w‖ = 1, or w = 0 and ‖v‖ = 1; divide it by {rate:.6g}")
@@ -163,10 +159,7 @@ def _axis(xi: ArrayLike, name: str) -> JointAxis:
 
 
 def _point(value: ArrayLike, name: str) -> Point:
-    p = as_vector(value, name)
-    if p.ndim != 1:
-        raise InputError(f"{name} must be one point (3,); got {p.shape}")
-    return Point(p)
+    return Point(require_one(as_vector(value, name), name, 1))
 
 
 def _distance(a: Point, b: Point) -> float:
@@ -174,7 +167,7 @@ def _distance(a: Point, b: Point) -> float:
 
 
 def _second(first: JointAxis, second: JointAxis, start: Point, goal: Point) -> tuple[list[float], bool]:
-    """Values of the second joint that give a point what the first joint cannot, and whether every value does."""
+    """Values of the second joint that give a point what the first joint cannot. Whether every value does."""
     constant, *parts = along(second, lambda g: _kept(first, start.moved(g)))
     matrix, e = np.stack(parts, axis=1), _kept(first, goal) - constant
     if second.slides:

@@ -31,6 +31,7 @@ from ..support.checks import (
     as_vector,
     frozen,
     require_choice,
+    require_one,
 )
 from ..support.directions import direction_in_words, metres, numbers
 from ..support.display import Brief
@@ -409,18 +410,14 @@ def _cross(a: Array, b: Array) -> Array:
 
 
 def _one_pose(value: Matrix, name: str) -> Array:
-    g = as_pose(value, name)
-    if g.shape != (4, 4):
-        raise InputError(f"{name} must be one pose of shape (4, 4); got {g.shape}")
+    g = require_one(as_pose(value, name), name, 2)
     _require_near(g[:3, 3], name)
     return frozen(g)
 
 
 def one_vector(value: Any, name: str, size: int = 3, unit: str = "m") -> Array:
     """One vector (size,), read-only. InputError for another, and for lengths [m] that are mistakes in the units."""
-    vector = as_vector(value, name, size)
-    if vector.shape != (size,):
-        raise InputError(f"{name} must have shape ({size},); got {vector.shape}")
+    vector = require_one(as_vector(value, name, size), name, 1)
     if unit:
         _require_near(vector, name)
     return frozen(vector)
@@ -434,10 +431,7 @@ def _pose_at(p: Row, R: Array) -> Array:
 
 def one_direction(value: ArrayLike, name: str) -> Array:
     """One unit vector (3,) along `value`, read-only. InputError for another shape or zero."""
-    unit = as_direction(value, name)
-    if unit.shape != (3,):
-        raise InputError(f"{name} must have shape (3,); got {unit.shape}")
-    return frozen(unit)
+    return frozen(require_one(as_direction(value, name), name, 1))
 
 
 def _require_near(p: Array, name: str) -> None:

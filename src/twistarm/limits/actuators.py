@@ -25,7 +25,7 @@ NOT_GIVEN = JointLimits.unbounded(0)  # Limits of no motor: replaced by unbounde
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MotionLimits(Brief):
-    """Limits of x = C theta + c, one row per motor or joint: C (r, n), c (r,) [rad or m]. The servo keeps them all."""
+    """Limits of x = C theta + c, one row per motor or joint. C (r, n), c (r,) [rad or m]. The servo keeps them all."""
 
     names: tuple[str, ...]
     C: Array

@@ -1,4 +1,4 @@
-"""Joint limits of each degree of freedom, infinite where not given, and the unit of its coordinate by its type."""
+"""Joint limits of each degree of freedom, infinite where not given, and the unit of its coordinate."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..arm.arm import Arm
 from ..ik.answer import Configurations
-from ..ik.closed_form.methods import family_method
+from ..ik.closed_form.methods import method_for
 from ..ik.ranges import joint_ranges
 from ..ik.rotation_errors import log_rate
 from ..ik.searches import searched
@@ -180,7 +180,7 @@ def _by_closed_form(arm: Arm, target: AnyTarget, starts: Array) -> tuple[Array, 
 
     Held joints take their values from `starts`. Of more than `MANY` the nearest half stays, and others evenly.
     """
-    method = family_method(arm, target)
+    method = method_for(arm, target, families_alone=True)
     if method.core is None:
         return starts[:0], False
     held = list(method.held)

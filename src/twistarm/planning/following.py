@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..arm.arm import Arm
 from ..ik.answer import ConfigurationsBatch
-from ..ik.closed_form.methods import family_method
+from ..ik.closed_form.methods import method_for
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from .configurations import EXACT, LONGEST_JUMP, Solutions, solve_near, targets_at
@@ -144,7 +144,7 @@ class _Climber:
 
     def _by_closed_form(self, moving: MovingTarget, ideal: Array, near: Array) -> Solutions | None:
         """Return the nearest answer to each target. The arm's family must give all of them and hold no joint."""
-        method = family_method(self.arm, moving.like)
+        method = method_for(self.arm, moving.like, families_alone=True)
         if method.core is None or method.sampled:
             return None
         targets = targets_at(moving.like, ideal)

@@ -64,14 +64,14 @@ def spherical(point: ArrayLike, axes: ArrayLike | None = None) -> Array:
 
     Args:
         point: The ball's centre (3,) [m].
-        axes: The rotation (3, 3) whose columns are the joint's x, y, z at rest; by default the identity.
+        axes: The rotation (3, 3) with the joint's x, y, z at rest as columns; by default the identity.
     """
     R = np.eye(3) if axes is None else require_one(as_rotation(axes, "axes"), "axes", 2)
     return np.hstack([revolute(R[:, i], point) for i in (2, 1, 0)])
 
 
 def planar(normal: ArrayLike, point: ArrayLike = (0.0, 0.0, 0.0), x_axis: ArrayLike | None = None) -> Array:
-    """(6, 3): columns x, y, rz: slides [m] along the axes of a plane, then the turn [rad] about its normal.
+    """(6, 3): columns x, y, rz. Slides [m] along the axes of a plane, then the turn [rad] about its normal.
 
     The line of the turn goes through `point` at rest and rides on the slides. The axes are those of
     `plane_axes(normal, x_axis)`.
@@ -86,7 +86,7 @@ def planar(normal: ArrayLike, point: ArrayLike = (0.0, 0.0, 0.0), x_axis: ArrayL
 
 
 def plane_axes(normal: ArrayLike, x_axis: ArrayLike | None = None) -> Array:
-    """The rotation (3, 3) whose columns are x, y = n × x and the unit normal n of a plane.
+    """The rotation (3, 3) with the columns x, y = n × x and the unit normal n of a plane.
 
     Args:
         normal: The plane's normal (3,).

@@ -34,7 +34,7 @@ class LowerPair(NamedTuple):
 
 
 def lower_pairs(screws: Array, A: Array) -> tuple[LowerPair, ...]:
-    """The lower pairs of the chain with space twists `screws` (6, m) at rest and coupling A (m, n), base to tip.
+    """The lower pairs of a chain, base to tip: space twists `screws` (6, m) at rest, coupling A (m, n).
 
     These consecutive joints make a group:
 

@@ -22,8 +22,8 @@ class Manipulability(Brief):
     """Singular values of the body Jacobian, metres and radians brought together by `length` [m].
 
     The linear rows are divided by `length`, and the columns of prismatic joints are multiplied by it. Every number is
-    then rad per rad. `singular_values` (..., k) descend, k = min(6, n). `axes` (..., 6, k) are the tool twists (v, w)
-    that belong to them, the linear part again in units of `length`.
+    then rad per rad. `singular_values` (..., k) descend, k = min(6, n). `axes` (..., 6, k) are their tool twists (v,
+    w), the linear part again in units of `length`.
 
     Singular vectors are unique up to the sign, and for equal values up to a rotation. Here the largest component is
     positive. The axes of equal values are those in their span that are nearest to the tool's axes. Translations along

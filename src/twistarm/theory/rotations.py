@@ -1,7 +1,7 @@
 """Rotations in space: SO(3) as matrices, and its parametrisations by angles, quaternions, axis and angle.
 
 Matrices act on columns, `p_a = R_ab @ p_b`. Every function takes any leading (batch) axes. InputError names a matrix
-that is no rotation, a wrong shape, a number that is not finite, or axes that do not broadcast.
+that is no rotation or a wrong shape. It also names a number that is not finite, and axes that do not broadcast.
 """
 
 from __future__ import annotations
@@ -59,8 +59,8 @@ def exp(w: ArrayLike, theta: ArrayLike = 1.0) -> Array:
 def log(R: ArrayLike) -> Array:
     """The shortest w (..., 3) [rad] with e^ŵ = R, ‖w‖ ≤ π; the inverse of `exp`.
 
-    w = 2 atan2(‖q‖, q₀) q/‖q‖ from the quaternion (q₀, q), which is accurate near 0 and near π alike.
-    At ‖w‖ = π, w and −w give the same R: the first non-zero component of w is then positive.
+    w = 2 atan2(‖q‖, q₀) q/‖q‖ from the quaternion (q₀, q), which is accurate near 0 and near π alike. At ‖w‖ = π, w and
+    −w give the same R. The first non-zero component of w is then positive.
     """
     return log_of(as_rotation(R))
 
@@ -74,7 +74,7 @@ def log_of(R: Array) -> Array:
 def nearest(A: ArrayLike) -> Array:
     """The rotation R (..., 3, 3) nearest to a matrix A (..., 3, 3): the least ‖R − A‖ in the Frobenius norm.
 
-    With the singular values σ₁ ≥ σ₂ ≥ σ₃ of A = U Σ Vᵀ and s = det U Vᵀ = ±1 it is R = U diag(1, 1, s) Vᵀ. Where s = 1,
+    A = U Σ Vᵀ has the singular values σ₁ ≥ σ₂ ≥ σ₃. With s = det U Vᵀ = ±1 it is R = U diag(1, 1, s) Vᵀ. Where s = 1,
     that is the orthogonal factor of the polar decomposition. A positive factor of A changes nothing, and a rotation is
     its own nearest. InputError unless σ₂ + s σ₃ > 0. A matrix of rank 1 or 0, or a reflection with σ₂ = σ₃, is equally
     near to many rotations.
@@ -253,7 +253,7 @@ def _quaternion_products(R: Array) -> Array:
 
 
 def _canonical(Q: Array) -> Array:
-    """Of Q and −Q the one whose first component beyond rounding is positive."""
+    """Of Q and −Q the one with a positive first component beyond rounding."""
     Q = np.where((np.arange(4) == 0) & (np.abs(Q) <= HALF_TURN_TOL), 0.0, Q)
     first = np.argmax(np.abs(Q) > HALF_TURN_TOL, axis=-1)
     sign = np.sign(np.take_along_axis(Q, first[..., None], axis=-1))
@@ -287,8 +287,8 @@ def to_euler(order: str, R: ArrayLike) -> Array:
     """The angles (..., 3) [rad] with `from_euler(order, angles) == R`, for any of the 24 orders.
 
     The middle angle lies in [0, π] if the outer two turn about the same axis, else in [−π/2, π/2]. The outer two lie in
-    (−π, π]. At gimbal lock, the ends of the middle one's range, only the sum or difference of the outer two is
-    determined. The last of the list is then 0.
+    (−π, π]. Gimbal lock is at the ends of the middle one's range. Only the sum or difference of the outer two is
+    determined there. The last of the list is then 0.
 
     R = R_i(a) R_j(b) R_k(c). Its column R e_k = R_i(a) R_j(b) e_k gives a and b. The row (R_i(a) e_j)ᵀ R = e_jᵀ R_k(c)
     then gives c. So the angles meet R even for a badly determined a.
@@ -351,7 +351,7 @@ def _left_to_right(order: str, angles: ArrayLike) -> tuple[tuple[int, int, int],
 
 
 def _euler_axes(order: str) -> tuple[tuple[int, int, int], bool]:
-    """The axes of the factors of R from left to right, and whether that is the order's list backwards."""
+    """The axes of the factors of R from left to right. Whether that is the order's list backwards."""
     if not isinstance(order, str) or order not in EULER_ORDERS:
         raise InputError(
             f"no Euler order {quote(order)}: give three letters of XYZ (about the moving axes) or xyz (about the "

@@ -1,7 +1,8 @@
 """Twists, screws and rigid motions: se(3), its exponential and logarithm, and the Adjoint.
 
 A twist is xi = (v, w), linear part first; a pose is a homogeneous g. Every function takes any leading (batch) axes.
-InputError names a wrong shape, a number that is not finite, a pose that is not in SE(3), or axes that do not broadcast.
+InputError names a wrong shape or a number that is not finite. It also names a pose that is not in SE(3), and axes that
+do not broadcast.
 """
 
 from __future__ import annotations

@@ -42,10 +42,10 @@ class TwistCommand(Brief):
     frame="tool": the body twist V^b = (g⁻¹ ġ)^∨. frame="base": (ṗ, ω), the tool origin's velocity and the angular
     velocity, both in base axes. This is not the spatial twist. Its v is the velocity of the point at the base's origin.
 
-    hold: components to keep where the hold began, along the axes of `frame`: "position", "orientation" or six booleans
-    in the order of the twist. They have priority, drift is corrected, and their twist must be 0.
+    hold: components to keep where the hold began, along the axes of `frame`. It is "position", "orientation" or six
+    booleans in the order of the twist. These have priority, drift is corrected, and their twist must be 0.
 
-    Raises InputError for a twist without six finite numbers, an unknown frame, or a held component with a twist.
+    Raises InputError for a twist that is not six finite numbers, an unknown frame, or a moving held component.
     """
 
     twist: Array
@@ -85,14 +85,11 @@ class JogCommand(Brief):
 
     @classmethod
     def of(cls, arm: Arm, rates: Mapping[str, float]) -> JogCommand:
-        """The rates of some joints by name, the others at rest. Raises UnknownNameError for a joint of another arm.
+        """The rates of some joints by name, the others at rest.
 
         Args:
             arm: The arm.
             rates: {joint: rate} [rad/s, m/s].
-
-        Returns:
-            The command.
 
         Raises:
             InputError: A rate is not a finite number.

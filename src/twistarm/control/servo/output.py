@@ -1,4 +1,4 @@
-"""The output of a servo step: joint rates, the reason for them, and the part of the command that is lost."""
+"""The output of a servo step: joint rates, their reason, and the lost part of the command."""
 
 from __future__ import annotations
 
@@ -62,10 +62,10 @@ _NOTHING_LOST = frozen(np.zeros(6))
 
 
 class CoreStep(NamedTuple):
-    """The answer of the compiled step, as it gives it: the state after the step, and what became of the command.
+    """The unchanged answer of the compiled step: the next state, and what became of the command.
 
-    row: the row of `ServoBounds.motion` at its limit, the row of near pairs, or the joint of a singularity; −1 for
-    none. position, angle: what remains to a pose [m], [rad]. period [s]: the mean step time after this step.
+    row: the row of `ServoBounds.motion` at its limit, the row of near pairs, or the joint of a singularity. −1: none.
+    position, angle: what remains to a pose [m], [rad]. period [s]: the mean step time after this step.
     """
 
     theta: Array
@@ -102,9 +102,9 @@ class ServoOutput(Brief):
     scale: the executed share of the reachable command, at least 0: 1 − ‖done − reachable‖ over the longer of the two.
     It is below 1 while the arm changes speed, or a limit or a singularity slows it.
 
-    lost_twist (6,) [m/s, rad/s], in the axes of the command's frame: the part impossible here at any speed. The cause
-    is a missing motion, a singularity, or a joint that is or stops at its end. At constant speed the tool moves by
-    scale · (twist − lost_twist). A rotation that the tool needs in order to move is in it, with opposite sign.
+    lost_twist (6,) [m/s, rad/s], in the command's frame: the part impossible here at any speed. The cause is a missing
+    motion, a singularity, or a joint that is or stops at its end. At constant speed the tool moves by scale · (twist −
+    lost_twist). A rotation that the tool needs in order to move is in it, with opposite sign.
 
     lost_share: ‖lost_twist‖ / ‖twist‖, with metres divided by the length.
 
@@ -114,7 +114,7 @@ class ServoOutput(Brief):
 
     halted: whether a position limit or a collision holds the arm at rest.
 
-    contact: the pair of bodies that slows or halts the arm, with its distance and margin [m], or None.
+    contact: the pair of bodies that slows or halts the arm, or None. It has distance and margin [m].
     """
 
     theta_dot: Array
@@ -139,8 +139,8 @@ class ServoOutput(Brief):
     def explain(self) -> str:
         """Why the arm rests or does less than commanded, in one sentence, made on demand.
 
-        It names the joint or motor and its limit, the motion that the arm lacks, or the command's error. "stopped on
-        its course" precedes it if settings.on_unreachable stopped the arm.
+        It names the joint or motor at its limit, the motion that the arm lacks, or the command's error. "stopped on its
+        course" precedes it if settings.on_unreachable stopped the arm.
         """
         stands = self.scale * (1.0 - self.lost_share) < STANDSTILL
         on_course = stands and self._request is not None and self._request.stops
@@ -195,7 +195,7 @@ class ServoOutput(Brief):
 
 
 def output_of(step: CoreStep, bounds: ServoBounds, request: StepRequest, contact: Contact | None) -> ServoOutput:
-    """The output for an answer of the compiled step, with `contact`, the pair of bodies that holds the arm."""
+    """The output for an answer of the compiled step. `contact`: the pair of bodies that holds the arm."""
     reason = REASON_OF_CAUSE[step.cause]
     near = reason is ServoReason.COLLISION
     names = request.arm.joint_names if reason is ServoReason.SINGULARITY else bounds.motion.names

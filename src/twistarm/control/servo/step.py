@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm, require_arm
-from ...support.checks import Array, as_pose, as_theta, frozen, require
+from ...support.checks import Array, as_pose, as_theta, frozen, require, require_one
 from ...support.display import Brief
 from ...support.errors import InputError, quote
 from .command import AnyCommand, CommandLike, JogCommand, PoseCommand, TwistCommand
@@ -48,12 +48,6 @@ class ServoState(Brief):
         Args:
             arm: The arm.
             theta: The measured configuration (n,) [rad, m].
-
-        Returns:
-            The state.
-
-        Raises:
-            InputError: theta is not one configuration of finite numbers.
         """
         return cls.moving(arm, require_arm(arm).theta_from(theta), np.zeros(arm.n))
 
@@ -65,12 +59,6 @@ class ServoState(Brief):
             arm: The arm.
             theta: The measured configuration (n,) [rad, m].
             theta_dot: The measured rates (n,) [rad/s, m/s].
-
-        Returns:
-            The state.
-
-        Raises:
-            InputError: One of them is not n finite numbers.
         """
         require_arm(arm)
         values = {"theta": theta, "theta_dot": theta_dot}
@@ -95,8 +83,8 @@ def servo_step(
     """One step of the servo: the state after `dt` [s] of `command`, and its joint rates.
 
     An unusable command raises no error, because a loop that raises loses the arm. The arm stops within its acceleration
-    limits. The reason is STALE and `explain` says why. A dt outside (0, settings.max_dt], or a state that is not
-    finite, gives STALE and zero rates at once.
+    limits. The reason is STALE and `explain` says why. A state that is not finite, or a dt outside (0,
+    settings.max_dt], gives STALE and zero rates.
 
     The rates minimise a strictly convex function, continuous in configuration and command (docs/servo.md). Away from
     singularities a twist is exact. If the arm lacks directions (below six joints, at a limit), held components come
@@ -121,7 +109,7 @@ def servo_step(
         The state after the step and the `ServoOutput`: rates (n,) [rad/s, m/s], status, reason and loss.
 
     Raises:
-        InputError: The arm, the state, the settings or the scene are of another type, or the scene is of another arm.
+        InputError: The arm, state, settings or scene is of another type, or the scene is of another arm.
         TwistarmError: There is no compiled core, or the arm has more than 64 joints or motors.
     """
     require(state, ServoState, "state", "as ServoState.at(arm, theta) makes it")
@@ -195,9 +183,8 @@ def _core_step(
 def _clean(arm: Arm, state: ServoState) -> ServoState:
     """The state as plain arrays; InputError for one that cannot be used."""
     plain = ServoState.moving(arm, state.theta, state.theta_dot)
-    pose = None if state.held_pose is None else frozen(as_pose(state.held_pose, "held_pose"))
-    if pose is not None and pose.shape != (4, 4):
-        raise InputError(f"held_pose must be one pose, shape (4, 4); got {pose.shape}")
+    held = state.held_pose
+    pose = None if held is None else frozen(require_one(as_pose(held, "held_pose"), "held_pose", 2))
     period = _seconds(state.period)
     if not 0.0 <= period <= MAX_VALUE:
         raise InputError(f"period must be a time from 0 to {MAX_VALUE:g} s; got {quote(state.period)}")
@@ -228,12 +215,12 @@ FIRST_ROWS, MOST_ROUNDS, OTHERS_SHARE = 8, 4, 0.1
 def avoid_collisions(
     solve: Solve, rest: Callable[[], CoreStep], start: ArrayLike, dt: float, bounds: ServoBounds, scene: Scene
 ) -> tuple[CoreStep, Contact | None]:
-    """The answer of a step from `start` (n,) that brings no pair nearer than its margin, and the pair that holds it.
+    """The answer of a step from `start` (n,) that brings no pair nearer than its margin. The pair that holds it.
 
     `solve` steps with rows (k, n + 2) of near pairs or None, `rest` steps toward rest. A pair that is nearer than its
-    margin already comes no nearer. Near pairs are measured where the arm will be after the step, and where it would
-    stand after a straight stop. A pair that would come too near becomes another row, and the step is made anew. If that
-    does not suffice, the arm comes to rest.
+    margin already comes no nearer. Near pairs are measured after the step, and after a straight stop from there. A pair
+    that would come too near becomes another row, and the step is made anew. If that does not suffice, the arm comes to
+    rest.
     """
     pairs, answer = scene.near_pairs, solve(None)  # which raises an error for a state that cannot be used
     theta = np.asarray(start, dtype=np.float64)
@@ -293,14 +280,14 @@ def avoid_collisions(
 
 
 def _aim(distances: Array, margins: Array, share: float, unpushed: bool) -> Array:
-    """How near [m] each pair may come in a step that is so large a `share` of the law's time."""
+    """How near [m] each pair may come in a step. `share`: its part of the law's time."""
     room = _unpushed(distances - margins - SPARE)
     aim: Array = np.minimum(distances - OTHERS_SHARE * share * np.minimum(room, 0.0), margins + SPARE - UNSEEN)
     return np.minimum(aim, distances) if unpushed else aim
 
 
 def _unpushed(room: Array) -> Array:
-    """The room (k,) of pairs, none of which is pushed where the rounds leave it.
+    """The room (k,) of pairs without a push, because the rounds leave them there.
 
     Another corner of flat bodies leaves with the first.
     """

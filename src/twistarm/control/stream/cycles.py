@@ -1,4 +1,4 @@
-"""The cycle that all loops share: read the joints, send a setpoint, on a grid of times, and come to rest."""
+"""The cycle that all loops share, on a grid of times: read the joints, send a setpoint, come to rest."""
 
 from __future__ import annotations
 
@@ -124,9 +124,6 @@ class Cycles(ABC, Generic[C]):
         Args:
             now: The clock's time [s].
             periods: Periods since the last cycle: what is more than 1 counts as missed.
-
-        Returns:
-            The `Cycle`.
         """
         now, periods = require_time(now), as_whole(periods, "periods", -1, LARGEST_ARRAY)
         self.tally.cycles += 1
@@ -137,15 +134,10 @@ class Cycles(ABC, Generic[C]):
             return self._failed(now, failed.reason, failed.ending)
 
     def brake(self, now: float) -> bool:
-        """One step toward rest without reading commands or joints.
+        """One step toward rest at the clock's time `now` [s], without reading commands or joints.
 
-        A failure of the sink is recorded. If the servo fails, the arm stops at once: zero rates at its last position.
-
-        Args:
-            now: The clock's time [s].
-
-        Returns:
-            Whether the arm is at rest.
+        Returns whether the arm is at rest. A failure of the sink is recorded. If the servo fails, the arm stops at
+        once: zero rates at its last position.
         """
         if not self.at_rest:
             try:
@@ -157,11 +149,7 @@ class Cycles(ABC, Generic[C]):
         return self.at_rest
 
     def change_clock(self, now: float) -> None:
-        """Use times of another clock from now on. The next step covers the time from this moment.
-
-        Args:
-            now: The other clock's time [s].
-        """
+        """Use another clock, with the time `now` [s], from now on. The next step covers the time from this moment."""
         self._stepped = require_time(now)
 
     def halt(self, now: float) -> None:
@@ -180,9 +168,6 @@ class Cycles(ABC, Generic[C]):
             reason: The reason, in words.
             duration: The time since the start [s].
             at_rest: Whether the arm is at rest.
-
-        Returns:
-            The `StreamReport`.
         """
         return StreamReport(
             **vars(self.tally), ending=ending, reason=reason, duration=duration, at_rest=at_rest,
@@ -243,7 +228,7 @@ class Cycles(ABC, Generic[C]):
         self._restart_at(theta, now)
 
     def _restart_at(self, theta: Array, now: float) -> None:
-        """Begin anew at theta (n,), whatever was commanded before."""
+        """Begin anew at theta (n,). Earlier commands do not count."""
         self._start_at(theta, now)
         self._watch.forget()
 
@@ -402,7 +387,7 @@ def drive(
 
 
 def come_to_rest(cycles: Cycles[C], metronome: Metronome, clock: Clock) -> bool:
-    """Brake cycle by cycle, then send zero rates, also when Ctrl-C shortens the braking.
+    """Brake cycle by cycle, then send zero rates, also when Ctrl-C shortens the braking. Whether the arm is at rest.
 
     A clock that jumps ahead does not shorten the braking: the needed cycles run in any case.
 
@@ -410,9 +395,6 @@ def come_to_rest(cycles: Cycles[C], metronome: Metronome, clock: Clock) -> bool:
         cycles: The loop.
         metronome: The cycles' times.
         clock: The clock.
-
-    Returns:
-        Whether the arm is at rest.
     """
     require_method(cycles, "cycles", "brake")
     require_method(metronome, "metronome", "tick")

@@ -205,7 +205,7 @@ class RateObserver:
             self._update(measured.theta, min(measured.time, now))
 
     def rates(self, theta: Array, theta_dot: Array, elapsed: float, follow: bool = True) -> Array:
-        """The rates u (n,) for joints at theta (n,) with the rate theta_dot (n,), `elapsed` [s] after the last.
+        """The rates u (n,) for a setpoint theta (n,), theta_dot (n,), `elapsed` [s] after the last.
 
         Unless `follow`, theta is ignored and the joints come to rest as the servo does.
         """

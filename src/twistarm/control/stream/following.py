@@ -86,7 +86,7 @@ class FollowControl:
 class FollowOptions(LoopOptions):
     """Options of `follow` and `Following`: those of `LoopOptions`, and these.
 
-    tolerance [rad, m]: half of the servo's, because nobody corrects the arm by hand.
+    tolerance [rad, m]: half of the servo's, because no operator corrects the arm.
 
     speed: the share of the trajectory's own speed, above 0 and at most 1.
 
@@ -124,8 +124,7 @@ class FollowCycle(Cycle):
 
     at: the motion's time [s], below 0 on the way to its start. `duration`: its length [s]. rate: the speed of its time,
     0 … 1. error (n,): each joint's distance from all setpoints of the last `feedback_timeout` [rad, m]. lag (n,): the
-    distance from the present setpoint. Both are None if unknown. labels: the labels passed in this cycle, such as
-    "close gripper".
+    distance from the present setpoint. None: unknown. labels: the labels passed in this cycle, such as "close gripper".
     """
 
     at: float = 0.0
@@ -228,7 +227,7 @@ class Following(Cycles[FollowCycle]):
         self._leg, self._clock = LimitedMotion.of(self._commanded_arm, way), MotionClock(0.0, 0.0)
 
     def _rejoin(self, theta: Array, now: float, holds: bool) -> None:
-        """Where others have moved the resting arm, go on from where it is, by the straight way back to the path."""
+        """Go on from the measured theta where others have moved the resting arm, straight back to the path."""
         assert self.state is not None
         distance, rests = theta - self.state.theta, self.at_rest
         unseen = self._watch.returned and rests and bool((np.abs(distance) > MOVED).any())

@@ -29,7 +29,7 @@ MAX_OTHER_NAMES = 20  # Most unknown names to keep for messages.
 
 @dataclass(frozen=True)
 class Arrival:
-    """A value from a sender at a time [s], with the sender's counter if it has one; or None and why it is refused."""
+    """A value from a sender at a time [s], with the sender's counter, if any. Or None and why it is refused."""
 
     sender: str
     time: float
@@ -178,9 +178,6 @@ class Inbox(Arrivals):
         Args:
             now: The clock's time [s].
             state: The commanded arm's state, or None before it is known.
-
-        Returns:
-            The `Reading`: a command, or None and the reason.
         """
         now = moment(now)
         arrivals, faults = self._look(now)

@@ -1,4 +1,4 @@
-"""Messages of the loop (docs/streaming.md): JSON in and out, values of joints or motors, recordings as ROS 2's."""
+"""Messages of the loop (docs/streaming.md): JSON in and out, values of joints or motors, recordings."""
 
 from __future__ import annotations
 
@@ -95,14 +95,11 @@ def motor_side(arm: Arm, units: str) -> MotorSide | None:
 
 
 def parse_command(arm: Arm, text: str | bytes) -> CommandMessage:
-    """The command in one JSON message, as `command_of` describes it.
+    """The command in one JSON message, as `command_of` describes it, and the sender's counter.
 
     Args:
         arm: The arm.
         text: The message.
-
-    Returns:
-        The command and the sender's counter.
 
     Raises:
         InputError: It is not exactly one command.
@@ -125,9 +122,6 @@ def command_of(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
     Args:
         arm: The arm.
         message: The object.
-
-    Returns:
-        The command.
 
     Raises:
         InputError: It is not exactly one command.
@@ -176,9 +170,6 @@ def parse_state(arm: Arm, text: str | bytes, motors: MotorSide | None = None) ->
         text: The message.
         motors: The motors, where the message is in their units; None for joints.
 
-    Returns:
-        The values by joint, the sender's counter and the robot's interlock.
-
     Raises:
         InputError: It is not exactly one joint state.
     """
@@ -209,15 +200,12 @@ def values_by_name(known: Collection[str], names: Sequence[str], values: Sequenc
 
 
 def setpoint_message(arm: Arm, setpoint: Setpoint, motors: MotorSide | None = None) -> dict[str, Any]:
-    """The setpoint as a message: positions, rates, the servo's status, and motors if given.
+    """The setpoint as a message that JSON can hold: positions, rates, the servo's status, and motors if given.
 
     Args:
         arm: The arm.
         setpoint: The setpoint.
         motors: The motors, or None.
-
-    Returns:
-        A mapping that JSON can hold.
     """
     require_arm(arm)
     require(setpoint, Setpoint, "setpoint", "as the loop makes it")
@@ -291,8 +279,8 @@ class Recorder(Bag):
     """A sink that records each setpoint that it sends to `sink`. As `on_cycle` it records each joint state too.
 
     The file appears at the end of the block. /setpoints has JointTrajectory of one point each, /diagnostics their
-    status, /joint_states and /tf the usable joint states and the poses of all links, /labels those of `follow`. Stamps
-    are wall-clock time if the stream's clock is the system's. The extra `mcap` is needed.
+    status. /joint_states and /tf have the usable joint states and the poses of all links. /labels has those of
+    `follow`. Stamps are wall-clock time if the stream's clock is the system's. The extra `mcap` is needed.
 
     Args:
         arm: The arm.

@@ -1,4 +1,4 @@
-"""A motion to follow: its checks, the way to its start, and its clock, slowed and sped up inside the limits."""
+"""A motion to follow: its checks, the way to its start, and its clock, which keeps the limits."""
 
 from __future__ import annotations
 

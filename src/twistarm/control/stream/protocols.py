@@ -91,14 +91,11 @@ class Source(Protocol):
     """Where commands come from."""
 
     def read(self, now: float, state: ServoState | None) -> Reading:
-        """The command at `now` [s], without waiting.
+        """The command at `now` [s] without waiting, or None and the reason.
 
         Args:
             now: The clock's time [s].
             state: The commanded arm's state, or None before it is known.
-
-        Returns:
-            The `Reading`: a command, or None and the reason.
         """
 
 

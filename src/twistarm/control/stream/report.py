@@ -1,4 +1,4 @@
-"""The watch on the joint state, and the report of a stream: cycles, lateness, stale inputs, and why it ended."""
+"""The watch on the joint state, and the report of a stream: cycles, lateness, stale inputs, its end."""
 
 from __future__ import annotations
 
@@ -165,8 +165,9 @@ class FeedbackWatch:
     """Whether the measurement is usable and the arm follows.
 
     timeout [s]: older joint states are stale. tolerance (n,) or one number [rad, m]: the allowed distance of a joint
-    from all setpoints of the last `timeout`, and of the first joint state from the position limits. A shorter lag is no
-    deviation. `returned`: whether the last joint state was the first after a gap longer than `timeout`.
+    from all setpoints of the last `timeout`. It is also that of the first joint state from the position limits. A
+    shorter lag is no deviation. `returned`: whether the last joint state was the first after a gap longer than
+    `timeout`.
     """
 
     def __init__(self, arm: Arm, timeout: float, tolerance: ArrayLike) -> None:
@@ -211,7 +212,7 @@ class FeedbackWatch:
     def rest(self, distance: Array | None, now: float) -> bool:
         """Note the distance (n,) of the resting arm from its setpoint; None: it moves. Whether it is at rest.
 
-        Under a load an arm rests off its setpoint: the distance after a timeout at rest is the usual one.
+        Under a load an arm rests off its setpoint. The distance after a timeout at rest is the usual one.
         """
         if distance is None:
             self._rest_began, self._rest_distance = inf, None

@@ -100,12 +100,12 @@ class Streaming(Cycles[Cycle]):
         return Cycle(now, None, None, None, reason, ending, interlock=self.interlock.word)
 
     def _start(self, theta: Array, now: float) -> None:
-        """Start at the first theta, and at one that returns while the arm rests: it may have moved meanwhile."""
+        """Start at the first theta. Start again at one that returns while the arm rests, which may have moved."""
         if self.state is None or (self._watch.returned and self.at_rest):
             self._begin_at(theta, now)
 
     def _while_at_rest(self, theta: Array, now: float, command: AnyCommand | None) -> None:
-        """Where others have moved the resting arm, start the next motion where it is, so that it does not jump back.
+        """Start the next motion where the arm is, if others have moved it at rest. So it does not jump back.
 
         In velocity mode an arm without a command always restarts: only motion needs corrections.
         """
@@ -164,9 +164,9 @@ def run(
     cycle later than the servo's longest step. The arm then stops within its acceleration limits, and continues when all
     is well. If it came to rest without a joint state, it restarts at the measured position.
 
-    A joint farther than `tolerance` (one number or (n,)) [rad, m] from all setpoints of the last `feedback_timeout`
-    ends the stream. So does a start farther beyond a position limit, as of joint states in degrees. Where others have
-    moved the resting arm by more than 0.01 rad or m, the next motion begins where it is.
+    A joint may be `tolerance` (one number or (n,)) [rad, m] from all setpoints of the last `feedback_timeout`. One that
+    is farther ends the stream. So does a start farther beyond a position limit, as of joint states in degrees. If
+    others move the resting arm by more than 0.01 rad or m, the next motion begins there.
 
     While `interlock` forbids motion, the arm comes to rest and waits. Each cycle, each setpoint and the report have its
     word. After it is enabled, the controls must be released first: a cycle without a motion.
@@ -175,7 +175,7 @@ def run(
     each drive's gain and delay (`RateObserver`). The servo reserves 15 % of the velocity and 10 % of the acceleration
     limits for it. Without a command nothing is corrected. At rest the servo restarts at the measured position.
 
-    At every end (time, Ctrl-C, a failing device, an exception of `on_cycle`) the arm stops within its limits. The last
+    At every end the arm stops within its limits: time, Ctrl-C, a failing device, an exception of `on_cycle`. The last
     setpoint has zero rates. A second Ctrl-C stops at once. The report has the errors of devices (OSError,
     TwistarmError). Other exceptions are raised at the end. An undelivered setpoint (`UndeliveredError`) is counted and
     ends nothing.
@@ -189,7 +189,7 @@ def run(
         handle_signals: Whether SIGTERM and SIGHUP end the stream as Ctrl-C does. This works in the main thread, and if
             the program has no handler. On return the old effect is back.
         duration: Greatest duration [s]; None for no limit.
-        until: A function whose true result ends the stream, or None.
+        until: A function that returns True to end the stream, or None.
         on_cycle: Called with each `Cycle` between its setpoint and the next, or None. It must be quick.
         clock: The clock, by default the system's monotonic one.
 
@@ -197,8 +197,8 @@ def run(
         The `StreamReport`: cycles, jitter, stale inputs, failures, and how the stream ended.
 
     Raises:
-        InputError: A rate, timeout, tolerance or duration is not positive, the settings have another type, or a period
-            exceeds the servo's longest step.
+        InputError: A rate, timeout, tolerance or duration is not positive. Or the settings have another type, or a
+            period exceeds the servo's longest step.
     """
     require_callback(until, "until", "nothing")
     require_callback(on_cycle, "on_cycle", "a Cycle")

@@ -1,4 +1,4 @@
-"""UDP: commands and joint states in, setpoints out, a JSON message per datagram, signed or not (docs/streaming.md)."""
+"""UDP: commands and joint states in, setpoints out, a JSON message per datagram (docs/streaming.md)."""
 
 from __future__ import annotations
 

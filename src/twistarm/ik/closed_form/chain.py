@@ -121,7 +121,7 @@ def nearest_motion(axis: JointAxis, X: Point, Y: Point) -> tuple[float, bool]:
 
 
 def along(axis: JointAxis, value: Callable[[Array], Array]) -> tuple[Array, Array, Array]:
-    """value(E(x)) as k₀ + k₁ cos x + k₂ sin x, or k₀ + k₁ x + k₂ x² where the joint slides: (k₀, k₁, k₂)."""
+    """(k₀, k₁, k₂) of value(E(x)) = k₀ + k₁ cos x + k₂ sin x. Where the joint slides, it is k₀ + k₁ x + k₂ x²."""
     if axis.slides:
         back, here, on = (value(axis.motion(x)) for x in (-1.0, 0.0, 1.0))
         return here, 0.5 * (on - back), 0.5 * (on + back) - here

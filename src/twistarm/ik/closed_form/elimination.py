@@ -4,8 +4,8 @@ E₃E₄E₅ = E₂⁻¹E₁⁻¹ G E₆⁻¹. Applied to point p and direction 
 
     p, d, p·p, p·d, p × d, (p·p) d − 2 (p·d) p
 
-are fourteen equations. With p measured from a point of axis 2, the right side is linear in eight sin–cos products of x₁
-and x₂. The left is linear in those of x₄ and x₅. Its coefficients are linear in cos x₃, sin x₃. The six combinations
+are fourteen equations. p is measured from a point of axis 2. The right side is then linear in eight sin–cos products of
+x₁ and x₂. The left is linear in those of x₄ and x₅. Its coefficients are linear in cos x₃, sin x₃. The six combinations
 without x₁ and x₂ are a 6 × 9 matrix in x₃. With t = tan(x/2), each multiplied by t₄, they are a 12 × 12 matrix M₀ +
 M₁t₃ + M₂t₃². It is singular at the answers, and at t₃ = ±i. An arm has at most sixteen.
 
@@ -72,7 +72,7 @@ NEARBY_POSES = (
 
 
 class Candidates(NamedTuple):
-    """Candidates x (m, k) of one elimination, and the number of `answers` to expect; None where that is in doubt.
+    """Candidates x (m, k) of one elimination, and the number of `answers` to expect. None: that is in doubt.
 
     The eigenvalues are beyond doubt if their problem is well conditioned and none is nearly real. Then x has every
     answer, provided that as many different ones come from it as expected.
@@ -110,7 +110,7 @@ class Way(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Elimination:
-    """How elimination solves five or six axes: `ways`, the best first, and the joint `still` that is added to five."""
+    """How elimination solves five or six axes: `ways`, the best first. `still`: the joint that is added to five."""
 
     ways: tuple[Way, ...]
     still: tuple[JointAxis, ...]
@@ -197,7 +197,7 @@ def _solved(lines: Lines, G: Array) -> tuple[Array, bool]:
 
 
 def _fourteen(tip: Array, points: Array, turns: Array, order: tuple[int, ...]) -> Array:
-    """The fourteen numbers of p and d, columns of tip (3, 2), turned by each third about these axes in their order.
+    """The fourteen numbers of p and d, turned by each third about these axes in their order. tip (3, 2): p and d.
 
     (3 ⋯ 3, 14), of the last axis first. points (6, 3, 2): of the axes, and 0. p is seen from the second.
     """

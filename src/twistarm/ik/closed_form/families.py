@@ -2,8 +2,8 @@
 
 Consecutive joints are a *group* if together they keep something in place. Axes that meet in a point keep the point (a
 spherical group). Parallel axes, and slides across them, keep every plane across the axes (a planar group). At most
-three joints beside the group place its point or plane for the target. The group does the rest. That covers
-a spherical wrist or shoulder with three other joints, three parallel axes, and all four-joint arms. A slide along
+three joints beside the group place its point or plane for the target. The group does the rest. That covers a spherical
+wrist or shoulder with three other joints. It covers three parallel axes and all four-joint arms too. A slide along
 parallel axes commutes with them, so another order is possible too.
 
 Up to three turns in different directions and three slides are a *decoupled* group that keeps nothing. The rotation

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Set
+from collections.abc import Iterator, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -22,7 +22,7 @@ from ...support.errors import InputError
 from ...theory.screws import inverse
 from ..ranges import locked_joints
 from ..targets import AnyTarget, Approach, Pose, Position, TargetLike, checked_target
-from .chain import MOST_JOINTS, Chain, JointAxis, Plane, Point, chain_for, goal
+from .chain import MOST_JOINTS, Chain, JointAxis, Plane, chain_for, goal, product
 from .elimination import Candidates, Elimination, Lines, elimination_for
 from .families import (
     DECOUPLED,
@@ -73,29 +73,22 @@ def family_numbers(
     at_zero = [axis.seen(g) for axis, g in zip(fitted.axes, back, strict=True)]
     # A slide of the group may stand elsewhere among the joints; what turns carries the normal.
     carrier = next((i for i in range(family.first, family.last) if not fitted.axes[i].slides), family.first)
-    keeps, kept = _kept(None if fitted.kept is None else fitted.kept.moved(back[carrier]))
+    kept = None if fitted.kept is None else fitted.kept.moved(back[carrier])
+    keeps, four = 0, np.zeros(4)
+    if kept is not None:
+        keeps, four = (2, np.append(kept.n, kept.d)) if isinstance(kept, Plane) else (1, np.append(kept.p, 0.0))
     return ClosedFormParameters(
         family.first, family.last, keeps, _numbers(at_zero),
         np.array([joint if joint < arm.n else -1 for joint in joints], dtype=np.float64),
-        kept, np.array(held, dtype=np.float64), _numbers([chain.axes[i] for i in held]),
+        four, np.array(held, dtype=np.float64), _numbers([chain.axes[i] for i in held]),
         np.array(chain.rates), np.array(arm.home), np.array([float(i in idle) for i in range(arm.n)]),
     )  # fmt: skip
 
 
-def _kept(kept: Point | Plane | None) -> tuple[int, Array]:
-    """What the group keeps: nothing, a point or a plane, and its four numbers."""
-    if kept is None:
-        return 0, np.zeros(4)
-    return (2, np.append(kept.n, kept.d)) if isinstance(kept, Plane) else (1, np.append(kept.p, 0.0))
-
-
 def _carried(chain: Chain, held: tuple[int, ...], joint: int) -> Array:
     """The motion (4, 4) that the held joints before this one have given it."""
-    g = np.eye(4)
-    for i in held:
-        if i < joint:
-            g = g @ chain.axes[i].motion(SAMPLE)
-    return g
+    before = tuple(chain.axes[i] for i in held if i < joint)
+    return product(before, np.full(len(before), SAMPLE))
 
 
 def _numbers(axes: list[JointAxis]) -> Array:
@@ -218,24 +211,20 @@ _KEPT: WeakKeyDictionary[Arm, dict[object, Method]] = WeakKeyDictionary()
 def known_method(arm: Arm, like: type[AnyTarget], axis: bytes | None) -> Method | None:
     """The kept method for targets of this type, for an Approach with this tool axis. None before `method_for`."""
     kept = _KEPT.get(arm)
-    return None if kept is None else kept.get((like, (), axis))
+    return None if kept is None else kept.get((like, (), axis, False))
 
 
-def method_for(arm: Arm, target: AnyTarget, given: tuple[int, ...] = ()) -> Method:
+def method_for(arm: Arm, target: AnyTarget, given: tuple[int, ...] = (), *, families_alone: bool = False) -> Method:
     """The method for targets like this one, with the joints `given` held, and others if necessary.
 
-    A joint with limits of one value is given.
+    A joint with limits of one value is given. `families_alone`: without elimination, which takes long to set up.
     """
     given = tuple(sorted({*given, *locked_joints(arm)}))
-    return _cached_method(arm, target, given, lambda: _in_core(arm, target, _find_method(arm, target, given)))
-
-
-def family_method(arm: Arm, target: AnyTarget) -> Method:
-    """The method by families alone, without elimination, which takes long to set up."""
-    given = locked_joints(arm)
-    return _cached_method(
-        arm, target, "family", lambda: _in_core(arm, target, _find_method(arm, target, given, families_alone=True))
-    )
+    key = type(target), given, target.axis.tobytes() if isinstance(target, Approach) else None, families_alone
+    kept = _KEPT.setdefault(arm, {})
+    if key not in kept:
+        kept[key] = _in_core(arm, target, _find_method(arm, target, given, families_alone=families_alone))
+    return kept[key]
 
 
 def family_for(arm: Arm, target: AnyTarget) -> Method | None:
@@ -246,16 +235,8 @@ def family_for(arm: Arm, target: AnyTarget) -> Method | None:
     free = {Pose: 0, Approach: 1, Position: 3}.get(type(target), MOST_JOINTS)
     if arm.n - len(locked_joints(arm)) + free > MOST_JOINTS + 1:
         return None
-    method = family_method(arm, target)
+    method = method_for(arm, target, families_alone=True)
     return method if method.core is not None and len(method.sampled) <= 1 else None
-
-
-def _cached_method(arm: Arm, target: AnyTarget, what: object, made: Callable[[], Method]) -> Method:
-    key = type(target), what, target.axis.tobytes() if isinstance(target, Approach) else None
-    kept = _KEPT.setdefault(arm, {})
-    if key not in kept:
-        kept[key] = made()
-    return kept[key]
 
 
 def _in_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
@@ -312,25 +293,19 @@ def _by_family(
 def _by_elimination(
     arm: Arm, chain: Chain, ways: list[tuple[int, ...]], given: tuple[int, ...], idle: tuple[int, ...]
 ) -> Method:
-    """The first choice of held joints that leaves axes for elimination, or why there is none."""
+    """The first choice of held joints that leaves axes for elimination, or why no choice does."""
     for held in ways:
         axes, _ = chain.held(held, np.full(len(held), SAMPLE))
         way = elimination_for(axes, arm.reach)
         if way is not None:
             return Method(chain, held, given, tuple(i for i in idle if i in held), elimination=way)
-    return Method(chain, ways[0] if ways else (), given, idle, reason=_why_not(arm, chain, ways))
-
-
-def _why_not(arm: Arm, chain: Chain, ways: list[tuple[int, ...]]) -> str:
-    """The axes that miss a family by least, in words."""
     misses = [miss for held in ways if (miss := _closest(arm, chain, held)) is not None]
-    if not misses:
-        return "no three of its axes that follow one another meet in a point or are parallel"
-    return min(misses)[1]
+    none = 0.0, "no three of its axes that follow one another meet in a point or are parallel"
+    return Method(chain, ways[0] if ways else (), given, idle, reason=min(misses, default=none)[1])
 
 
 def closest_miss_of(arm: Arm, method: Method) -> tuple[float, str]:
-    """How far the axes miss their family or the nearest, in shares of the reach or rad, and in words.
+    """How far the axes miss their family or the nearest: in shares of the reach or rad, and in words.
 
     (0, "") where they miss nothing.
     """

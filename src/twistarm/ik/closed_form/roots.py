@@ -98,7 +98,7 @@ class Task:
     def self_motion(self, theta: Array, held: tuple[int, ...] = ()) -> tuple[int, ...]:
         """The joints, beside those `held`, that move while the target stays reached.
 
-        If more joints are left than independent rows, the null space is a family's tangent: all that it moves is free.
+        If more joints are left than independent rows, the null space is a family's tangent. All that it moves is free.
         Otherwise a direction in it only moves nothing at first. A step along it, corrected, may come back. If not, it
         is another answer of the family, provided it is as exact. A whole turn within the tolerances is exact enough.
         """

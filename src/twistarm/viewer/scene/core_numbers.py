@@ -15,7 +15,7 @@ from ...control.servo import ServoSettings
 from ...control.servo.output import REASON_OF_CAUSE
 from ...control.servo.settings import servo_numbers
 from ...ik.answer import STOPS
-from ...ik.closed_form.methods import family_for, family_method
+from ...ik.closed_form.methods import family_for, method_for
 from ...ik.targets import FARTHEST, AnyTarget, Approach, Pose, Position
 from ..messages import packed
 
@@ -54,7 +54,7 @@ def _forms(arm: Arm) -> Iterator[tuple[str, str]]:
     p, axis = g[:3, 3], g[:3, :3] @ arm.tool_axis
     targets: tuple[AnyTarget, ...] = (Pose(g), Position(p), Approach(p, axis, arm.tool_axis))
     for target in targets:
-        method = family_method(arm, target)
+        method = method_for(arm, target, families_alone=True)
         if method.numbers is None:
             continue
         # A page holds swept joints where the arm stands: only idle ones may move for themselves.
