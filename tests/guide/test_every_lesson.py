@@ -36,10 +36,10 @@ def claims_on(lesson: str) -> dict[str, Any]:
 
 def run(lesson: str, scenes: Path | None) -> list[str]:
     """Run a lesson with the claims on it. Returns what it says."""
-    said: list[str] = []
+    texts: list[str] = []
 
     def show(shown: output.Shown) -> None:
-        said.append(shown.plain)
+        texts.append(shown.plain)
         if scenes:
             shown.html(scenes)
 
@@ -53,14 +53,14 @@ def run(lesson: str, scenes: Path | None) -> list[str]:
                 exec(claims.pop(title, ""), dict(names))
                 title = titles[-1]
     assert not claims, "each belongs to a section"
-    return said
+    return texts
 
 
 @pytest.mark.parametrize("lesson", LESSONS)
 def test_the_lesson_holds(lesson: str) -> None:
-    said = run(lesson, None)
-    assert any("`rover_arm`" in words or " rover_arm " in words for words in said), "it speaks of the reader's arm"
-    assert "twistarm guide check" in said[-1], "it ends with its exercises"
+    texts = run(lesson, None)
+    assert any("`rover_arm`" in words or " rover_arm " in words for words in texts), "it speaks of the reader's arm"
+    assert "twistarm guide check" in texts[-1], "it ends with its exercises"
 
 
 @pytest.mark.parametrize("lesson", LESSONS)
@@ -154,7 +154,7 @@ STATED = {
 
 
 @pytest.fixture(scope="module")
-def said() -> dict[int, str]:
+def texts() -> dict[int, str]:
     """What is computed below each title, by its number."""
     names: dict[str, object] = {}
     found: dict[int, str] = {}
@@ -169,16 +169,16 @@ def said() -> dict[int, str]:
     return found
 
 
-def test_each_slip_has_its_number(said: dict[int, str]) -> None:
-    assert sorted(filter(None, said)) == list(STATED)
+def test_each_slip_has_its_number(texts: dict[int, str]) -> None:
+    assert sorted(filter(None, texts)) == list(STATED)
 
 
 @pytest.mark.parametrize("number", STATED)
-def test_the_number_is_right(number: int, said: dict[int, str]) -> None:
+def test_the_number_is_right(number: int, texts: dict[int, str]) -> None:
     words, value = STATED[number]
-    assert words.format(value) in said[number]
+    assert words.format(value) in texts[number]
 
 
-def test_the_velocities_of_the_joint_are_told_as_vectors(said: dict[int, str]) -> None:
-    stated = [[float(x) for x in row.split(",")] for row in re.findall(r"v = \(([^)]*)\)", said[11])]
+def test_the_velocities_of_the_joint_are_told_as_vectors(texts: dict[int, str]) -> None:
+    stated = [[float(x) for x in row.split(",")] for row in re.findall(r"v = \(([^)]*)\)", texts[11])]
     assert np.allclose(stated, [SPATIAL[:3], BODY[:3]], atol=5e-3)

@@ -148,10 +148,10 @@ def test_in_a_notebook(here: Path, rover: Arm) -> None:
     shown: list[output.Shown] = []
     with output.installed(shown.append):
         report = check(rotation_z)
-    (told,) = shown
-    assert told.plain.splitlines()[2:4] == ["your code printed:", "  from the copy"]
-    assert "<li>✗ rotation_z: This is the transpose" in told.html(None)
-    assert "<samp>from the copy" in told.html(None)
+    (report_shown,) = shown
+    assert report_shown.plain.splitlines()[2:4] == ["your code printed:", "  from the copy"]
+    assert "<li>✗ rotation_z: This is the transpose" in report_shown.html(None)
+    assert "<samp>from the copy" in report_shown.html(None)
     assert report.verdicts[0].slip == "transposed"
     assert "from the copy" in report.printed
     assert not calls  # it ran in a copy of this process

@@ -123,11 +123,11 @@ def test_a_variable_that_means_nothing_is_said(text: str, monkeypatch: pytest.Mo
 
 def test_another_stands_in_and_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(VARIABLE, json.dumps({"source": "rr_planar"}))
-    said: list[str] = []
-    with output.installed(lambda shown: said.append(shown.plain)):
+    texts: list[str] = []
+    with output.installed(lambda shown: texts.append(shown.plain)):
         assert guide.arm_with("two joints", lambda arm: arm.n == 2).name == "rr_planar"
-        assert said == []
+        assert texts == []
         assert guide.arm_with("six joints", lambda arm: arm.n == 6).n == 6
-    assert said[0].startswith("Your arm, `rr_planar`, does not have six joints.")
+    assert texts[0].startswith("Your arm, `rr_planar`, does not have six joints.")
     with pytest.raises(InputError, match="no bundled arm has ninety joints"):
         guide.arm_with("ninety joints", lambda arm: arm.n == 90)

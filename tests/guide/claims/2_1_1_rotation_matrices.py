@@ -4,8 +4,8 @@ assert np.isclose(np.linalg.det(R), 1.0)
 assert np.allclose(mirror.T @ mirror, np.eye(3))
 
 # ## What it does
-assert np.isclose(np.linalg.norm(there), np.linalg.norm(ahead))
-assert np.allclose(R.T @ there, ahead)
+assert np.isclose(np.linalg.norm(ahead_s), np.linalg.norm(ahead))
+assert np.allclose(R.T @ ahead_s, ahead)
 
 # ## Three numbers: Euler angles
 for order in orders:

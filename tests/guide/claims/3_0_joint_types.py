@@ -14,9 +14,9 @@ assert list(freedoms.values()) == [1, 1, 1, 2, 3, 3]
 
 # ## Does the order matter?
 turn, slide = several["cylindrical"].T
-either_way = carried(turn, slide, 1.2, 0.3)
+either_way = both_orders(turn, slide, 1.2, 0.3)
 assert np.allclose(*either_way)
-assert apart > 0.1
+assert distance > 0.1
 
 # ## The ball and its coordinates
 assert ranks == [3, 3, 2]

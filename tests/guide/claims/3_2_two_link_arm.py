@@ -20,7 +20,7 @@ assert 0 < lost < len(many)
 assert np.isfinite(np.arccos(np.clip(cosine, -1, 1))).all()
 
 # ## The two links inside your arm
-assert carried < 2e-3 * arm.reach, "forward kinematics: what the two links carry stays where it was"
+assert carried_off < 2e-3 * arm.reach, "forward kinematics: what the two links carry stays where it was"
 
 # ## What goes wrong in practice
 assert np.isclose(np.linalg.norm(tip(*by_atan) - behind), 2 * np.hypot(*behind))

@@ -17,7 +17,7 @@ for i, step in enumerate(h * np.eye(arm.n)):
 assert unchanged < 1e-9 or not alone
 
 # ## The joystick
-assert np.allclose(gone, dt * hybrid[:3] @ rates, atol=1e-4 * arm.reach)
+assert np.allclose(moved_by, dt * hybrid[:3] @ rates, atol=1e-4 * arm.reach)
 
 # ## The transpose holds the load
 # Whoever knows no Jacobian: the work that lifts the stone, joint by joint.

@@ -122,7 +122,7 @@ def check(
         "exercises": [vars(verdict) | {"slip": verdict.slip or None} for verdict in report.verdicts],
         "printed": report.printed,
     }
-    out.show(data, *report.told)
+    out.show(data, *report.terminal_lines)
     return report.code
 
 

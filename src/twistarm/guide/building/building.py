@@ -1,4 +1,4 @@
-"""The course built on an arm: every lesson run in its own process, its page, the pages around it, and a print."""
+"""The site of the course on an arm, and a lesson as PDF. Each lesson runs in its own process."""
 
 from __future__ import annotations
 
@@ -79,30 +79,30 @@ def build(
         InputError: The folder holds something else or cannot be written.
         TwistarmError: The arm cannot be loaded.
     """
-    wanted = LESSONS if names is None else tuple(names)
+    lessons = LESSONS if names is None else tuple(names)
     the_arm, read = load_with_files(partial(load_arm, **arm))
     site = _made(as_path(folder).absolute())
-    made_of = _stamps(arm, wanted, read)
-    if all((site / f"{name}.html").is_file() for name in ("index", *wanted)) and _recorded(site) == made_of:
+    made_of = _stamps(arm, lessons, read)
+    if all((site / f"{name}.html").is_file() for name in ("index", *lessons)) and _recorded(site) == made_of:
         return Built(site, the_arm, (), ())
     write_whole(site / RECORD, "{}\n")
     for old in (path for pattern in ("scene_*.html", "meshes_*.js") for path in (site / "scenes").glob(pattern)):
         old.unlink(missing_ok=True)
-    pages = (*wanted, ERRATA)
+    pages = (*lessons, ERRATA)
     titles = {name: title_of(cells_of(lesson_file(name))) for name in pages}
     failed = []
-    for done, (name, outcome) in enumerate(run_lessons(pages, arm, site / "scenes"), start=1):
+    for count, (name, outcome) in enumerate(run_lessons(pages, arm, site / "scenes"), start=1):
         write_whole(site / f"{name}.html", lesson_page(name, outcome, titles, the_arm))
         write_whole(site / f"{name}.py", lesson_file(name).read_text("utf-8"))
         failed += [outcome["failed"]] if outcome["failed"] else []
-        progress(done / len(pages))
+        progress(count / len(pages))
     for name in (*STYLE, *SCRIPTS):
         write_whole(site / "assets" / name, site_file(name))
     write_whole(site / "index.html", index_page(titles, the_arm, failed))
     write_whole(site / "before.html", before_page(the_arm))
     if not failed:
         write_whole(site / RECORD, json.dumps({"made of": made_of}))
-    return Built(site, the_arm, wanted, tuple(sorted(failed)))
+    return Built(site, the_arm, lessons, tuple(sorted(failed)))
 
 
 def _made(site: Path) -> Path:
@@ -115,18 +115,18 @@ def _made(site: Path) -> Path:
                 f"{site} holds something that the guide did not write (there is no {RECORD}); "
                 "give a new folder, or an empty one"
             )
-        for each in ("assets/fonts", "assets/scripts", "scenes"):
-            (site / each).mkdir(parents=True, exist_ok=True)
+        for part in ("assets/fonts", "assets/scripts", "scenes"):
+            (site / part).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot write into {site}: {error.strerror or error}") from error
     return site
 
 
-def _stamps(arm: Mapping[str, Any], wanted: Sequence[str], read: set[Path]) -> str:
+def _stamps(arm: Mapping[str, Any], lessons: Sequence[str], read: set[Path]) -> str:
     """The identity of a site: the arm, its files, the lessons, and twistarm's files."""
     own = (path for path in Path(twistarm.__file__).parent.rglob("*.*") if path.suffix != ".pyc")
     files = [(str(path), stamp(path)) for path in sorted({*read, *own})]
-    return hashlib.sha256(repr((twistarm.__version__, arm, wanted, files)).encode()).hexdigest()
+    return hashlib.sha256(repr((twistarm.__version__, arm, lessons, files)).encode()).hexdigest()
 
 
 def _recorded(site: Path) -> str:
@@ -143,7 +143,7 @@ def run_lessons(
     with ThreadPoolExecutor(max_workers=2) as pool:
         running = {pool.submit(_outcome, name, arm, scenes, timeout): name for name in names}
         try:
-            yield from ((running[each], each.result()) for each in as_completed(running))
+            yield from ((running[future], future.result()) for future in as_completed(running))
         finally:
             pool.shutdown(cancel_futures=True)
 
@@ -156,8 +156,8 @@ def _outcome(name: str, arm: Mapping[str, Any], scenes: Path, timeout: float) ->
         log, result = Path(folder, "log"), Path(folder, "outcome.json")
         command = (sys.executable, "-m", "twistarm.guide.building.lesson", lesson_file(name), scenes, result)
         try:
-            with log.open("wb") as said:
-                streams: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": said, "stderr": said}
+            with log.open("wb") as log_file:
+                streams: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": log_file, "stderr": log_file}
                 code = subprocess.run(command, **streams, env=environment, timeout=timeout, check=False).returncode
             if code == 0:
                 outcome: Outcome = json.loads(result.read_text("utf-8"))

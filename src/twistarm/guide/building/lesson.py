@@ -2,7 +2,8 @@
 
     python -m twistarm.guide.building.lesson LESSON.py SCENES OUT.json
 
-The outcome is JSON: `body`, `sections` (name and title of each) and `failed`, empty or a sentence with cell and reason.
+The outcome is JSON: `body`, `sections` (name and title of each) and `failed`. `failed` is empty, or names cell and
+reason.
 """
 
 from __future__ import annotations
@@ -31,8 +32,8 @@ LONGEST_OUTPUT = 20_000  # Most characters of a cell's output on a page.
 class Cell:
     """Text in markdown, or a program.
 
-    A page shows a program where it is tagged "shown". The others it gathers in one fold at its end.
-    The cell begins at `line` of the file.
+    A page shows a program where it is tagged "shown". The others it gathers in one fold at its end. The cell begins at
+    `line` of the file.
     """
 
     source: str
@@ -103,11 +104,11 @@ def _run(cell: Cell, path: Path, scenes: Path, names: dict[str, Any]) -> str:
     printed = io.StringIO()
     # Lines are counted as in the file, so that an error names its own.
     code = compile("\n" * (cell.line - 1) + cell.source, str(path), "exec")
-    with output.installed(lambda each: shown.append(each.html(scenes))), redirect_stdout(printed):
+    with output.installed(lambda item: shown.append(item.html(scenes))), redirect_stdout(printed):
         exec(code, names)
     words = escape(printed.getvalue()[:LONGEST_OUTPUT].rstrip())
-    said = f'<pre class="printed" tabindex="0"><samp>{words}</samp></pre>' if words else ""
-    return said + "\n".join(shown)
+    printed_html = f'<pre class="printed" tabindex="0"><samp>{words}</samp></pre>' if words else ""
+    return printed_html + "\n".join(shown)
 
 
 def _titles(cell: Cell) -> list[str]:
@@ -116,7 +117,7 @@ def _titles(cell: Cell) -> list[str]:
 
 def _only_calls_guide(source: str) -> bool:
     with suppress(SyntaxError):
-        return all(ast.unparse(each).startswith("guide.") for each in ast.parse(source).body)
+        return all(ast.unparse(statement).startswith("guide.") for statement in ast.parse(source).body)
     return False
 
 

@@ -30,7 +30,7 @@ Titles = Mapping[str, str]  # Titles of the lessons by name.
 
 
 def site_file(name: str) -> bytes:
-    """A file of the site as it comes with the package; the clock of motions is that of the view."""
+    """A file of the site, from the package. The clock of motions is that of the view."""
     if name == SCRIPTS[0]:
         return scoped("playback.js").encode()
     return files("twistarm.guide").joinpath("site").joinpath(name).read_bytes()
@@ -99,7 +99,7 @@ def _filled(name: str, **words: str) -> str:
 
 def _neighbours(name: str, titles: Titles) -> str:
     """Links to the lessons before and after one; the contents are before the first."""
-    order = ["", *(each for each in LESSONS if each in titles), ""]
+    order = ["", *(lesson for lesson in LESSONS if lesson in titles), ""]
     if name not in order:
         return ""
     at = order.index(name)

@@ -15,8 +15,9 @@ from .instances import TIMES, angle, unit
 
 
 def subproblem_1(omega: Array, r: Array, p: Array, q: Array) -> float:
-    """The angle [rad], in (−π, π], by which the point `p` (3,) turns to `q` (3,) about the line along the unit vector
-    `omega` (3,) through `r` (3,). Neither point lies on the line.
+    """The angle [rad], in (−π, π], of the turn that takes the point `p` (3,) to `q` (3,).
+
+    The axis is the line along the unit vector `omega` (3,) through `r` (3,). Neither point lies on it.
     """
     u, v = p - r, q - r
     u, v = u - omega * (omega @ u), v - omega * (omega @ v)
@@ -26,8 +27,8 @@ def subproblem_1(omega: Array, r: Array, p: Array, q: Array) -> float:
 def crossings(omega_1: Array, omega_2: Array, r: Array, p: Array, q: Array) -> Array:
     """Both points in which the two circles of subproblem 2 cross, a row each: (2, 3).
 
-    The point `p` (3,) goes round the line along the unit vector `omega_2` (3,), the point `q` (3,) round the line along
-    `omega_1` (3,). The lines cross in `r` (3,). First comes the point on the side of ω₁ × ω₂. There are two.
+    The point `p` (3,) goes round the line along the unit vector `omega_2` (3,). The point `q` (3,) goes round the line
+    along `omega_1` (3,). The lines cross in `r` (3,). First comes the point on the side of ω₁ × ω₂. There are two.
     """
     u, v, c = p - r, q - r, omega_1 @ omega_2
     normal = np.cross(omega_1, omega_2)
@@ -39,8 +40,9 @@ def crossings(omega_1: Array, omega_2: Array, r: Array, p: Array, q: Array) -> A
 
 
 def subproblem_3(omega: Array, r: Array, p: Array, q: Array, delta: float) -> Array:
-    """Both angles [rad], in (−π, π], the smaller first, (2,), by which the point `p` (3,) may turn about the line along
-    the unit vector `omega` (3,) through `r` (3,) so that it comes to the distance `delta` [m] from `q` (3,). There are
+    """Both angles (2,) [rad], in (−π, π], that turn the point `p` (3,) to the distance `delta` [m] from `q` (3,).
+
+    The axis is the line along the unit vector `omega` (3,) through `r` (3,). The smaller angle comes first. There are
     two.
     """
     u, v = p - r, q - r
@@ -54,8 +56,9 @@ def subproblem_3(omega: Array, r: Array, p: Array, q: Array, delta: float) -> Ar
 
 
 def flip_wrist(theta: Array) -> Array:
-    """The other angles (3,) [rad], each in (−π, π], of a wrist that turns about z, y and z (ZYZ) by `theta` (3,), which
-    give the same rotation.
+    """The other angles (3,) [rad] of a ZYZ wrist with the same rotation as `theta` (3,).
+
+    The wrist turns about z, y and z. Each angle is in (−π, π].
     """
     other = np.array([theta[0] + np.pi, -theta[1], theta[2] + np.pi])
     return np.pi - (np.pi - other) % (2 * np.pi)
@@ -100,7 +103,7 @@ def _by_complex_numbers(omega: Array, r: Array, p: Array, q: Array) -> float:
     """In the plane across the axis, with its real axis anywhere in it."""
     e = np.cross(omega, np.eye(3)[np.argmin(np.abs(omega))])
     f = np.cross(omega, e)
-    z = [complex(e @ (each - r), f @ (each - r)) for each in (p, q)]
+    z = [complex(e @ (point - r), f @ (point - r)) for point in (p, q)]
     return float(np.angle(z[1] / z[0]))
 
 
@@ -156,8 +159,8 @@ EXERCISES = (
             ),
             Slip(
                 "not projected",
-                "You use p − r and q − r as they are: their parts along the axis take part in the scalar "
-                "product. Project both onto the plane across the axis first.",
+                "You use p − r and q − r as they are: the parts along the axis enter the scalar product. Project both "
+                "onto the plane across the axis first.",
                 {"    u, v = u - omega * (omega @ u), v - omega * (omega @ v)\n": ""},
             ),
             Slip(
@@ -235,7 +238,7 @@ EXERCISES = (
             ),
             Slip(
                 "columns for rows",
-                "A point stands in a row, (2, 3); yours stand in the columns: transpose.",
+                "The points are rows, (2, 3). Yours are columns: transpose.",
                 {"middle - gamma * normal])": "middle - gamma * normal]).T"},
             ),
         ),
@@ -247,8 +250,8 @@ EXERCISES = (
         (
             Slip(
                 "distance not projected",
-                "You use the distance as it is in the plane across the axis. What lies along the axis takes its share: "
-                "δ'² = δ² − (ω · (p − q))².",
+                "You use the distance as it is in the plane across the axis. Subtract the part along the axis: δ'² = "
+                "δ² − (ω · (p − q))².",
                 {"(delta**2 - along**2)": "delta**2"},
             ),
             Slip(
@@ -258,7 +261,7 @@ EXERCISES = (
             ),
             Slip(
                 "not projected",
-                "You use p − r and q − r as they are, with the distance as it is. The law of cosines holds in the "
+                "You use p − r, q − r and the distance without projecting them. The law of cosines holds in the "
                 "plane across the axis: project both, and take δ'² = δ² − (ω · (p − q))².",
                 {"    u, v = u - omega * (omega @ u), v - omega * (omega @ v)\n": "", "along**2": "0"},
             ),
@@ -355,8 +358,7 @@ EXERCISES = (
             ),
             Slip(
                 "unchanged",
-                "These are the angles that were given. There is one other triple with the same rotation: that one is "
-                "asked for.",
+                "These are the given angles. The task asks for the other triple with the same rotation.",
                 {"return np.pi - (np.pi - other) % (2 * np.pi)": "return theta.copy()"},
             ),
             Slip(

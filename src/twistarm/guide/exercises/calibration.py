@@ -34,8 +34,8 @@ def displaced_tool(twists: Array, home: Array, displacements: Array, x: Array) -
 def position_slopes(twists: Array, home: Array, x: Array) -> Array:
     """The derivatives (3, 6m + 6) of the tool's position by the numbers of the displacements δ₁ … δₘ₊₁, at δ = 0.
 
-    Each displacement has six columns, in the order of the arm. The joints before it carry its twist along: Ad(exp(ξ̂₁x₁)
-    ⋯ exp(ξ̂ᵢ₋₁xᵢ₋₁)) δᵢ = (v, ω). This moves the tool's origin p by v + ω × p.
+    Each displacement has six columns, in the order of the arm. The joints before it carry its twist along:
+    Ad(exp(ξ̂₁x₁) ⋯ exp(ξ̂ᵢ₋₁xᵢ₋₁)) δᵢ = (v, ω). This moves the tool's origin p by v + ω × p.
     """
     from twistarm import poe, screws
 
@@ -53,9 +53,9 @@ def position_slopes(twists: Array, home: Array, x: Array) -> Array:
 def shown_combinations(A: Array, sigma: Array, most: float) -> int:
     """How many independent combinations of parameters a log shows with a standard deviation of at most `most`.
 
-    `A` (N, P) are the derivatives of the N measured numbers by the P parameters, `sigma` (N,) their standard
-    deviations. Divide each row of A by its sigma. A combination with the singular value s has the standard deviation
-    1/s.
+    `A` (N, P) has the derivatives of the N measured numbers by the P parameters. `sigma` (N,) has the standard
+    deviations of the measured numbers. Divide each row of A by its sigma. A combination with the singular value s has
+    the standard deviation 1/s.
     """
     s = np.linalg.svd(A / sigma[:, None], compute_uv=False)
     return int(np.count_nonzero(s * most >= 1.0))
@@ -64,7 +64,7 @@ def shown_combinations(A: Array, sigma: Array, most: float) -> int:
 def weighted_fit(A: Array, r: Array, sigma: Array) -> tuple[Array, Array]:
     """The parameters q (P,) for which Σ ((A q − r) / σ)² is least, and their standard deviations (P,).
 
-    `A` (N, P) are the derivatives, `r` (N,) is measured minus nominal, `sigma` (N,) are the standard deviations of the
+    `A` (N, P) has the derivatives. `r` (N,) is measured minus nominal. `sigma` (N,) has the standard deviations of the
     measured numbers. The covariance of q is (BᵀB)⁻¹, where B is A with each row divided by its sigma.
     """
     B = A / sigma[:, None]
@@ -149,8 +149,7 @@ EXERCISES = (
             ),
             Slip(
                 "axes alone",
-                "You displace the axes, and leave what they carry where it was: multiply by exp(δ̂ᵢ), which carries all "
-                "beyond.",
+                "You displace only the axes. Multiply by exp(δ̂ᵢ): it moves everything beyond the joint.",
                 {
                     "g @ screws.exp(displacements[:, i]) @ screws.exp(twists[:, i], x[i])": (
                         "g @ screws.exp(screws.adjoint(screws.exp(displacements[:, i])) @ twists[:, i], x[i])"
@@ -233,7 +232,7 @@ EXERCISES = (
         (
             Slip(
                 "noise left out",
-                "You leave the noise out: a singular value of A alone has units, and says nothing of what can be seen.",
+                "You leave the noise out: a singular value of A alone has units, and does not show what can be seen.",
                 {"A / sigma[:, None]": "A"},
             ),
             Slip(

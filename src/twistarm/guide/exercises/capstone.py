@@ -15,8 +15,9 @@ from .instances import TIMES, chain, own_chain, pose
 
 
 def pregrasp(g_object: Array, distance: float) -> Array:
-    """The pose (4, 4) from which the tool approaches: the grasp pose `g_object` (4, 4), moved back by `distance` [m]
-    along its z axis, which points into the object.
+    """The pose (4, 4) from which the tool approaches the grasp pose `g_object` (4, 4).
+
+    It is the grasp pose, moved back by `distance` [m] along its z axis. This axis points into the object.
     """
     back = np.eye(4)
     back[2, 3] = -distance
@@ -44,8 +45,9 @@ def solve_pose(twists: Array, home: Array, x0: Array, target: Array) -> Array:
 
 
 def setpoints(x0: Array, x1: Array, duration: float, period: float) -> Array:
-    """The setpoints (N, m) of the joints: their values every `period` [s] from 0 to `duration` [s], both ends included,
-    on the cubic from rest at `x0` (m,) to rest at `x1` (m,). The duration is a whole number of periods.
+    """The setpoints (N, m) of the joints, every `period` [s] from 0 to `duration` [s], with both ends.
+
+    They are on the cubic from rest at `x0` (m,) to rest at `x1` (m,). The duration is a whole number of periods.
     """
     N = round(duration / period) + 1
     s = np.linspace(0.0, 1.0, N)[:, None]
@@ -118,12 +120,12 @@ EXERCISES = (
             Slip("along x", "You go along the grasp's x axis; z is the third.", {"back[2, 3]": "back[0, 3]"}),
             Slip(
                 "row for column",
-                "The translation stands in the last row: it belongs into the last column, back[2, 3].",
+                "The translation is in the last row. It belongs in the last column, back[2, 3].",
                 {"back[2, 3]": "back[3, 2]"},
             ),
             Slip(
                 "row of the rotation",
-                "You go along the third row of the rotation: the axes stand in its columns, and z is g[:3, 2].",
+                "You move along the third row of the rotation. The axes are its columns, and z is g[:3, 2].",
                 {"g_object @ back": "g_object.copy()\n    g[:3, 3] -= distance * g_object[2, :3]"},
             ),
             Slip(
@@ -199,12 +201,12 @@ EXERCISES = (
             ),
             Slip(
                 "a column each",
-                "Your setpoints stand in columns; a row for each moment is asked for, (N, m).",
+                "Your setpoints are columns. The task asks for a row for each moment, (N, m).",
                 {"return x0 + (3 * s**2 - 2 * s**3) * (x1 - x0)": "return (x0 + (3 * s**2 - 2 * s**3) * (x1 - x0)).T"},
             ),
             Slip(
                 "np.arange to the end",
-                "np.arange(0, duration, period) leaves its end out (or not, as rounding has it): count the moments, "
+                "np.arange(0, duration, period) leaves its end out, or not, by rounding. Count the moments, "
                 "N = round(duration / period) + 1.",
                 {
                     "    N = round(duration / period) + 1\n": "",

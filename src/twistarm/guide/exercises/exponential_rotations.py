@@ -37,8 +37,9 @@ def rodrigues(omega: Array, theta: float) -> Array:
 
 
 def rotation_log(R: Array) -> Array:
-    """The rotation vector ωθ (3,) of a rotation `R` (3, 3): its direction is the axis, its length the angle [rad], from
-    0 to π.
+    """The rotation vector ωθ (3,) of a rotation `R` (3, 3).
+
+    Its direction is the axis, and its length the angle [rad], from 0 to π.
 
     Take an angle below 1e-6 as 0. Above π − 1e-6 it is a half turn, and either axis direction is right. `R` comes from
     a computer: its trace may be slightly above 3, or below −1.
@@ -107,7 +108,7 @@ EXERCISES = (
             ),
             Slip(
                 "normalised",
-                "You divide by the length of ω: then the cross product has lost it. ω̂ takes ω as it is.",
+                "You divide by the length of ω, so the cross product loses it. Write ω into ω̂ without a division.",
                 {"x, y, z = omega": "x, y, z = omega / np.linalg.norm(omega)"},
             ),
             Slip(
@@ -229,7 +230,8 @@ EXERCISES = (
             ),
             Slip(
                 "sign of the middle number",
-                "The middle number of the axis is R13 − R31, yours R31 − R13: in ω̂ the middle one has its minus below.",
+                "The middle number of the axis is R13 − R31, yours R31 − R13: in ω̂ the minus of the middle one is in "
+                "the last row.",
                 {"R[0, 2] - R[2, 0]": "R[2, 0] - R[0, 2]"},
             ),
             Slip(

@@ -29,9 +29,9 @@ def chain_of_frames(frames: Array) -> Array:
 def product_of_exponentials(twists: Array, home: Array, x: Array) -> Array:
     """The pose of the tool (4, 4), g_st = exp(ξ̂₁x₁) ⋯ exp(ξ̂ₘxₘ) g_st(0).
 
-    Each column of `twists` (6, m) is the twist (v, ω) of a joint, in base coordinates at the home configuration.
-    `home` (4, 4) is the tool's pose there, g_st(0). `x` (m,) are the joint values [rad, m]. Use your `twist_exp`, or
-    `screws.exp` after `from twistarm import screws`.
+    `twists` (6, m) has the twist (v, ω) of each joint in a column. They are in base coordinates, at the home
+    configuration. `home` (4, 4) is the tool's pose there, g_st(0). `x` (m,) are the joint values [rad, m]. Use your
+    `twist_exp`, or `screws.exp` after `from twistarm import screws`.
     """
     from twistarm import screws
 

@@ -16,8 +16,9 @@ from .words import ADJOINT_TRANSPOSED, ANGULAR_FIRST, DEGREES, NO_CROSS_TERM
 
 
 def spatial_jacobian(twists: Array, x: Array) -> Array:
-    """The spatial Jacobian (6, m): column i is the twist of joint i where the joints before it have brought it,
-    Ad(exp(ξ̂₁x₁) ⋯ exp(ξ̂ᵢ₋₁xᵢ₋₁)) ξᵢ.
+    """The spatial Jacobian (6, m).
+
+    Column i is the twist of joint i, carried by the joints before it: Ad(exp(ξ̂₁x₁) ⋯ exp(ξ̂ᵢ₋₁xᵢ₋₁)) ξᵢ.
 
     `twists` (6, m) holds the twists (v, ω) at rest, `x` (m,) the joints' values [rad, m]. Use your `adjoint` and
     `twist_exp`, or `screws.adjoint` and `screws.exp` after `from twistarm import screws`.
@@ -48,8 +49,9 @@ def body_jacobian(twists: Array, home: Array, x: Array) -> Array:
 
 
 def joint_torques(J_b: Array, F_t: Array) -> Array:
-    """The torques and forces (m,) that the joints must supply so that the tool exerts the wrench `F_t` = (f, τ), (6,),
-    seen from the tool. `J_b` (6, m) is the body Jacobian. Gravity is left out.
+    """The torques and forces (m,) of the joints when the tool exerts the wrench `F_t` = (f, τ), (6,).
+
+    The wrench is seen from the tool. `J_b` (6, m) is the body Jacobian. Gravity is left out.
     """
     torques: Array = J_b.T @ F_t
     return torques
@@ -70,8 +72,8 @@ def _configurations(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, .
 
 
 def _pushing(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
-    for each in chains(rng, arm):
-        yield body_columns(*each), rng.normal(size=6)
+    for chain_of_arm in chains(rng, arm):
+        yield body_columns(*chain_of_arm), rng.normal(size=6)
     yield body_columns(*_of_six(rng)), rng.normal(size=6)
 
 
@@ -114,8 +116,7 @@ EXERCISES = (
             ),
             Slip(
                 "moved by all joints",
-                "Each column is carried along by all joints, also by those after it: a joint moves nothing that stands "
-                "before it.",
+                "Each column is moved by all joints, also by those after it. A joint moves only what is beyond it.",
                 {
                     "    for i in range(len(x)):\n": "    for i in range(len(x)):\n        g = g @ screws.exp("
                     "twists[:, i], x[i])\n    for i in range(len(x)):\n",

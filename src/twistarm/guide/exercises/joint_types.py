@@ -18,8 +18,8 @@ from .words import ANGULAR_FIRST
 def joint_twist(kind: str, axis: Array, point: Array, pitch: float) -> Array:
     """The twist (v, ω), (6,), of a joint with the unit vector `axis` (3,).
 
-    `kind` is "revolute" (a turn about the line through `point` (3,)), "prismatic" (a slide along the axis) or "helical"
-    (a turn with `pitch` metres of slide for each radian).
+    `kind` is "revolute" (a turn about the line through `point` (3,)), "prismatic" (a slide along the axis) or
+    "helical". A helical joint turns and slides by `pitch` metres for each radian.
     """
     if kind == "prismatic":
         return np.concatenate([axis, np.zeros(3)])
@@ -30,15 +30,17 @@ def joint_twist(kind: str, axis: Array, point: Array, pitch: float) -> Array:
 
 
 def ball_joint(point: Array) -> Array:
-    """The twists of a ball joint centred at `point` (3,): (6, 3), columns for turns about the z, y and x axes of the
-    space frame, in this order.
+    """The twists (6, 3) of a ball joint centred at `point` (3,).
+
+    The columns are turns about the z, y and x axes of the space frame, in this order.
     """
     return np.column_stack([np.concatenate([-np.cross(w, point), w]) for w in np.eye(3)[::-1]])
 
 
 def degrees_of_freedom(twists: Array) -> int:
-    """In how many independent ways joints move what they carry: how many of the columns of `twists` (6, m) are linearly
-    independent. Numbers below 1e-9 are rounding.
+    """The number of independent motions that joints allow.
+
+    It is the number of linearly independent columns of `twists` (6, m). Numbers below 1e-9 are rounding.
     """
     return int(np.linalg.matrix_rank(twists, tol=1e-9))
 
@@ -53,10 +55,10 @@ def _centres(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
 
 
 def _stacks(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
-    """Joints with a fourth turn about a ball's centre, or one too many in a plane, or a copy; also the arm's."""
+    """Joints with a redundant turn, slide or copy, and the joints of the arm."""
     w, q = unit(rng), rng.normal(size=3)
-    turns = [np.concatenate([-np.cross(each, q), each]) for each in (*np.eye(3), unit(rng))]
-    slides = [np.concatenate([np.cross(w, each), np.zeros(3)]) for each in (unit(rng), unit(rng), unit(rng))]
+    turns = [np.concatenate([-np.cross(axis, q), axis]) for axis in (*np.eye(3), unit(rng))]
+    slides = [np.concatenate([np.cross(w, axis), np.zeros(3)]) for axis in (unit(rng), unit(rng), unit(rng))]
     about_w = np.concatenate([-np.cross(w, q), w])
     yield (np.column_stack(turns),)
     yield (np.column_stack([*slides, about_w]),)
@@ -106,8 +108,8 @@ EXERCISES = (
             ),
             Slip(
                 "slide with a moment",
-                "Your prismatic joint has −ω × q in its v. A slide moves every point alike: (axis, 0), wherever the "
-                "joint stands.",
+                "Your prismatic joint has −ω × q in its v. A slide moves every point alike: (axis, 0), for every "
+                "position of the joint.",
                 {"[axis, np.zeros(3)]": "[axis - np.cross(axis, point), np.zeros(3)]"},
             ),
             Slip(
@@ -127,7 +129,7 @@ EXERCISES = (
             ),
             Slip(
                 "pitch for all",
-                "The pitch is added to revolute joints too: they have none, whatever `pitch` holds.",
+                "The pitch is added to revolute joints too: they have none, for any `pitch`.",
                 {'if kind == "helical":': "if True:"},
             ),
             Slip(
@@ -169,13 +171,12 @@ EXERCISES = (
         (
             Slip(
                 "order of the columns",
-                "Your columns are the turns about x, y and z; asked for are z, y and x, the order of "
-                "URDF's yaw, pitch, roll.",
+                "Your columns are the turns about x, y and z. The order is z, y and x, as in URDF's yaw, pitch, roll.",
                 {"np.eye(3)[::-1]": "np.eye(3)"},
             ),
             Slip(
                 "rows for columns",
-                "A twist stands in each row of yours; asked for are columns, (6, 3): transpose.",
+                "Your twists are rows. The task asks for columns, (6, 3): transpose.",
                 {"np.column_stack": "np.array"},
             ),
             Slip(
@@ -209,8 +210,8 @@ EXERCISES = (
             ),
             Slip(
                 "six at most",
-                "You take the smaller of six and the number of joints: joints that repeat what others do count as well "
-                "then. It is the rank.",
+                "You take the smaller of six and the number of joints: joints that repeat others then count too. Take "
+                "the rank.",
                 {"int(np.linalg.matrix_rank(twists, tol=1e-9))": "min(twists.shape)"},
             ),
             Slip(

@@ -16,8 +16,9 @@ from .words import ANGULAR_FIRST
 
 
 def pose_error(g: Array, target: Array) -> Array:
-    """The way of the tool from `g` (4, 4) to `target` (4, 4) as a twist (v, ω), (6,), in tool coordinates: the
-    logarithm of g⁻¹ g_target. Use `screws.log` after `from twistarm import screws`.
+    """The error twist (v, ω), (6,), from the pose `g` (4, 4) to `target` (4, 4), in tool coordinates.
+
+    It is the logarithm of g⁻¹ g_target. Use `screws.log` after `from twistarm import screws`.
     """
     from twistarm import screws
 
@@ -25,8 +26,10 @@ def pose_error(g: Array, target: Array) -> Array:
 
 
 def newton_step(l1: float, l2: float, theta: Array, target: Array) -> Array:
-    """The configuration (2,) of the two-link arm after one step of Newton's method from `theta` (2,) [rad] towards the
-    tip position `target` (2,) [m]. `theta[1]` is measured from the first link. Whole turns do not count.
+    """The configuration (2,) of the two-link arm after one step of Newton's method from `theta` (2,) [rad].
+
+    The tip shall come to the position `target` (2,) [m]. `theta[1]` is measured from the first link. Whole turns do not
+    count.
     """
     t1, t12 = theta[0], theta[0] + theta[1]
     tip = np.array([l1 * np.cos(t1) + l2 * np.cos(t12), l1 * np.sin(t1) + l2 * np.sin(t12)])
@@ -45,10 +48,10 @@ def damped_step(J: Array, error: Array, damping: float) -> Array:
 
 
 def approach_step(J_b: Array, error: Array) -> Array:
-    """The shortest step (n,) of an arm with few joints that lets the tool turn freely about its own z axis.
+    """The shortest step (n,) towards an approach: the tool may turn freely about its own z axis.
 
-    `J_b` (6, n) is the body Jacobian and `error` (6,) the error seen from the tool, both with rows (v_x, v_y, v_z, ω_x,
-    ω_y, ω_z). Leave out what need not be met, and take np.linalg.pinv of the rest.
+    `J_b` (6, n) is the body Jacobian and `error` (6,) the error seen from the tool. Both have the rows (v_x, v_y, v_z,
+    ω_x, ω_y, ω_z). Leave out what need not be met, and take np.linalg.pinv of the rest.
     """
     step: Array = np.linalg.pinv(J_b[:5]) @ error[:5]
     return step
@@ -225,7 +228,7 @@ EXERCISES = (
         (
             Slip(
                 "damping not squared",
-                "You add the damping itself. What is made least has damping² ‖Δ‖², so that λ² stands in the matrix.",
+                "You add the damping itself. The minimised sum has damping² ‖Δ‖², so the matrix has λ².",
                 {"damping**2": "damping"},
             ),
             Slip(
@@ -264,14 +267,13 @@ EXERCISES = (
         (
             Slip(
                 "nothing left out",
-                "All six rows are still there: an arm with five joints cannot meet them, and gives up a little of "
-                "everything. Leave out ω_z, the last row.",
+                "All six rows are still there: an arm with five joints cannot meet them, and misses all of them a "
+                "little. Leave out ω_z, the last row.",
                 {"J_b[:5]": "J_b", "error[:5]": "error"},
             ),
             Slip(
                 "v_x left out",
-                "You leave out v_x, the first row; what is left free is the turn about the tool's z axis, ω_z, the "
-                "last row.",
+                "You leave out v_x, the first row. The turn about the tool's z axis is free: ω_z, the last row.",
                 {"J_b[:5]": "J_b[1:]", "error[:5]": "error[1:]"},
             ),
             Slip(

@@ -115,5 +115,5 @@ def _written(value: Any) -> str:
     """A number, a vector as a column, or a matrix by its rows."""
     rows = np.atleast_1d(value)
     rows = rows[:, None] if rows.ndim == 1 else rows
-    text = "; ".join(" ".join(repr(float(each)) for each in row) for row in rows)
+    text = "; ".join(" ".join(repr(float(number)) for number in row) for row in rows)
     return f"[{text}]" if rows.size > 1 else text

@@ -21,7 +21,10 @@ XYZW = (
 
 
 def multiply(Q1: Array, Q2: Array) -> Array:
-    """The product Q₁ Q₂ of two quaternions (w, x, y, z), (4,): i i = j j = k k = −1, i j = k, j k = i, k i = j."""
+    """The product Q₁ Q₂ of two quaternions (w, x, y, z), (4,).
+
+    The rules are i i = j j = k k = −1, i j = k, j k = i, k i = j.
+    """
     v1, v2 = Q1[1:], Q2[1:]
     return np.array([Q1[0] * Q2[0] - v1 @ v2, *(Q1[0] * v2 + Q2[0] * v1 + np.cross(v1, v2))])
 
@@ -35,15 +38,16 @@ def inverse_quaternion(Q: Array) -> Array:
 def from_axis_angle(axis: Array, theta: float) -> Array:
     """The unit quaternion (w, x, y, z) of the turn by `theta` [rad] about `axis` (3,).
 
-    The axis may have any length but 0: only its direction counts, and the angle is `theta` for every length. Q and −Q
-    are the same rotation: either is right.
+    The axis may have any length but 0. Only its direction matters. Q and −Q are the same rotation: either is right.
     """
     u = axis / np.linalg.norm(axis)
     return np.array([np.cos(theta / 2), *(np.sin(theta / 2) * u)])
 
 
 def rotate(Q: Array, p: Array) -> Array:
-    """The point `p` (3,) turned by the quaternion `Q` (w, x, y, z): the vector part of Q (0, p) Q⁻¹.
+    """The point `p` (3,) turned by the quaternion `Q` (w, x, y, z).
+
+    It is the vector part of Q (0, p) Q⁻¹.
 
     `Q` need not have the length 1.
     """
@@ -74,7 +78,7 @@ def _and_point(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
 
 
 def _left(P: Array) -> Array:
-    """The matrix of Q ↦ P Q: quaternions as 2 × 2 complex matrices, Q = [w + ix, y + iz; −y + iz, w − ix]."""
+    """The matrix of Q ↦ P Q, by the complex matrices Q = [w + ix, y + iz; −y + iz, w − ix]."""
 
     def complex_of(A: Array) -> Any:
         w, x, y, z = A
@@ -206,13 +210,12 @@ EXERCISES = (
             ),
             Slip(
                 "all four divided",
-                "You divide the whole quaternion by its length, (cos θ/2, ω sin θ/2) with ω as it comes: its length "
-                "is 1 then, but the angle is another. Divide the axis by its length before.",
+                "You divide the whole quaternion by its length, (cos θ/2, ω sin θ/2) with ω of another length. The "
+                "result has the length 1, but another angle. Divide the axis by its length first.",
                 {
                     "u = axis / np.linalg.norm(axis)": "u = axis",
                     "return np.array([np.cos(theta / 2), *(np.sin(theta / 2) * u)])": "Q = "
-                    "np.array([np.cos(theta / 2), *(np.sin(theta / 2) * u)])\n"
-                    "    return Q / np.linalg.norm(Q)",
+                    "np.array([np.cos(theta / 2), *(np.sin(theta / 2) * u)])\n    return Q / np.linalg.norm(Q)",
                 },
             ),
             Slip(

@@ -32,15 +32,19 @@ def inverse_pose(g: Array) -> Array:
 
 
 def transform_points(g_st: Array, points_t: Array) -> Array:
-    """The coordinates (N, 3) in frame S of N points, given by their coordinates in frame T, a row each: (N, 3)."""
+    """The coordinates (N, 3) in frame S of N points.
+
+    `points_t` (N, 3) has their coordinates in frame T, a point in each row.
+    """
     R, p = g_st[:3, :3], g_st[:3, 3]
     points_s: Array = points_t @ R.T + p
     return points_s
 
 
 def tool_point(g_st: Array, g_tc: Array, q_c: Array) -> Array:
-    """Where a point is, seen from the base S, (3,): the tool T is at `g_st`, a camera C is mounted on it at `g_tc`, and
-    the camera sees the point at `q_c` (3,).
+    """The coordinates (3,) of a point seen from the base S.
+
+    The tool T is at `g_st`, and a camera C is mounted on it at `g_tc`. The camera sees the point at `q_c` (3,).
     """
     q_s: Array = (g_st @ g_tc @ np.append(q_c, 1.0))[:3]
     return q_s
@@ -73,7 +77,7 @@ EXERCISES = (
         (
             Slip(
                 "rotation transposed",
-                "The rotation stands transposed in your pose: leave it as it is.",
+                "The rotation is transposed in your pose. Use it without the transpose.",
                 {"= R\n": "= R.T\n"},
             ),
             Slip(
@@ -89,7 +93,7 @@ EXERCISES = (
             ),
             Slip(
                 "origin turned",
-                "The last column is R p in yours. The origin p is seen from S already: it stands there as it is.",
+                "The last column is R p in yours. The origin p is already seen from S: put it there unchanged.",
                 {"g[:3, 3] = p": "g[:3, 3] = R @ p"},
             ),
             Slip(
@@ -164,7 +168,7 @@ EXERCISES = (
             ),
             Slip(
                 "a column each",
-                "Your points stand in columns, (3, N); one row each is asked for, (N, 3): transpose at the end.",
+                "Your points are columns, (3, N). The task asks for rows, (N, 3): transpose at the end.",
                 {"return points_s": "return points_s.T"},
             ),
             Slip(

@@ -25,8 +25,9 @@ def rotation_z(alpha: float) -> Array:
 
 
 def zyz(alpha: float, beta: float, gamma: float) -> Array:
-    """The rotation (3, 3) of the ZYZ Euler angles: turn by `alpha` about z, then by `beta` about the *new* y axis,
-    then by `gamma` about the *new* z axis, all in rad.
+    """The rotation (3, 3) of the ZYZ Euler angles [rad].
+
+    Turn by `alpha` about z, then by `beta` about the *new* y axis, then by `gamma` about the *new* z axis.
     """
 
     def turn_z(a: float) -> Array:
@@ -239,21 +240,20 @@ EXERCISES = (
             ),
             Slip(
                 "beta = π forgotten",
-                "You treat beta = 0, and beta = π has the same trouble: sin β is 0, and the third column holds "
-                "nothing but zeros or rounding. Read alpha from the upper left corner, which is R_z(α − γ) R_y(π) "
-                "there.",
+                "You treat beta = 0, but beta = π has the same problem: sin β is 0, and the third column has only "
+                "zeros or rounding. Read alpha from the upper left corner, which is R_z(α − γ) R_y(π) there.",
                 {"if np.sin(beta) < 1e-6:": "if beta < 1e-6:"},
             ),
             Slip(
                 "beta = 0 forgotten",
-                "You treat beta = π, and beta = 0 has the same trouble: sin β is 0, and the third column holds "
-                "nothing but zeros or rounding. Read alpha from the upper left corner, which is R_z(α + γ) there.",
+                "You treat beta = π, but beta = 0 has the same problem: sin β is 0, and the third column has only "
+                "zeros or rounding. Read alpha from the upper left corner, which is R_z(α + γ) there.",
                 {"if np.sin(beta) < 1e-6:": "if beta > 3.0:"},
             ),
             Slip(
                 "sin β = 0 forgotten",
-                "Where beta is 0 or π, sin β is 0, and the third column and row hold nothing to read alpha and gamma "
-                "from but zeros or rounding. Read alpha from the upper left corner there, and let gamma be 0.",
+                "If beta is 0 or π, sin β is 0, and the third column and row have only zeros or rounding. Read alpha "
+                "from the upper left corner there, and let gamma be 0.",
                 {"if np.sin(beta) < 1e-6:": "if False:"},
             ),
             Slip(

@@ -25,8 +25,9 @@ def manipulability(J: Array) -> float:
 
 
 def semi_axes(J_b: Array) -> Array:
-    """The half axes (3,) of the ellipsoid of velocities of the tool's origin, longest first, for joint rates of
-    length 1. `J_b` (6, m), m ≥ 3, is the body Jacobian, linear part first.
+    """The half axes (3,) of the velocity ellipsoid of the tool's origin, longest first.
+
+    The joint rates have the length 1. `J_b` (6, m), m ≥ 3, is the body Jacobian, linear part first.
     """
     lengths = np.linalg.svd(J_b[:3], compute_uv=False)
     return lengths  # type: ignore[return-value]
@@ -205,7 +206,7 @@ EXERCISES = (
         (
             Slip(
                 "row for column",
-                "You take a row of U: singular vectors stand in its columns, U[:, -1].",
+                "You take a row of U. The singular vectors are its columns, U[:, -1].",
                 {"[0][:, -1]": "[0][-1]"},
             ),
             Slip(

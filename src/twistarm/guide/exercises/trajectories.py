@@ -15,23 +15,27 @@ from .instances import TIMES, own_chain, pose
 
 
 def cubic(t: float, T: float, theta0: float, theta1: float) -> float:
-    """The joint's value at the time `t`, on the cubic that starts at `theta0` at 0, ends at `theta1` at `T` [s], and is
-    at rest at both ends.
+    """The joint's value at the time `t` [s] on a cubic.
+
+    The cubic starts at `theta0` at 0 and ends at `theta1` at `T` [s]. It is at rest at both ends.
     """
     u = t / T
     return theta0 + (3 * u**2 - 2 * u**3) * (theta1 - theta0)
 
 
 def quintic_velocity(t: float, T: float, theta0: float, theta1: float) -> float:
-    """The joint's velocity at the time `t`, on the quintic from `theta0` at 0 to `theta1` at `T` [s], at rest and
-    without acceleration at both ends: θ = θ₀ + (10 u³ − 15 u⁴ + 6 u⁵)(θ₁ − θ₀) with u = t/T.
+    """The joint's velocity at the time `t` on the quintic from `theta0` at 0 to `theta1` at `T` [s].
+
+    It is at rest and without acceleration at both ends: θ = θ₀ + (10 u³ − 15 u⁴ + 6 u⁵)(θ₁ − θ₀) with u = t/T.
     """
     u = t / T
     return (30 * u**2 - 60 * u**3 + 30 * u**4) * (theta1 - theta0) / T
 
 
 def shortest_time(distance: float, velocity: float, acceleration: float) -> float:
-    """The least duration [s] of a cubic from rest to rest over `distance` (of either sign) that keeps to both limits.
+    """The least duration [s] of a cubic from rest to rest over `distance`, within both limits.
+
+    The distance may have either sign.
 
     Over u = t/T, the cubic 3 u² − 2 u³ has the greatest slope 3/2 and curvature 6.
     """

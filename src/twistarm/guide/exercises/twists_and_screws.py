@@ -17,16 +17,20 @@ from .words import ANGULAR_FIRST, DEGREES
 
 
 def twist_of_screw(axis: Array, point: Array, pitch: float) -> Array:
-    """The twist (v, ω), (6,), of a screw: a turn of 1 rad/s about the line along `axis` (3,) through `point` (3,) with
-    `pitch` metres of slide for each radian. The axis may have any length but 0; ω has the length 1.
+    """The twist (v, ω), (6,), of a screw motion at 1 rad/s.
+
+    It turns about the line along `axis` (3,) through `point` (3,), and slides by `pitch` metres for each radian. The
+    axis may have any length but 0; ω has the length 1.
     """
     w = axis / np.linalg.norm(axis)
     return np.concatenate([-np.cross(w, point) + pitch * w, w])
 
 
 def screw_of_twist(xi: Array) -> tuple[Array, Array, float]:
-    """The screw of a twist (v, ω) with ω ≠ 0: the unit vector along its axis, in the direction of ω (3,); a point of
-    the axis (3,), such as the one nearest to the origin; and its pitch [m/rad].
+    """The screw of a twist (v, ω) with ω ≠ 0, as (axis, point, pitch).
+
+    The axis is the unit vector (3,) in the direction of ω. The point (3,) may be any of the axis, such as the one
+    nearest to the origin. The pitch is in m/rad.
     """
     v, w = xi[:3], xi[3:]
     square = float(w @ w)
@@ -346,12 +350,12 @@ EXERCISES = (
             ),
             Slip(
                 "v not multiplied by the angle",
-                "ω has the length of the angle, but v is the one of a unit ω: asked for is ξθ, so multiply v by θ too.",
+                "ω has the length of the angle, but v is that of a unit ω. The answer is ξθ, so multiply v by θ too.",
                 {"np.linalg.solve(G, p) * theta": "np.linalg.solve(G, p)"},
             ),
             Slip(
                 "without the angle",
-                "You return ξ with ‖ω‖ = 1. Asked for is ξθ, whose exponential is g: multiply both halves by θ.",
+                "You return ξ with ‖ω‖ = 1. The answer is ξθ, whose exponential is g: multiply both halves by θ.",
                 {"np.linalg.solve(G, p) * theta, w]": "np.linalg.solve(G, p), u]"},
             ),
             Slip(

@@ -28,16 +28,17 @@ def tip(l1: float, l2: float, theta1: float, theta2: float) -> Array:
 
 
 def elbow(l1: float, l2: float, r: float) -> float:
-    """The angle [rad] between the two links at the elbow, from 0 (folded) to π (stretched), with the tip at the
-    distance `r` [m] from the base. `r` comes from a computer: at the edges it may be off by rounding.
+    """The angle [rad] between the two links at the elbow, from 0 (folded) to π (stretched).
+
+    The tip is at the distance `r` [m] from the base. `r` comes from a computer: at the edges it may be off by rounding.
     """
     return float(np.arccos(np.clip((l1**2 + l2**2 - r**2) / (2 * l1 * l2), -1.0, 1.0)))
 
 
 def both_elbows(l1: float, l2: float, x: float, y: float) -> Array:
     """Both configurations (theta1, theta2) [rad] with the tip at (x, y), a row each: (2, 2). The first has theta2 ≥ 0,
-    the second is its flip. All angles are in (−π, π]. (x, y) is reachable up to rounding at the edges, and is not
-    the base.
+    the second is its flip. All angles are in (−π, π]. (x, y) is reachable up to rounding at the edges, and is not the
+    base.
     """
     r2 = x * x + y * y
     theta2 = np.arccos(np.clip((r2 - l1**2 - l2**2) / (2 * l1 * l2), -1.0, 1.0))
@@ -279,8 +280,7 @@ EXERCISES = (
             ),
             Slip(
                 "columns for rows",
-                "A configuration stands in a row: [[theta1, theta2], [theta1, theta2]]. Yours stand in the columns: "
-                "transpose.",
+                "A configuration is a row: [[theta1, theta2], [theta1, theta2]]. Yours are columns: transpose.",
                 {"return np.pi - (np.pi - rows) % (2 * np.pi)": "return (np.pi - (np.pi - rows) % (2 * np.pi)).T"},
             ),
             Slip(
@@ -294,7 +294,7 @@ EXERCISES = (
             ),
             Slip(
                 "atan for atan2",
-                "np.arctan(y / x) does not know on which side the target lies: behind the base the arm "
+                "np.arctan(y / x) does not distinguish a target in front of the base from one behind it: the arm "
                 "points the other way. Use np.arctan2(y, x).",
                 {"np.arctan2(y, x)": "np.arctan(y / x)"},
             ),

@@ -16,7 +16,10 @@ from .words import ADJOINT_TRANSPOSED, ANGULAR_FIRST, NO_CROSS_TERM
 
 
 def adjoint(g: Array) -> Array:
-    """The Adjoint (6, 6) of a pose `g` = g_st (4, 4): it maps a twist (v, ω) in T to the same one in S."""
+    """The Adjoint (6, 6) of a pose `g` = g_st (4, 4).
+
+    It takes a twist (v, ω) seen from T to the same twist seen from S.
+    """
     R, p = g[:3, :3], g[:3, 3]
     P = np.array([[0.0, -p[2], p[1]], [p[2], 0.0, -p[0]], [-p[1], p[0], 0.0]])
     return np.block([[R, P @ R], [np.zeros((3, 3)), R]])
@@ -36,8 +39,9 @@ def spatial_twist(g: Array, V_b: Array) -> Array:
 
 
 def wrench_seen_from_base(g_st: Array, F_t: Array) -> Array:
-    """A wrench (f, τ), (6,), seen from frame S, that is `F_t` = (f, τ) seen from T: the same push, and the torque about
-    the other origin.
+    """The wrench (f, τ), (6,), seen from frame S.
+
+    `F_t` = (f, τ) is the same wrench seen from T. The torque is about the other origin.
     """
     R, p = g_st[:3, :3], g_st[:3, 3]
     f = R @ F_t[:3]
@@ -111,8 +115,8 @@ EXERCISES = (
             ),
             Slip(
                 "both corners",
-                "p̂R stands in both corners of yours: how a body is shifted has no part in how fast it turns. The "
-                "lower left corner is 0.",
+                "Your matrix has p̂R in both corners. A shift does not change the angular velocity: the lower left "
+                "corner is 0.",
                 {"[np.zeros((3, 3)), R]": "[P @ R, R]"},
             ),
             Slip(
@@ -155,7 +159,7 @@ EXERCISES = (
             ),
             Slip(
                 "ω in space",
-                "Your v is right. Your ω stands in the axes of space, ω̂ = ṘRᵀ; in those of the body it is ω̂ = RᵀṘ.",
+                "Your v is right. Your ω is in the axes of space, ω̂ = ṘRᵀ. In those of the body it is ω̂ = RᵀṘ.",
                 {
                     "V = np.linalg.inv(g) @ g_dot\n": "V = g_dot @ np.linalg.inv(g)\n    V[:3, 3] = "
                     "g[:3, :3].T @ g_dot[:3, 3]\n"
@@ -180,9 +184,8 @@ EXERCISES = (
             ),
             Slip(
                 "only turned",
-                "Both halves are turned into the axes of space, and that is all: it is the hybrid "
-                "velocity, of the body's own origin. The spatial v is that of the point at the origin of "
-                "space: add p × ω.",
+                "You only turn both halves into the axes of space. This is the hybrid velocity, of the body's own "
+                "origin. The spatial v is that of the point at the origin of space: add p × ω.",
                 {" + np.cross(p, w)": ""},
             ),
             Slip(

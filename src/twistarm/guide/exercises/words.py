@@ -20,22 +20,21 @@ DEGREES = (
     "You {to_radians}, but it is in radians already: the turn comes out 57 times too small. Leave the conversion out."
 )
 ANGULAR_FIRST = (
-    "Your twist is (ω, v), as in Modern Robotics; here the linear part comes first, (v, ω): what should be a velocity "
-    "stands where a turn is expected. Swap the halves."
+    "Your twist is (ω, v), as in Modern Robotics; here the linear part comes first, (v, ω). Swap the halves."
 )
 ACOS = (
-    "Rounding brings the argument of arccos a hair above 1 (or below −1), and the answer is NaN there: clamp it with "
-    "np.clip(…, -1.0, 1.0) before."
+    "Rounding brings the argument of arccos slightly above 1 (or below −1), and the answer is NaN: clamp it with "
+    "np.clip(…, -1.0, 1.0) first."
 )
 NO_CROSS_TERM = (
-    "Your Adjoint has no p̂R in its upper right corner: velocities are turned, but what a turn about a distant axis "
-    "adds to v is lost. Ad = [R, p̂R; 0, R]."
+    "Your Adjoint has no p̂R in its upper right corner: it turns the velocities, but loses the term p × ω in v. Ad = "
+    "[R, p̂R; 0, R]."
 )
 ADJOINT_TRANSPOSED = (
     "You use the transpose of the Adjoint: that is how wrenches are carried. Twists are carried by Ad = [R, p̂R; 0, R] "
     "itself."
 )
 NO_HOME = (
-    "You forgot the home pose: the product of exponentials says how the tool has moved, and it has moved from g_st(0). "
-    "Multiply by home at the end."
+    "You forgot the home pose: the product of exponentials is the motion of the tool from g_st(0). Multiply by home "
+    "at the end."
 )

@@ -16,7 +16,9 @@ from .words import DEGREES, NO_HOME
 
 
 def reachable(l1: float, l2: float, x: float, y: float) -> bool:
-    """Whether the tip of the two-link arm with links `l1` and `l2` can be at (x, y) [m]; edges are reachable.
+    """Whether the tip of the two-link arm with links `l1` and `l2` reaches (x, y) [m].
+
+    The edges are reachable.
 
     Allow 1e-9 m of rounding at the edges.
     """
@@ -25,8 +27,9 @@ def reachable(l1: float, l2: float, x: float, y: float) -> bool:
 
 
 def dextrous(l1: float, l2: float, l3: float) -> Array:
-    """The least and the greatest distance from the base, (2,) [m], at which the tip of a planar arm of three links can
-    point in *every* direction. The third link is the hand, and it ends at the tip. Here l1 ≥ l2 + l3 and l2 ≥ l3.
+    """The least and the greatest distance (2,) [m] from the base with *every* direction of a planar hand.
+
+    The arm has three links. The third link is the hand, and it ends at the tip. Here l1 ≥ l2 + l3 and l2 ≥ l3.
     """
     return np.array([l1 - l2 + l3, l1 + l2 - l3])
 
@@ -117,7 +120,7 @@ EXERCISES = (
             ),
             Slip(
                 "no room for rounding",
-                "At an edge rounding may bring r a hair outside, and your answer is False there: allow 1e-9 m.",
+                "At an edge rounding may bring r slightly outside, and your answer is False: allow 1e-9 m.",
                 {"- 1e-9 <= r <= l1 + l2 + 1e-9": "<= r <= l1 + l2"},
             ),
             Slip(
@@ -189,7 +192,7 @@ EXERCISES = (
             Slip("home forgotten", NO_HOME, {"(g @ home)": "g"}),
             Slip(
                 "a column each",
-                "Your points stand in columns, (3, N); a row each is asked for, (N, 3).",
+                "Your points are columns, (3, N). The task asks for rows, (N, 3).",
                 {"return np.array(points)": "return np.array(points).T"},
             ),
             Slip("degrees", DEGREES, {"exp(xi, value)": "exp(xi, np.radians(value))"}),

@@ -81,7 +81,7 @@ class ReturnValue:
 
 def of_function(function: Callable[..., Any], arguments: tuple[Any, ...], file: str = "") -> ReturnValue:
     """The answer of a function. An error is an answer too, with its line in `file`, the reader's file."""
-    given = [each.copy() if isinstance(each, np.ndarray) else each for each in arguments]
+    given = [argument.copy() if isinstance(argument, np.ndarray) else argument for argument in arguments]
     value, error, strange = None, None, ""
     try:
         with np.errstate(all="ignore"):
@@ -98,8 +98,8 @@ def of_function(function: Callable[..., Any], arguments: tuple[Any, ...], file: 
     return ReturnValue(value, error, changed, strange)
 
 
-def _same(one: Any, other: Any) -> bool:
-    return bool(np.array_equal(one, other, equal_nan=isinstance(one, np.ndarray)))
+def _same(first: Any, second: Any) -> bool:
+    return bool(np.array_equal(first, second, equal_nan=isinstance(first, np.ndarray)))
 
 
 def plain(value: Any, depth: int = 0) -> Any:
@@ -116,8 +116,8 @@ def plain(value: Any, depth: int = 0) -> Any:
             raise TypeError(f"a value of type array of {value.dtype}")
         return np.array(_bounded(value, value.shape), float)
     if isinstance(value, (list, tuple)) and depth < 5:
-        parts = [plain(each, depth + 1) for each in _bounded(value, (len(value),))]
-        alike = parts and not any(each is None or isinstance(each, list) for each in parts)
+        parts = [plain(part, depth + 1) for part in _bounded(value, (len(value),))]
+        alike = parts and not any(part is None or isinstance(part, list) for part in parts)
         return np.array(parts, float) if alike and len(set(map(np.shape, parts))) == 1 else parts
     raise TypeError(f"a value of type {type(value).__name__}")
 

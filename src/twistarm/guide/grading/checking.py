@@ -42,8 +42,8 @@ def check(function: Callable[..., Any], arm: Arm, seed: int = 0) -> Report:
     if name not in exercises:
         raise UnknownNameError(f"there is no exercise {name!r}{closest(name, exercises)}")
     cases = cases_of(exercises[name], arm, seed)
-    done = run_function(function, name, [case.arguments for case in cases])
-    return Report(name, (judged(exercises[name], cases, done.answers[name]),), printed=done.printed)
+    result = run_function(function, name, [case.arguments for case in cases])
+    return Report(name, (judged(exercises[name], cases, result.answers[name]),), printed=result.printed)
 
 
 def check_file(path: Path, arm: Arm, seed: int = 0, seconds: float = SECONDS) -> Report:
@@ -66,23 +66,23 @@ def check_file(path: Path, arm: Arm, seed: int = 0, seconds: float = SECONDS) ->
     text = _text(path)
     if text.startswith(HEADER):
         return Report(path.name, tuple(verdicts_on(text, path)))
-    expected = {each.name for each in exercises_of(path.stem)} if path.stem in LESSONS else set()
+    expected = {exercise.name for exercise in exercises_of(path.stem)} if path.stem in LESSONS else set()
     mentioned = expected | set(re.findall(r"\w+", text))
-    exercises = {name: each for name, each in every_exercise().items() if name in mentioned}
-    cases = {name: cases_of(each, arm, seed) for name, each in exercises.items()}
+    exercises = {name: exercise for name, exercise in every_exercise().items() if name in mentioned}
+    cases = {name: cases_of(exercise, arm, seed) for name, exercise in exercises.items()}
     instances = {name: [case.arguments for case in rows] for name, rows in cases.items()}
-    done = run(text, path.name, path.absolute().parent, instances, seconds)
+    result = run(text, path.name, path.absolute().parent, instances, seconds)
     verdicts = [
-        judged(each, cases[name], done.answers[name]) if name in done.answers else _missing(each, done)
-        for name, each in exercises.items()
-        if name in done.answers or name in expected
+        judged(exercise, cases[name], result.answers[name]) if name in result.answers else _missing(exercise, result)
+        for name, exercise in exercises.items()
+        if name in result.answers or name in expected
     ]
-    problem = done.problem
+    problem = result.problem
     if not problem and not verdicts:
-        there = f"its functions are {listed(done.own)}" if done.own else "it defines no functions"
-        near = next((words for name in done.own if (words := closest(name, every_exercise()))), "")
-        problem = f"it has none of the exercises: {there}{near}; `twistarm guide exercises` writes files to fill in"
-    return Report(path.name, () if problem else tuple(verdicts), problem, done.excerpt, done.printed)
+        functions = f"its functions are {listed(result.own)}" if result.own else "it defines no functions"
+        near = next((words for name in result.own if (words := closest(name, every_exercise()))), "")
+        problem = f"it has none of the exercises: {functions}{near}; `twistarm guide exercises` writes files to fill in"
+    return Report(path.name, () if problem else tuple(verdicts), problem, result.excerpt, result.printed)
 
 
 def _text(path: Path) -> str:
@@ -99,11 +99,11 @@ def _text(path: Path) -> str:
         ) from error
 
 
-def _missing(exercise: Exercise, done: Run) -> Verdict:
-    if exercise.name in done.functions:
+def _missing(exercise: Exercise, result: Run) -> Verdict:
+    if exercise.name in result.functions:
         words = "it is imported, and counts where you define it: write it in this file"
     else:
-        near = closest(exercise.name, [name for name in done.own if name not in every_exercise()])
+        near = closest(exercise.name, [name for name in result.own if name not in every_exercise()])
         meant = f"; did you mean it by {near[len('; closest: ') :]}?" if near else ""
         words = f"there is no function {exercise.name}{meant}"
     return Verdict(exercise.name, exercise.lesson, "unwritten", words)

@@ -37,8 +37,8 @@ def verdicts_on(text: str, path: Path) -> Iterator[Verdict]:
     cases = cases_in(text, path)
     ended = f"# {len(cases)} cases" in text.splitlines()
     for name in dict.fromkeys(name for name, _ in cases):
-        asked, answers = zip(*(case for (other, _), case in cases.items() if other == name), strict=True)
-        verdict = judged(every_exercise()[name], asked, answers, OCTAVE)
+        instances, answers = zip(*(case for (other, _), case in cases.items() if other == name), strict=True)
+        verdict = judged(every_exercise()[name], instances, answers, OCTAVE)
         if verdict.ok and not ended:
             words = f"{verdict.words}, but others are missing in {path.name}: run the whole script again"
             verdict = replace(verdict, state="unusable", words=words)
@@ -46,7 +46,7 @@ def verdicts_on(text: str, path: Path) -> Iterator[Verdict]:
 
 
 def cases_in(text: str, path: Path) -> dict[tuple[str, str], tuple[Case, ReturnValue]]:
-    """Each case of a results file and the answer to it, by the exercise's name and the case's number."""
+    """The cases of a results file with their answers, by exercise and number."""
     exercises = every_exercise()
     rows: dict[tuple[str, str], dict[tuple[str, int], Any]] = {}
     for number, line in enumerate(text.splitlines()[1:], 2):
@@ -100,4 +100,4 @@ def _case(exercise: Exercise, row: dict[tuple[str, int], Any], path: Path) -> tu
 def _axes(exercise: str) -> tuple[int, ...]:
     """How many axes each argument of an exercise has, on any arm."""
     instances = every_exercise()[exercise].instances(np.random.default_rng(0), load_arm("rr_planar"))
-    return tuple(np.ndim(each) for each in next(iter(instances)))
+    return tuple(np.ndim(argument) for argument in next(iter(instances)))

@@ -53,19 +53,19 @@ class Run:
 def run(source: str, name: str, folder: Path, instances: Mapping[str, Rows], seconds: float = SECONDS) -> Run:
     """Run a reader's file and its functions on those instances."""
     read, printed = _in_a_copy(lambda: _load(source, name, folder)[0], seconds)
-    done = read if isinstance(read, Run) else Run(problem=f"while it was read it {read}")
-    done.printed = printed
+    result = read if isinstance(read, Run) else Run(problem=f"while it was read it {read}")
+    result.printed = printed
 
     def answered(exercise: str) -> list[ReturnValue] | str:
         again, own = _load(source, name, folder)
         return again.problem or _answers(own[exercise], instances[exercise], name)
 
-    for each in instances:
-        if each in done.own:
-            done.answers[each], said = _in_a_copy(lambda each=each: answered(each), seconds)  # type: ignore[misc]
-            done.printed += said.removeprefix(printed)
-    done.printed = done.printed[:OUTPUT]
-    return done
+    for exercise in instances:
+        if exercise in result.own:
+            result.answers[exercise], output = _in_a_copy(lambda name=exercise: answered(name), seconds)  # type: ignore[misc]
+            result.printed += output.removeprefix(printed)
+    result.printed = result.printed[:OUTPUT]
+    return result
 
 
 def run_function(function: Callable[..., Any], name: str, rows: Rows, seconds: float = SECONDS) -> Run:
@@ -75,7 +75,7 @@ def run_function(function: Callable[..., Any], name: str, rows: Rows, seconds: f
 
 
 def _in_a_copy(work: Callable[[], Any], seconds: float) -> tuple[Any, str]:
-    """The result of the work in a copy of this process, or how the copy ended, and its output."""
+    """The result of the work in a copy of this process, and its output. A failed copy's result says how it ended."""
     context = multiprocessing.get_context("fork")
     receiver, sender = context.Pipe(duplex=False)
     with TemporaryFile("w+", encoding="utf-8", errors="replace") as printed:
@@ -173,7 +173,9 @@ def _load(source: str, name: str, folder: Path) -> tuple[Run, Functions]:
     except BaseException as error:
         failure = Failure.of(error, name)
         return Run(problem=f"{f'line {failure.line}: ' if failure.line else ''}it {why_stopped(failure)}"), {}
-    there = {key: each for key, each in vars(module).items() if callable(each) and not key.startswith("_")}
+    callables = {key: value for key, value in vars(module).items() if callable(value) and not key.startswith("_")}
     # A function that another module defines was imported; a value that can be called has no module.
-    own = {key: each for key, each in there.items() if getattr(each, "__module__", None) in (None, module.__name__)}
-    return Run(tuple(there), tuple(own)), own
+    own = {
+        key: value for key, value in callables.items() if getattr(value, "__module__", None) in (None, module.__name__)
+    }
+    return Run(tuple(callables), tuple(own)), own

@@ -1,4 +1,4 @@
-"""A verdict on answers in one sentence: right, a typical mistake, or the first wrong case; a report of several."""
+"""Verdicts on answers, and reports. A verdict names a typical mistake, or shows the first wrong case."""
 
 from __future__ import annotations
 
@@ -74,11 +74,11 @@ class Report:
     @property
     def ok(self) -> bool:
         """Whether everything is right."""
-        return not self.problem and all(each.ok for each in self.verdicts)
+        return not self.problem and all(verdict.ok for verdict in self.verdicts)
 
     @property
     def code(self) -> int:
-        """An exit code: 0 if all is right, 1 if something is wrong or not written yet, 2 if the file is unusable."""
+        """The exit code: 0 if all is right, 1 if something is wrong or not written, 2 for an unusable file."""
         return 2 if self.problem else int(not self.ok)
 
     @property
@@ -86,7 +86,7 @@ class Report:
         """The report in words, a line for each verdict."""
         if self.problem:
             return [f"{self.subject}: {self.problem}", *self.excerpt]
-        return [f"{SIGNS[each.state]} {each.exercise}: {each.words}" for each in self.verdicts]
+        return [f"{SIGNS[verdict.state]} {verdict.exercise}: {verdict.words}" for verdict in self.verdicts]
 
     @property
     def printed_lines(self) -> list[str]:
@@ -97,7 +97,7 @@ class Report:
         return lines if len(lines) <= SHOWN_LINES else [*lines[:SHOWN_LINES], "…"]
 
     @property
-    def told(self) -> list[str]:
+    def terminal_lines(self) -> list[str]:
         """The report for a terminal: its lines, and below them what was printed."""
         printed = [f"  {line}" for line in self.printed_lines]
         return [*self.lines, *(["", "your code printed:", *printed] if printed else [])]
@@ -123,21 +123,24 @@ def cases_of(exercise: Exercise, arm: Arm, seed: int) -> list[Case]:
 def judged(
     exercise: Exercise, cases: Sequence[Case], answers: Sequence[ReturnValue] | str, terms: Mapping[str, str] = PYTHON
 ) -> Verdict:
-    """The verdict on a function's answers to those cases, or on how its process ended, in the terms of a language."""
+    """The verdict on a function's answers to the cases, in the terms of a language.
+
+    `answers` is a text if the process ended early.
+    """
 
     def verdict(state: str, words: str, slip: str = "") -> Verdict:
         return Verdict(exercise.name, exercise.lesson, state, words, slip)
 
     if isinstance(answers, str):
         return verdict("unusable", f"It {answers}")
-    if any(each.error is not None and each.error.kind == "NotImplementedError" for each in answers):
+    if any(answer.error is not None and answer.error.kind == "NotImplementedError" for answer in answers):
         return verdict("unwritten", "not written yet")
     if len(answers) < len(cases):
         return verdict("unusable", "It gave fewer answers than it was asked for")
     pairs = list(zip(cases, answers, strict=False))
     wrong = next((pair for pair in pairs if not _alike(exercise, *pair, pair[0].expected)), None)
     if wrong is None:
-        if changed := sorted({exercise.parameters[i] for each in answers for i in each.changed}):
+        if changed := sorted({exercise.parameters[i] for answer in answers for i in answer.changed}):
             words = f"{' and '.join(changed)} is another after the call: the caller finds it changed"
             copied = "Work on a copy, as in `p = p.copy()`."
             return verdict("wrong", f"The answers are right, but {words}. {copied}", "argument changed")
@@ -160,7 +163,7 @@ def _alike(exercise: Exercise, case: Case, answer: ReturnValue, other: ReturnVal
     a, b = answer.numbers, other.numbers
     if answer.form == case.expected.form and np.isfinite([*a, *b]).all():  # else there is no graded part of it
         with np.errstate(all="ignore"):  # of an answer that is far away
-            a, b = (flat(exercise.seen(each.value, *case.arguments)) for each in (answer, other))
+            a, b = (flat(exercise.seen(side.value, *case.arguments)) for side in (answer, other))
     scale = max(1.0, float(np.abs(case.expected.numbers).max(initial=0.0)))
     return a.shape == b.shape and bool(np.allclose(a, b, rtol=0.0, atol=exercise.tolerance * scale, equal_nan=True))
 
@@ -196,13 +199,13 @@ def _of_the_case(exercise: Exercise, case: Case, answer: ReturnValue) -> str:
 
 def _of_error(exercise: Exercise, error: Failure, call: str) -> str:
     if error.signature:
-        wanted = ", ".join(exercise.parameters)
-        return f"It takes {error.signature} and is called with ({wanted}): give it these arguments, in this order."
+        parameters = ", ".join(exercise.parameters)
+        return f"It takes {error.signature} and is called with ({parameters}): give it these arguments, in this order."
     where = f" in line {error.line}" if error.line else ""
     if error.kind in ("AttributeError", "TypeError") and (words := _of_a_name_taken(exercise, error.text)):
         return f"It stops{where}: {words}."
-    asked = "" if error.kind in STOPS or error.module else f"; it was asked for {call}"
-    return f"It {why_stopped(error, where)}{asked}."
+    request = "" if error.kind in STOPS or error.module else f"; it was asked for {call}"
+    return f"It {why_stopped(error, where)}{request}."
 
 
 def why_stopped(error: Failure, where: str = "") -> str:

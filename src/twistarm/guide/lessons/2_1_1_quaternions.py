@@ -227,9 +227,9 @@ guide.say(
 # one with $w \geq 0$. Look at what this does.
 
 # %%
-there = arm.fk(0.5 * arm.ready + 0.5 * arm.random_theta(3))[:3, :3] @ rotations.exp(arm.tool_axis, 0.6)
+R_2 = arm.fk(0.5 * arm.ready + 0.5 * arm.random_theta(3))[:3, :3] @ rotations.exp(arm.tool_axis, 0.6)
 steps = np.linspace(0, 2 * np.pi, 181)
-turned = there @ rotations.exp(arm.tool_axis, steps)
+turned = R_2 @ rotations.exp(arm.tool_axis, steps)
 logged = rotations.to_quaternion_wxyz(turned)
 agrees = np.sign(np.sum(logged[1:] * logged[:-1], axis=1))
 mended = logged * np.cumprod([1.0, *agrees])[:, None]
@@ -259,7 +259,7 @@ guide.figure(
 # axis: by $\varphi$, or by $360° - \varphi$ the other way. The signs of the two quaternions decide which one you get.
 
 # %%
-Q1, Q2 = Q, rotations.to_quaternion_wxyz(there)
+Q1, Q2 = Q, rotations.to_quaternion_wxyz(R_2)
 Q2 = Q2 if Q1 @ Q2 >= 0 else -Q2
 short, long = (2 * np.degrees(np.arccos(np.clip(Q1 @ end, -1, 1))) for end in (Q2, -Q2))
 halfway_cancelled = np.linalg.norm(Q1 + -Q1)
@@ -284,7 +284,7 @@ And the mean of $Q$ and $-Q$, two records of one orientation, has the length {ha
 misread = rotations.from_quaternion_wxyz(np.roll(Q2, -1))
 guide.say(
     f"The second orientation above, written scalar last and read scalar first, is off by "
-    f"**{np.degrees(rotations.angle_between(there, misread)):.0f}°**. Check with the identity: there the "
+    f"**{np.degrees(rotations.angle_between(R_2, misread)):.0f}°**. Check with the identity: there the "
     f"scalar is 1, and the others are 0."
 )
 
@@ -304,14 +304,13 @@ guide.say(
 
 # %%
 turns = {name: rotations.exp(unit, np.radians(60)) for name, unit in zip("xyz", np.eye(3), strict=True)}
-apart = {
-    name: np.degrees(rotations.angle_between(turn @ there, there @ turn))
-    for name, turn in turns.items()
+differences = {
+    name: np.degrees(rotations.angle_between(turn @ R_2, R_2 @ turn)) for name, turn in turns.items()
 }
-worst = max(apart, key=apart.get)
+worst = max(differences, key=differences.get)
 guide.say(
     f"At the second orientation above, a turn by 60° about the base's ${worst}$ axis and one about the tool's "
-    f"${worst}$ axis leave the tool {apart[worst]:.0f}° apart."
+    f"${worst}$ axis leave the tool {differences[worst]:.0f}° apart."
 )
 
 # %% [markdown]

@@ -87,11 +87,11 @@ guide.predict(
 
 # %% tags=["shown"]
 ahead = np.array([0.0, 0.0, 0.1])  # ten centimetres along the tool's own z axis
-there = R @ ahead
+ahead_s = R @ ahead
 
 # %%
 guide.say(
-    rf"Ten centimetres along the tool's own $z$ axis are ${guide.tex(ahead)}$ on the tool and ${guide.tex(there)}$ "
+    rf"Ten centimetres along the tool's own $z$ axis are ${guide.tex(ahead)}$ on the tool and ${guide.tex(ahead_s)}$ "
     "seen from the base [m]. They are still ten centimetres: a rotation keeps lengths and angles."
 )
 
@@ -117,10 +117,10 @@ guide.say(
 # %%
 quarter = np.pi / 2
 Rx, Rz = rotations.exp([1, 0, 0], quarter), rotations.exp([0, 0, 1], quarter)
-apart = np.degrees(rotations.angle_between(Rx @ Rz, Rz @ Rx))
+difference = np.degrees(rotations.angle_between(Rx @ Rz, Rz @ Rx))
 guide.predict(
     r"$R_x(90°) R_z(90°)$ or $R_z(90°) R_x(90°)$: by what angle do the two outcomes differ?",
-    rf"They differ by {apart:.0f}°. Read a product of rotations from the left: each factor turns about the "
+    rf"They differ by {difference:.0f}°. Read a product of rotations from the left: each factor turns about the "
     rf"axes as the factors before have left them. Read it from the right: each factor turns about the fixed "
     rf"axes. Both readings give the same matrix, and in both the order matters."
     "",

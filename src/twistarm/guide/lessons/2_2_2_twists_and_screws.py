@@ -100,11 +100,11 @@ rows = []
 for name, xi in zip(arm.moving_names, arm.screws.T, strict=True):
     v, w = xi[:3], xi[3:]
     screw = screws.to_screw(xi)
-    shown = [
-        ", ".join(f"{x:g}" for x in np.round(each, 3) + 0.0).replace("-", "−")
-        for each in (v, w, screw.point)
+    cells = [
+        ", ".join(f"{x:g}" for x in np.round(vector, 3) + 0.0).replace("-", "−")
+        for vector in (v, w, screw.point)
     ]
-    rows.append([f"`{name}`", *shown, "∞" if np.isinf(screw.pitch) else screw.pitch])
+    rows.append([f"`{name}`", *cells, "∞" if np.isinf(screw.pitch) else screw.pitch])
 guide.table(
     ["joint", "$v$", r"$\omega$", "point $q$ [m]", "$h$ [m/rad]"], rows, f"The screws of `{arm.name}`."
 )

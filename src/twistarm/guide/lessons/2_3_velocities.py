@@ -183,7 +183,7 @@ guide.table(
 # %%
 torques = arm.spatial_jacobian(theta).T @ F_s
 idle = [f"`{name}`" for name, t in zip(arm.joint_names, torques, strict=True) if abs(t) < 1e-6]
-held = [
+by_motor = [
     f"`{name}` {t:.2f} {'N' if unit == 'm' else 'N m'}".replace("-", "−")
     for name, t, unit in zip(arm.joint_names, torques, arm.units, strict=True)
     if abs(t) >= 1e-6
@@ -193,7 +193,7 @@ guide.predict(
     "force or are parallel to it, and for slides at right angles to it."
     "",
     f"Without a motor: {', '.join(idle) or 'none of them here'}. "
-    + (f"With their motors, gravity left out: {', '.join(held)}." if held else ""),
+    + (f"With their motors, gravity left out: {', '.join(by_motor)}." if by_motor else ""),
 )
 
 # %% [markdown]

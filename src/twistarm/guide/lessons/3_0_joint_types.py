@@ -128,7 +128,7 @@ coordinates = {
     "planar": "two lengths [m], angle [rad]",
     "spherical": "three angles [rad]",
 }
-met = {
+in_workshop = {
     "revolute": "bearing, servo",
     "prismatic": "drawer rail, linear motor",
     "helical": "threaded rod",
@@ -138,7 +138,7 @@ met = {
 }
 guide.table(
     ["joint", "freedoms", "coordinates", "in the workshop"],
-    [[f"**{name}**", str(freedoms[name]), coordinates[name], met[name]] for name in all_six],
+    [[f"**{name}**", str(freedoms[name]), coordinates[name], in_workshop[name]] for name in all_six],
     "The six joints. The freedoms are counted as the independent ones among the twists: the rank of "
     "the matrix with the twists in its columns.",
 )
@@ -162,20 +162,20 @@ guide.slider(
 
 
 # %%
-def carried(first, second, amount_1, amount_2):
+def both_orders(first, second, amount_1, amount_2):
     """Two of a joint's moves, one after the other, in either order."""
     a, b = screws.exp(first, amount_1), screws.exp(second, amount_2)
     return a @ b, b @ a
 
 
 x_slide, _, plane_turn = several["planar"].T
-by_order = [g[:3, 3] for g in carried(x_slide, plane_turn, 0.3, np.pi / 2)]
-apart = np.linalg.norm(by_order[0] - by_order[1])
+by_order = [g[:3, 3] for g in both_orders(x_slide, plane_turn, 0.3, np.pi / 2)]
+distance = np.linalg.norm(by_order[0] - by_order[1])
 guide.predict(
     "For a rod in a bush, does it matter which of its two exponentials is on the left? And for a "
     "block on a table that slides 30 cm and turns by 90°?",
     "Not for the rod: its two moves are about and along one line, and commute. The block ends in two "
-    f"places that are {100 * apart:.0f} cm apart: in one order the slide carries the axis of the turn "
+    f"places that are {100 * distance:.0f} cm apart: in one order the slide carries the axis of the turn "
     "along, in the other it does not. So the coordinates of a planar joint have an order, $x$, $y$, "
     "angle, and so have those of a ball: $z$, $y$, $x$.",
 )
@@ -224,14 +224,14 @@ built = {
     "spherical": ArmBuilder("one").spherical("j", point),
 }
 arms = {name: builder.tool(home).build() for name, builder in built.items()}
-proofs = {name: crosscheck(one) for name, one in arms.items()}
+proofs = {name: crosscheck(single) for name, single in arms.items()}
 
 # %%
 rows = []
 for name, proof in proofs.items():
     worst = max(proof.worst("pinocchio"), 1e-16)
     rows.append(
-        [name, ", ".join(f"`{each}`" for each in arms[name].joint_names), f"${guide.rough(worst)}$"]
+        [name, ", ".join(f"`{joint}`" for joint in arms[name].joint_names), f"${guide.rough(worst)}$"]
     )
 guide.table(
     ["joint", "coordinates", "largest difference from Pinocchio"],
@@ -309,11 +309,13 @@ guide.figure(
 turns = 40
 with_lead = screws.exp(joints.helical(axis, point, lead)[:, 0], 2 * np.pi * turns)[2, 3]
 with_pitch = screws.exp(joints.helical(axis, point, pitch)[:, 0], 2 * np.pi * turns)[2, 3]
-held, loose = (
+railed, unrailed = (
     screws.exp(joints.prismatic(axis)[:, 0], 0.05),
     screws.exp(joints.helical(axis, point, pitch)[:, 0], 2.0),
 )
-tool_of_held, tool_of_loose = (np.linalg.norm((g @ home)[:2, 3] - home[:2, 3]) for g in (held, loose))
+tool_of_held, tool_of_loose = (
+    np.linalg.norm((g @ home)[:2, 3] - home[:2, 3]) for g in (railed, unrailed)
+)
 guide.table(
     ["mistake", "how it shows"],
     [

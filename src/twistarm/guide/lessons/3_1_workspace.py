@@ -223,16 +223,16 @@ grid_i, grid_j = (
 )
 places = np.tile(at_ready[-1], (13 * 13, 1))
 places[:, [i, j]] = np.array([[a, b] for a in grid_i for b in grid_j])
-there = solve_ik_batch(
+reached = solve_ik_batch(
     arm, [Position(p) for p in places], position_tol=1e-4, orientation_tol=1e-3
 ).converged
 
 
 def pointing(direction):
     """At which of the places the tool can point that way."""
-    found = there.copy()
-    targets = [Approach(p, direction, arm.tool_axis) for p in places[there]]
-    found[there] = (
+    found = reached.copy()
+    targets = [Approach(p, direction, arm.tool_axis) for p in places[reached]]
+    found[reached] = (
         solve_ik_batch(arm, targets, position_tol=1e-4, orientation_tol=1e-3).converged
         if targets
         else []
@@ -253,8 +253,8 @@ fig, ax = guide.axes2(
     width=5.0, height=4.2, xlabel=f"{'xyz'[i]} [m]", ylabel=f"{'xyz'[j]} [m]", equal=True
 )
 for which, marker, colour, label in (
-    (~there, "x", guide.GREY, "not reached"),
-    (there & ~also, "o", guide.BLUE, "reached"),
+    (~reached, "x", guide.GREY, "not reached"),
+    (reached & ~also, "o", guide.BLUE, "reached"),
     (also, "s", guide.ORANGE, f"reached, pointing {words}"),
 ):
     face = colour if marker == "s" else "none"
@@ -270,15 +270,15 @@ ax.plot(*at_ready[:, [i, j]].T, color=guide.INK, linestyle="-", linewidth=2.5)
 ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3)
 guide.figure(
     fig,
-    f"A grid of {len(places)} points around {arm.name}: {int(there.sum())} are reached, and at "
+    f"A grid of {len(places)} points around {arm.name}: {int(reached.sum())} are reached, and at "
     f"{int(also.sum())} of them the tool can point {words}",
     f"A section of the workspace of `{arm.name}`, where ${'xyz'[3 - i - j]} = "
     f"{at_ready[-1, 3 - i - j]:.2f}$ m, with the arm at its ready pose.",
 )
 guide.predict(
     f"At what share of the places in this section that the tool reaches can it point {words}?",
-    f"At {int(also.sum())} of {int(there.sum())}"
-    + (f", {100 * also.sum() / there.sum():.0f}\u00a0%." if there.any() else ".")
+    f"At {int(also.sum())} of {int(reached.sum())}"
+    + (f", {100 * also.sum() / reached.sum():.0f}\u00a0%." if reached.any() else ".")
     + " Choose the height of the base by the squares, not by the circles.",
 )
 
@@ -288,17 +288,17 @@ guide.predict(
 
 # %%
 here = arm.fk(arm.ready)
-asked = []
+targets = []
 for xyzw in np.random.default_rng(5).normal(size=(60, 4)):
     g = here.copy()
     g[:3, :3] = rotations.from_xyzw(xyzw / np.linalg.norm(xyzw))
-    asked.append(Pose(g))
-met = solve_ik_batch(arm, asked).converged
+    targets.append(Pose(g))
+reached_there = solve_ik_batch(arm, targets).converged
 guide.say(
-    f"There `{arm.name}` can give its tool {int(met.sum())} of {len(met)} random orientations. "
+    f"There `{arm.name}` can give its tool {int(reached_there.sum())} of {len(reached_there)} random orientations. "
     + (
-        f"That alone does not prove that the place is dextrous: {len(met)} are not all."
-        if met.all()
+        f"That alone does not prove that the place is dextrous: {len(reached_there)} are not all."
+        if reached_there.all()
         else "So the place is outside the dextrous workspace."
     )
 )

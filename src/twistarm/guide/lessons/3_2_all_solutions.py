@@ -320,24 +320,24 @@ if free:
     held = f", with `{free[0]}` held at {in_words(theta[k], own.units[k])}"
     roll = np.append([0, 0, 0], own.tool_axis)
     rows = (np.eye(6) - np.outer(roll, roll)) / np.repeat([own.reach, 1.0], 3)
-    met = int(np.linalg.matrix_rank(rows @ own.body_jacobian(theta), tol=1e-6))
+    rank = int(np.linalg.matrix_rank(rows @ own.body_jacobian(theta), tol=1e-6))
     guide.say(
         f"`{own.name}` has infinitely many ways, which form curves: "
         + " and ".join(f"`{name}`" for name in free)
         + " may move while the tool stays at the target. "
         + (
-            f"It has five joints for the five numbers of an approach, but can change only {met} of these numbers "
+            f"It has five joints for the five numbers of an approach, but can change only {rank} of these numbers "
             "independently. It reaches this target because it is there already. It cannot reach most other targets. "
-            if own.n == 5 and met < 5
+            if own.n == 5 and rank < 5
             else ""
         )
         + "If you hold this joint, the number of ways is finite again."
     )
     found = solve_ik_all(own, target, theta, fixed_joints={free[0]: float(theta[k])})
-asked = "the position and direction of its tool" if own.n == 5 else "the pose of its tool"
+goal_words = "the position and direction of its tool" if own.n == 5 else "the pose of its tool"
 total = len(found) + len(found.outside)
 guide.predict(
-    f"`{own.name}` has {own.n} joints. In how many ways does it reach {asked}"
+    f"`{own.name}` has {own.n} joints. In how many ways does it reach {goal_words}"
     + (", with that joint held" if free else "")
     + "? And in how many without joint limits?",
     f"In {len(found)} inside its limits and in {total} without them{held}"
@@ -346,16 +346,16 @@ guide.predict(
 )
 
 # %%
-listed = [(each, "yes") for each in found] + [(each, "no") for each in found.outside]
+labelled = [(way, "yes") for way in found] + [(way, "no") for way in found.outside]
 guide.table(
     ["way", *(f"`{name}`" for name in own.joint_names), "inside the limits"],
     [
-        [str(i), *(in_words(v, u) for v, u in zip(each, own.units, strict=True)), inside]
-        for i, (each, inside) in enumerate(listed[:16], start=1)
+        [str(i), *(in_words(v, u) for v, u in zip(way, own.units, strict=True)), inside]
+        for i, (way, inside) in enumerate(labelled[:16], start=1)
     ],
     f"The ways of `{own.name}`, the nearest to the present configuration first.",
 )
-draw_all(own, [each for each, _ in listed[:16]], f"`{own.name}`, every way from the table.")
+draw_all(own, [way for way, _ in labelled[:16]], f"`{own.name}`, every way from the table.")
 guide.scene(
     elbow_arm,
     meant,

@@ -357,11 +357,11 @@ waiting = few.ready + 0.2 * (few.random_theta(1) - few.ready)
 waiting = np.clip(waiting, few.limits.lower, few.limits.upper)
 g = few.fk(waiting)
 turn = np.array([0, 0, 0, 0.2, -0.15, 0.25])
-wanted = g @ screws.exp(turn, 1.0)  # the same place, turned a little
+g_wanted = g @ screws.exp(turn, 1.0)  # the same place, turned a little
 targets = {
-    "`Pose`, 6 numbers": Pose(wanted),
-    "`Approach`, 5 numbers": Approach(wanted[:3, 3], wanted[:3, :3] @ few.tool_axis),
-    "`Position`, 3 numbers": Position(wanted[:3, 3]),
+    "`Pose`, 6 numbers": Pose(g_wanted),
+    "`Approach`, 5 numbers": Approach(g_wanted[:3, 3], g_wanted[:3, :3] @ few.tool_axis),
+    "`Position`, 3 numbers": Position(g_wanted[:3, 3]),
 }
 answers = {words: solve_ik(few, target, waiting) for words, target in targets.items()}
 
@@ -372,7 +372,7 @@ samples = [
     for theta in few.random_theta(0, 8)
 ]
 rank, without = (
-    max(int(np.linalg.matrix_rank(rows @ each, tol=1e-6)) for each in samples)
+    max(int(np.linalg.matrix_rank(rows @ J, tol=1e-6)) for J in samples)
     for rows in (np.eye(6), np.eye(6) - np.outer(roll, roll))
 )
 rolls = [  # joints that turn the tool about its own direction, and do nothing else
@@ -380,27 +380,27 @@ rolls = [  # joints that turn the tool about its own direction, and do nothing e
     for name, column in zip(few.joint_names, samples[0].T, strict=True)
     if np.allclose(column, (column @ roll) * roll, atol=1e-6) and abs(column @ roll) > 0.5
 ]
-said = [
+sentences = [
     f"`{few.name}` has {few.n} joints; the rank of its Jacobian is {rank} at best. Without the row of the roll it is "
     f"{without}."
 ]
 if few.n == 5 and without < 5:
-    said += [
+    sentences += [
         f"`{name}` only turns the tool about its own direction, so it changes none of the five numbers of an approach."
         for name in rolls[:1]
     ]
-    said.append(
+    sentences.append(
         "This arm reaches an approach only at some places. Five joints are not enough: their columns must be "
         "independent without the roll."
     )
-guide.say(" ".join(said))
+guide.say(" ".join(sentences))
 off = {
-    words: [f"{1000 * each.position_error:.2f}", f"{np.degrees(each.orientation_error):.2f}"]
-    for words, each in answers.items()
+    words: [f"{1000 * answer.position_error:.2f}", f"{np.degrees(answer.orientation_error):.2f}"]
+    for words, answer in answers.items()
 }
 guide.table(
     ["asked", "off by [mm]", "off by [°]", "the solver says"],
-    [[words, *off[words], each.stop.value] for words, each in answers.items()],
+    [[words, *off[words], answer.stop.value] for words, answer in answers.items()],
     "The same place with the tool turned a little, as three kinds of target.",
 )
 pose, approach = answers["`Pose`, 6 numbers"], answers["`Approach`, 5 numbers"]
@@ -437,7 +437,7 @@ if arm.n < 6:
 cases.append(("the pose of one of its configurations", solve_ik(arm, Pose(g_d))))
 guide.table(
     ["asked", "`stop`", "in words"],
-    [[words, f"`{each.stop.name}`", each.stop.value] for words, each in cases],
+    [[words, f"`{answer.stop.name}`", answer.stop.value] for words, answer in cases],
     f"Asked of `{arm.name}`.",
 )
 guide.say("And `explain()` of the first:\n\n```text\n" + cases[0][1].explain() + "\n```")

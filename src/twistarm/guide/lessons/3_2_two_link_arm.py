@@ -330,7 +330,7 @@ pairs = [(t, o) for t, o in pairs if 0.6 < np.abs(wrap(o - t)).max() < 2.8] or p
 inside = [(t, o) for t, o in pairs if arm.limits.contains(o)]
 theta, other = (inside or pairs)[0]
 here, there = guide.arm_points(arm, theta), guide.arm_points(arm, other)
-carried = float(np.linalg.norm(here[first + 3] - there[first + 3]))
+carried_off = float(np.linalg.norm(here[first + 3] - there[first + 3]))
 what = "tool" if first + 3 == len(here) - 1 else f"joint `{arm.moving_names[first + 2]}`"
 w = poe.spatial_jacobian(arm.screws, arm.coupling.A @ theta)[3:, first]
 own_l1, own_l2 = (np.linalg.norm(np.cross(w, here[first + j + 1] - here[first + j])) for j in (1, 2))
@@ -342,7 +342,7 @@ guide.table(
     ["joint", "configuration", "its flip"],
     [[f"`{arm.joint_names[k]}`", degrees(theta[k]), degrees(other[k])] for k in k_pair],
     f"By forward kinematics the {what} is at the same place in both, "
-    + (f"to ${guide.rough(carried)}$ m." if carried > 1e-12 else "to the last digit."),
+    + (f"to ${guide.rough(carried_off)}$ m." if carried_off > 1e-12 else "to the last digit."),
 )
 guide.say(
     "Both configurations are inside the limits of the joints."

@@ -91,7 +91,7 @@ guide.table(
         r"acceleration, times $\lvert d \rvert/T^2$",
         r"jerk, times $\lvert d \rvert/T^3$",
     ],
-    [[name, *(f"{peak:.2f}" for peak in each)] for name, each in peaks.items()],
+    [[name, *(f"{peak:.2f}" for peak in row_of_peaks)] for name, row_of_peaks in peaks.items()],
     "What the same move in the same time needs. **Jerk** is the rate at which the acceleration changes. For "
     "the cubic, the jerk is that between the ends: at the ends the acceleration jumps."
     "",
@@ -395,7 +395,9 @@ def push(arm, share):
     return None
 
 
-pusher = guide.arm_with("a straight line that it can follow", lambda each: push(each, 0.25) is not None)
+pusher = guide.arm_with(
+    "a straight line that it can follow", lambda candidate: push(candidate, 0.25) is not None
+)
 direction, straight = push(pusher, 0.25)
 length = 0.25 * pusher.reach
 t = np.linspace(0, straight.duration, 500)

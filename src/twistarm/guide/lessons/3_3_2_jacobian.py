@@ -149,11 +149,11 @@ k = int(np.argmax(lever))  # the turning joint that moves the tool most
 v, omega = J_s[:3, k], J_s[3:, k]
 p_dot = v + np.cross(omega, p)
 step = h * np.eye(arm.n)[k]
-apart = np.linalg.norm(p_dot - v)
+difference = np.linalg.norm(p_dot - v)
 guide.say(
     f"Let `{arm.joint_names[k]}` alone move at {rates_of[k]}. The first three rows say "
     f"$|v| = {np.linalg.norm(v):.3f}$ m/s. The tool's origin moves at $|\\dot p| = {np.linalg.norm(p_dot):.3f}$ m/s, "
-    f"as the difference quotient of forward kinematics confirms. The two vectors are {apart:.3f} m/s apart."
+    f"as the difference quotient of forward kinematics confirms. The two vectors are {difference:.3f} m/s apart."
 )
 
 # %% [markdown]
@@ -222,7 +222,7 @@ best = int(np.argmin(np.round(missed, 9)))  # the axis along which the arm can g
 rates = np.round(answers[best], 12) + 0.0
 
 dt = 0.01
-gone = (arm.fk(theta + dt * rates) - g)[:3, 3]
+moved_by = (arm.fk(theta + dt * rates) - g)[:3, 3]
 
 # %%
 guide.table(
@@ -235,7 +235,7 @@ guide.table(
 )
 closed = [i for i in range(3) if missed[i] > 1e-6]
 guide.say(
-    f"After a hundredth of a second, the tool has moved by {1000 * gone[best]:.3f} mm along ${'xyz'[best]}$, "
+    f"After a hundredth of a second, the tool has moved by {1000 * moved_by[best]:.3f} mm along ${'xyz'[best]}$, "
     f"by forward kinematics. The command was {1000 * dt * wishes[best][best]:.3f} mm. The next hundredth "
     f"needs a new Jacobian, because the axes have moved. "
     + (

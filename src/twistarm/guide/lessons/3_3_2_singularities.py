@@ -267,7 +267,7 @@ low, high = arm.sampling_bounds
 bounds = list(zip(low, high, strict=True))
 worst = configurations[np.argsort(arm.manipulability(configurations).singular_values[:, rank - 1])[:4]]
 found = [minimize(lambda x: least(x) ** 2, x, method="L-BFGS-B", bounds=bounds) for x in worst]
-singular = min((np.clip(each.x, low, high) for each in found), key=least)
+singular = min((np.clip(result.x, low, high) for result in found), key=least)
 
 # A whole turn of a joint changes nothing: take the copy inside the limits that is nearest to the ready one.
 nearest = singular + 2 * np.pi * np.round((theta - singular) / (2 * np.pi)) * ~slides
@@ -275,8 +275,8 @@ nearest = np.where((nearest >= low) & (nearest <= high), nearest, singular)
 if np.allclose(arm.fk(nearest), arm.fk(singular)):
     singular = nearest
 
-gone = least(singular) / arm.manipulability(singular).singular_values[0]
-is_singular = gone < 1e-4
+ratio_there = least(singular) / arm.manipulability(singular).singular_values[0]
+is_singular = ratio_there < 1e-4
 
 # %% [markdown]
 # As on the two links, read the last columns there. $w$ has the rates that cancel, and $u$ the wrench that no motor
@@ -310,7 +310,7 @@ if np.linalg.norm(ratio) > 0.005:
     also = f", with {along_with.format(size)} ${guide.tex(ratio / np.linalg.norm(ratio), 2)}$ for each {'N m' if turns else 'N'}"
 
 
-def shown(x, unit, digits):
+def cell(x, unit, digits):
     number = f"{round(float(x), digits) + 0.0:.{digits}f}".replace("-", "−")
     return f"{number}{unit if unit == '°' else ' ' + unit}"
 
@@ -320,17 +320,17 @@ guide.table(
     [
         [
             f"`{name}`",
-            *(shown(x, "m", 3) if slide else shown(np.degrees(x), "°", 1) for x in (a, b)),
-            shown(w, "m/s" if slide else "rad/s", 2),
+            *(cell(x, "m", 3) if slide else cell(np.degrees(x), "°", 1) for x in (a, b)),
+            cell(w, "m/s" if slide else "rad/s", 2),
         ]
         for name, slide, a, b, w in zip(arm.joint_names, slides, theta, singular, idle, strict=True)
     ],
     f"The worst configuration that was found inside the limits of `{arm.name}`.",
 )
 verdict = (
-    rf"There $\sigma_{{{rank}}}/\sigma_1 = {guide.rough(gone)}$: singular."
+    rf"There $\sigma_{{{rank}}}/\sigma_1 = {guide.rough(ratio_there)}$: singular."
     if is_singular
-    else rf"There $\sigma_{{{rank}}}/\sigma_1 = {gone:.3f}$. It is not singular: inside your limits this arm keeps all its directions. That is good, and not every arm does."
+    else rf"There $\sigma_{{{rank}}}/\sigma_1 = {ratio_there:.3f}$. It is not singular: inside your limits this arm keeps all its directions. That is good, and not every arm does."
 )
 guide.say(
     f"{verdict} {push} ${guide.tex(axis, 2)}$ in the tool's axes{also}, and "
@@ -394,7 +394,7 @@ patterns = {
     "three parallel, not in one plane": [first, ahead, turning(w, q + square), *lines(3)],
     "four through one point": [*(turning(x, q) for x in rng.normal(size=(4, 3))), *lines(2)],
 }
-ranks = {words: int(np.linalg.matrix_rank(each, tol=1e-9)) for words, each in patterns.items()}
+ranks = {words: int(np.linalg.matrix_rank(pattern, tol=1e-9)) for words, pattern in patterns.items()}
 guide.table(
     ["six turning axes", "rank"],
     list(ranks.items()),

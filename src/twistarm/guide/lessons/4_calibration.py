@@ -70,20 +70,20 @@ guide.say(
 )
 alone = []
 for i in range(m + 1):
-    one = np.zeros_like(hidden)
-    one[i] = hidden[i]
-    alone.append(np.linalg.norm((real_tool(one, fresh) - arm.fk(fresh))[:, :3, 3], axis=1).mean())
+    only_one = np.zeros_like(hidden)
+    only_one[i] = hidden[i]
+    alone.append(np.linalg.norm((real_tool(only_one, fresh) - arm.fk(fresh))[:, :3, 3], axis=1).mean())
 names = arm.moving_names if len(arm.moving_names) == m else [f"screw {i + 1}" for i in range(m)]
 guide.table(
     ["only this is displaced", "shift $d$ [mm]", "turn $d$ [°]", "the tool is off by"],
     [
         [
             name,
-            f"{1000 * np.linalg.norm(each[:3]):.1f}",
-            f"{np.degrees(np.linalg.norm(each[3:])):.2f}",
+            f"{1000 * np.linalg.norm(d_i[:3]):.1f}",
+            f"{np.degrees(np.linalg.norm(d_i[3:])):.2f}",
             f"{1000 * far:.1f} mm",
         ]
-        for name, each, far in zip(
+        for name, d_i, far in zip(
             [*(f"`{name}`" for name in names), "the tool"], hidden, alone, strict=True
         )
     ],
@@ -321,10 +321,10 @@ guide.table(
     ],
     "Mean errors. For a real arm you know the second row. Only a simulation has the last one.",
 )
-said = found.changes()
+lines = found.changes()
 guide.say(
     f"The result for `{arm.name}`:\n\n"
-    + "\n".join(f"- {line}" for line in said[:7])
+    + "\n".join(f"- {line}" for line in lines[:7])
     + f"\n\nHeld at 0, because this log does not separate them from the others: {len(found.unseen)} numbers, "
     f"such as *{found.unseen[0]}*."
 )
@@ -383,12 +383,12 @@ def rested(groups, ways, noise):
     N = len(groups)
     rows = [
         np.concatenate(
-            [columns_of(each), np.tile(np.kron(np.eye(N)[k], -np.eye(3)), (len(each), 1, 1))], axis=2
+            [columns_of(group), np.tile(np.kron(np.eye(N)[k], -np.eye(3)), (len(group), 1, 1))], axis=2
         )
-        for k, each in enumerate(groups)
+        for k, group in enumerate(groups)
     ]
-    apart = np.kron(np.eye(N)[::2] - np.eye(N)[1::2], np.ones(3)) * np.tile(ways, N)
-    known = np.hstack([np.zeros((len(ways), 6 * m)), apart])
+    ways_known = np.kron(np.eye(N)[::2] - np.eye(N)[1::2], np.ones(3)) * np.tile(ways, N)
+    known = np.hstack([np.zeros((len(ways), 6 * m)), ways_known])
     return np.vstack([np.concatenate(rows).reshape(-1, 6 * m + 3 * N) / noise, known / 1e-5])
 
 
@@ -411,7 +411,7 @@ def expected(B):
 def in_socket(point, times):
     """Configurations with the tool at a point, each from another start."""
     tries = [solve_ik(arm, Position(point), arm.random_theta(rng)) for _ in range(2 * times)]
-    return np.array([each.theta for each in tries if each.converged][:times])
+    return np.array([answer.theta for answer in tries if answer.converged][:times])
 
 
 def plates(count, times):

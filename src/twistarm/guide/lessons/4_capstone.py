@@ -95,14 +95,14 @@ if findings:
         ["kind", "where", "what is there", "what to do"],
         [
             [
-                each.severity,
-                f"{each.place.element} `{each.place.name}`"
-                if each.place.name
-                else each.place.element or "the arm",
-                each.what,
-                each.remedy,
+                finding.severity,
+                f"{finding.place.element} `{finding.place.name}`"
+                if finding.place.name
+                else finding.place.element or "the arm",
+                finding.what,
+                finding.remedy,
             ]
-            for each in findings[:8]
+            for finding in findings[:8]
         ],
         f"The doctor on `{arm.name}`: {len(findings)} finding{'s' if len(findings) > 1 else ''}"
         + (". These are the most serious." if len(findings) > 8 else "."),
@@ -205,7 +205,7 @@ def freedoms_of(arm):
     return int(arm.manipulability(arm.random_theta(0, 200)).rank.max())
 
 
-def asked(arm, pose):
+def target_of(arm, pose):
     """As much of a pose as the arm has freedoms for."""
     if freedoms_of(arm) == 6:
         return Pose(pose)
@@ -215,13 +215,13 @@ def asked(arm, pose):
 
 
 g_so = arm.fk(0.6 * arm.ready + 0.4 * arm.random_theta(7))  # in place of a camera
-solution = solve_ik(arm, asked(arm, g_so))
+solution = solve_ik(arm, target_of(arm, g_so))
 theta = solution.require()
 
 reached = arm.fk(theta)
 
 # %%
-kind = type(asked(arm, g_so)).__name__
+kind = type(target_of(arm, g_so)).__name__
 words = {
     "Pose": "the whole pose",
     "Approach": "the place and the direction",
@@ -245,7 +245,7 @@ guide.say(
 # %%
 far_away = g_so.copy()
 far_away[:3, 3] *= 4 * arm.reach / np.linalg.norm(far_away[:3, 3])
-beyond = solve_ik(arm, asked(arm, far_away))
+beyond = solve_ik(arm, target_of(arm, far_away))
 guide.predict(
     "By mistake the camera reports a place several times as far away as your arm is long. What should a solver answer?",
     "That it cannot reach the target, the reason, and the nearest configuration. twistarm says:"
@@ -276,10 +276,10 @@ def fetch(arm, g_object, length):
     before = g_object.copy()
     before[:3, 3] -= length * into / np.linalg.norm(into)
     segments = [
-        JointMove(asked(arm, before)),
-        LineMove(asked(arm, g_object), linear_speed=0.1, label="close gripper"),
+        JointMove(target_of(arm, before)),
+        LineMove(target_of(arm, g_object), linear_speed=0.1, label="close gripper"),
         Dwell(0.5),
-        LineMove(asked(arm, before), linear_speed=0.1),
+        LineMove(target_of(arm, before), linear_speed=0.1),
         JointMove("ready"),
     ]
     velocity, acceleration = limits_of(arm)
@@ -299,7 +299,8 @@ def first_served(arm):
 
 
 arm = guide.arm_with(
-    "a place that it can reach in a straight line", lambda each: first_served(each) is not None
+    "a place that it can reach in a straight line",
+    lambda candidate: first_served(candidate) is not None,
 )
 g_so, motion, refusals = first_served(arm)
 
@@ -413,9 +414,9 @@ guide.say(
 # %%
 slip = np.where(np.array(arm.units) == "m", 0.005, np.radians(5.0))
 moves = np.linalg.norm(arm.fk(arm.ready + np.diag(slip))[:, :3, 3] - arm.fk(arm.ready)[:3, 3], axis=1)
-there = JointMove(0.6 * arm.ready + 0.4 * arm.random_theta(7))
+move = JointMove(0.6 * arm.ready + 0.4 * arm.random_theta(7))
 quick, slow = (
-    plan(arm, there, limits={"velocity": share * velocity, "acceleration": share * acceleration})
+    plan(arm, move, limits={"velocity": share * velocity, "acceleration": share * acceleration})
     for share in (1.0, 0.1)
 )
 guide.table(

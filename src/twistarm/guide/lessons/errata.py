@@ -289,9 +289,9 @@ guide.say(
 # %%
 l1, l2 = 0.4, 0.3
 stretched = [elbow(l1, l2, np.array([l1 + l2, 0.0]), sign, sign) for sign in (1, -1)]
-apart = np.abs(np.angle(np.exp(1j * (stretched[0] - stretched[1])))).max()
+difference = np.abs(np.angle(np.exp(1j * (stretched[0] - stretched[1])))).max()
 cosine = (l1**2 + l2**2 - (l1 + l2 + 1e-9) ** 2) / (2 * l1 * l2)
 guide.say(
-    f"Stretched out, no angle of the two solutions differs by more than ${guide.rough(apart)}$ rad. "
+    f"Stretched out, no angle of the two solutions differs by more than ${guide.rough(difference)}$ rad. "
     f"A nanometre further the cosine is $-1 - {guide.rough(-1 - cosine)}$, whose arc cosine is not a number."
 )

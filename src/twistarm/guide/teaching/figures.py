@@ -89,7 +89,7 @@ def axes3(
 
 
 def _figure(width: float, height: float) -> Any:
-    """A figure [inches] in this style, which is set for good: matplotlib reads much of it only when it draws."""
+    """A figure [inches] in this style. The style stays set, because matplotlib reads much of it only when it draws."""
     import matplotlib
     from cycler import cycler
     from matplotlib.figure import Figure
@@ -160,7 +160,7 @@ def plot_point(ax: Any, point: ArrayLike, name: str = "", colour: str = INK, mar
 def plot_screw(
     ax: Any, xi: ArrayLike, length: float = 1.0, name: str = "", colour: str = PINK, near: ArrayLike = (0.0, 0.0, 0.0)
 ) -> None:
-    """Draw the axis of a twist (v, w): a line along w with an arrow around it, or an arrow along v (w = 0).
+    """Draw the axis of a twist (v, w): a line with an arrow around it, or an arrow along v (w = 0).
 
     Args:
         ax: Axes in space.

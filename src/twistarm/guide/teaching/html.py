@@ -83,17 +83,17 @@ SCENES: dict[str, dict[str, Any]] = {
 def scene(
     arm: Arm, theta: Array, trajectory: Trajectory | None, caption: str, quantity: str, alt: str, folder: Path | None
 ) -> str:
-    """An arm to move, with a quantity that follows: a saved page in a frame, a drawing for paper."""
+    """An arm to move, with a quantity that follows. It is a saved page in a frame, and a drawing for paper."""
     # The view takes a while to import, and only scenes need it.
     from ...viewer.parts.arm_data import loading_findings
     from ...viewer.saved_page import Inline, beside, of_arm, stand_alone
 
-    shown = of_arm(arm, trajectory, theta)
-    told = shown.messages
+    page_data = of_arm(arm, trajectory, theta)
+    messages = page_data.messages
     begins = theta if trajectory is None else trajectory(0.0)
-    shown = shown.with_messages(
+    page_data = page_data.with_messages(
         # Nobody looks yet: the reader plays it, from its beginning.
-        {**told["frame"], "theta": begins.tolist(), "running": False},
+        {**messages["frame"], "theta": begins.tolist(), "running": False},
         # No doctor is going to look, so nothing is said of one. Where loading noted nothing, the page shows none.
         {**loading_findings(arm), "note": ""},
     )
@@ -104,14 +104,14 @@ def scene(
         return page.replace('id="state">{}', f'id="state">{json.dumps(SCENES[quantity])}', 1)
 
     if folder is None:
-        frame = Inline.page(of_lesson(stand_alone(shown)), alt).html
+        frame = Inline.page(of_lesson(stand_alone(page_data)), alt).html
     else:
-        page, files = beside(shown)
+        page, files = beside(page_data)
         page = of_lesson(page)
         name = f"scene_{hashlib.sha256(page.encode()).hexdigest()[:12]}.html"
-        for each, content in {name: page, **files}.items():  # scenes share their scripts, so most are there
-            if not (folder / each).is_file() or (folder / each).read_text("utf-8", errors="replace") != content:
-                write_whole(folder / each, content)
+        for file, content in {name: page, **files}.items():  # scenes share their scripts, so most are there
+            if not (folder / file).is_file() or (folder / file).read_text("utf-8", errors="replace") != content:
+                write_whole(folder / file, content)
         # No sandbox: opened from disk its scripts could not be read then. The scene's own policy lets it reach nothing.
         frame = (
             f'<iframe class="live" data-src="{folder.name}/{name}" title="{escape(alt)}"></iframe>'
@@ -133,21 +133,21 @@ def slider(name: str, question: str, answer: str, numbers: Mapping[str, Any]) ->
 
 def prediction(question: str, answer: str) -> str:
     """A question for the reader to answer before the answer is unfolded."""
-    asked = f'<div class="question">{block(question)}</div>'
-    answered = fold("Show the answer", block(answer))
-    return f'<div class="prediction" role="group" aria-label="Predict">{asked}{answered}</div>'
+    question_html = f'<div class="question">{block(question)}</div>'
+    answer_html = fold("Show the answer", block(answer))
+    return f'<div class="prediction" role="group" aria-label="Predict">{question_html}{answer_html}</div>'
 
 
 def exercises(lesson: str, entries: Sequence[Exercise]) -> str:
     """Prompt, signature and model solution of each exercise."""
-    each = "".join(
+    sections = "".join(
         f'<div class="exercise" role="group" aria-label="Exercise {k}">'
         f'<h3 id="exercise-{escape(entry.name)}">Exercise {k}: <code>{escape(entry.name)}</code></h3>'
         f"{block(entry.prompt)}{program(entry.signature)}"
         f"{fold('Show a solution', program(entry.solution))}</div>"
         for k, entry in enumerate(entries, start=1)
     )
-    return f'<div class="exercises">{block(HOW_TO_CHECK.format(lesson=lesson))}{each}</div>'
+    return f'<div class="exercises">{block(HOW_TO_CHECK.format(lesson=lesson))}{sections}</div>'
 
 
 HOW_TO_CHECK = """`twistarm guide exercises` writes a file for each lesson. Fill in the functions of this one, and have
@@ -158,6 +158,6 @@ named."""
 def report(lines: Sequence[str], printed: Sequence[str]) -> str:
     """Verdicts, and what the reader's code printed."""
     verdicts = "".join(f"<li>{escape(line)}</li>" for line in lines)
-    said = escape("\n".join(printed))
-    below = f'<p>Your code printed:</p><pre class="printed" tabindex="0"><samp>{said}</samp></pre>' if said else ""
+    output = escape("\n".join(printed))
+    below = f'<p>Your code printed:</p><pre class="printed" tabindex="0"><samp>{output}</samp></pre>' if output else ""
     return f'<div class="report" role="group" aria-label="Verdict"><ul>{verdicts}</ul>{below}</div>'

@@ -1,4 +1,4 @@
-"""What a lesson shows, one function for each kind: in a page, in a notebook, or as text on standard output."""
+"""The outputs of a lesson, one function for each kind. They go to a page, a notebook, or standard output."""
 
 from __future__ import annotations
 
@@ -123,15 +123,15 @@ def scene(
     caption: str = "",
     quantity: str = "screws",
 ) -> None:
-    """Show an arm that the reader moves by its tool, links and joints, a saved page of the view.
+    """Show a saved page of the view. The reader moves the arm by its tool, links and joints.
 
     Args:
         arm: The arm.
         theta: Where it stands, (n,) [rad, m]; ready where not given.
         trajectory: A motion that the page plays.
         caption: What there is to see or do, markdown.
-        quantity: What is shown beside it as it moves: "joints", "screws", "ellipsoid" (manipulability), "singular" (the
-            lost direction) or "configurations" (all that hold the tool in its pose).
+        quantity: What is shown as it moves: "joints", "screws", "ellipsoid", "singular" or "configurations". Ellipsoid
+            is that of manipulability, singular the lost direction, configurations all with the tool in its pose.
     """
     if quantity not in html.SCENES:
         raise InputError(f"a scene shows {listed(html.SCENES)}; got {quantity!r}")

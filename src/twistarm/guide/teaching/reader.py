@@ -1,4 +1,4 @@
-"""The reader of a lesson: the arm that it runs on, and the exercises that the reader writes, graded."""
+"""The reader's side of a lesson: the arm that it runs on, and the exercises."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def check(function: Callable[..., Any]) -> grading.Report:
     if os.environ.get(grading.IN_SANDBOX):
         return grading.Report(getattr(function, "__name__", ""))
     report = _ShownReport(**vars(grading.check(function, arm())))
-    show("\n".join(report.told), lambda _: html.report(report.lines, report.printed_lines))
+    show("\n".join(report.terminal_lines), lambda _: html.report(report.lines, report.printed_lines))
     return report
 
 

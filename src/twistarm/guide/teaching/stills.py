@@ -95,7 +95,7 @@ def _spline(n: Numbers) -> Any:
     T, q0, q1, v0, v1 = (float(n[key]) for key in ("duration", "start", "end", "velocity_start", "velocity_end"))
     values = np.array([q0, v0, 0.0, q1, v1, 0.0]).reshape(2, 3)[:, : 3 if n["kind"] == "quintic" else 2]
     basis = [np.poly1d(row) for row in np.eye(values.size)]
-    rows = np.array([[each.deriv(k)(t) for each in basis] for t in (0, T) for k in range(values.shape[1])])
+    rows = np.array([[monomial.deriv(k)(t) for monomial in basis] for t in (0, T) for k in range(values.shape[1])])
     p = np.poly1d(np.linalg.solve(rows, values.ravel()))
     t = np.linspace(0, T, 200)
     fig, (left, right) = axes2(2, height=2.7, xlabel="t [s]")

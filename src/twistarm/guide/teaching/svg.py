@@ -1,6 +1,6 @@
 """A figure of matplotlib as SVG for a page, with the page's colours and unique names.
 
-Panels in space get one scale and a floor; the page has the places of their lines and letters, and turns them.
+Panels in space get one scale and a floor. The page has the positions of their lines and letters, and turns them.
 """
 
 from __future__ import annotations
@@ -57,9 +57,9 @@ def plot_motion(plot: Callable[..., object], ax: Any, places: Iterable[Any], *ar
     """
     moments: list[list[Any]] = []
     for place in places:
-        there = set(ax.get_children())
+        before = set(ax.get_children())
         plot(ax, place, *arguments)
-        moments.append([artist for artist in ax.get_children() if artist not in there])
+        moments.append([artist for artist in ax.get_children() if artist not in before])
     for same in zip(*moments, strict=True):
         same[-1].moments = [_lines(artist) for artist in same]
         for artist in same[:-1]:
@@ -89,8 +89,8 @@ def settle(panels: list[Any]) -> Any:
         box = ax.get_window_extent()
         room = min(box.width, box.height) / 2 - MARGIN * figure.dpi
         ax.set_box_aspect((1, 1, 1), zoom=room / (radius * _seen(ax)[2]))
-        words = [ax.title] * bool(ax.get_title()) + [each for each in [ax.get_legend()] if each]
-        boxes += [box, *(each.get_window_extent() for each in words)]
+        words = [ax.title] * bool(ax.get_title()) + [item for item in [ax.get_legend()] if item]
+        boxes += [box, *(item.get_window_extent() for item in words)]
         for artist in _placed(ax):  # there is no frame to cut them off
             artist.set_clip_on(False)
     return Bbox.union(boxes).transformed(figure.dpi_scale_trans.inverted()).padded(0.03)
@@ -99,8 +99,8 @@ def settle(panels: list[Any]) -> Any:
 def places(panels: list[Any], box: Any) -> dict[str, str]:
     """Name the panels and what they draw. Return, by name, attributes of the elements in the drawing of `box` [inches].
 
-    The attributes give a page the direction of view [degrees], the centre of the panel, and the places of lines and
-    letters around it, in units of the drawing.
+    The attributes give a page the direction of view [degrees] and the centre of the panel. Lines and letters have their
+    positions around it, in units of the drawing.
     """
     attributes = {}
     for k, ax in enumerate(panels):
@@ -112,7 +112,7 @@ def places(panels: list[Any], box: Any) -> dict[str, str]:
         for j, artist in enumerate(_placed(ax)):
             artist.set_gid(f"space-{k}-{j}")
             moments = ([scale * unit * (line - centre) for line in moment] for moment in _moments(artist))
-            at = ";".join("|".join(" ".join(f"{x:.1f}" for x in line.ravel()) for line in each) for each in moments)
+            at = ";".join("|".join(" ".join(f"{x:.1f}" for x in line.ravel()) for line in lines) for lines in moments)
             attributes[f"space-{k}-{j}"] = f'data-at="{at}"' + " data-letters" * hasattr(artist, "get_text")
     return attributes
 
@@ -137,7 +137,8 @@ def _moments(artist: Any) -> list[list[Array]]:
 
 def _points(panels: list[Any]) -> Array:
     """All points drawn, at all moments (k, 3)."""
-    return np.vstack([line for ax in panels for each in _placed(ax) for moment in _moments(each) for line in moment])
+    artists = (artist for ax in panels for artist in _placed(ax))
+    return np.vstack([line for artist in artists for moment in _moments(artist) for line in moment])
 
 
 def _seen(ax: Any) -> tuple[Array, Array, float]:
