@@ -68,17 +68,12 @@ def viewer(arm: Arm) -> Iterator[Viewer]:
 
 
 @pytest.fixture
-def shared(opened: Any) -> Any:
-    until(opened, "document.getElementById('findings-note').textContent === ''")
-    return opened
-
-
-@pytest.fixture
-def live(shared: Any) -> Any:
+def live(opened: Any) -> Any:
     """The page with its list open, and nothing chosen."""
-    shared.evaluate("document.getElementById('findings').open = true")
-    shared.keyboard.press("Escape")
-    return shared
+    until(opened, "document.getElementById('findings-note').textContent === ''")
+    opened.evaluate("document.getElementById('findings').open = true")
+    opened.keyboard.press("Escape")
+    return opened
 
 
 def about(page: Any, code: str) -> Any:
@@ -94,15 +89,11 @@ def points_at_nothing(page: Any) -> bool:
     return bool(page.evaluate(nothing)) and page.locator(".finding[aria-pressed=true]").count() == 0
 
 
-def test_the_closed_list_s_summary_counts_what_diagnose_finds(shared: Any, arm: Arm) -> None:
-    assert shared.locator("#findings").get_attribute("open") is None
-    counts = Counter(one.severity for one in diagnose(arm))
-    assert counts["warning"] > 1 < counts["info"]
-    assert shared.locator("#findings-count").inner_text() == f"{counts['warning']} warnings, {counts['info']} info"
-
-
-def test_every_finding_is_there_in_words_and_nothing_in_it_is_markup(live: Any, arm: Arm) -> None:
+def test_findings_are_counted_and_there_in_words_and_nothing_in_them_is_markup(live: Any, arm: Arm) -> None:
     found = diagnose(arm)
+    counts = Counter(one.severity for one in found)
+    assert counts["warning"] > 1 < counts["info"]
+    assert live.locator("#findings-count").inner_text() == f"{counts['warning']} warnings, {counts['info']} info"
     texts = live.locator(".finding").all_inner_texts()
     assert len(texts) == len(found)
     for text, one in zip(texts, found, strict=True):

@@ -121,7 +121,8 @@ def test_the_saved_page_stands_as_it_stood_and_outlasts_a_reload(page: Any, tmp_
         until(page, "document.body.dataset.drawn === ''")
         assert page.get_by_role("button", name="Go to pose 1").is_visible(), "in the panel that was open"
         assert_drawn(page, arm, [-0.4, 0.6])
-        for role, name in (("button", "Plan"), ("button", "Stand-alone page"), ("checkbox", "Collision")):
+        python = ("button", "Plan"), ("button", "Stand-alone page"), ("checkbox", "Collision"), ("checkbox", "Reach")
+        for role, name in python:
             control = page.get_by_role(role, name=name, include_hidden=True)
             assert control.is_disabled()
             assert control.get_attribute("title") == "Needs Python: run twistarm view"

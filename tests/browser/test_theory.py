@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from joint_arms import from_urdf, random_chain
 from twistarm import Arm, ArmBuilder, ReachMap, load_arm, plan_joint, reach_map
 from twistarm.planning.trajectory import Trajectory
-from twistarm.viewer import Viewer, save_html
+from twistarm.viewer import Viewer
 from twistarm.viewer.scene.arm_drawing import arm_size
 from waiting import WAIT, after_frames, settled, until
 
@@ -476,20 +476,3 @@ def test_the_reach(page: Any, viewer: Viewer, tmp_path: Path, open_page: Opened)
         opened.get_by_role("tab", name="Theory").click()
         switch(opened, "Reach", on=False)
         until(opened, f"document.getElementById('reach-legend').hidden && !{reach}.group.visible")
-
-
-def test_the_saved_page(open_page: Opened, tmp_path: Path) -> None:
-    motion = motion_of(ARM)
-    with open_page() as opened:
-        opened.context.grant_permissions(["clipboard-read", "clipboard-write"])
-        opened.goto(save_html(ARM, tmp_path / "arm.html", trajectory=motion).as_uri())
-        time = opened.get_by_label("Time", exact=True)
-        time.press("End")
-        for _ in range(4):
-            time.press("PageDown")
-        show_theory(opened)
-        assert opened.locator("#theory-layers").get_by_label("Reach").is_disabled()
-        t = float(time.input_value()) * motion.duration
-        assert_allclose(copied(opened, "Jᵇ"), ARM.body_jacobian(motion(t)), atol=1e-3)  # between two samples
-        twist = copied(opened, "Instantaneous screw")["twist"]
-        assert_allclose(twist, ARM.spatial_jacobian(motion(t)) @ motion(t, 1), atol=1e-3)

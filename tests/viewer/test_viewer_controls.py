@@ -36,7 +36,7 @@ def test_pages_and_program_share_a_slider_and_call_in_order(viewer: Viewer) -> N
         page.ask(type="slide", name="weight", value=3.5)
         assert "weight" in page.latest["error"]["message"]
         page.ask(type="slide", name="again", value=1.0)
-        assert "no slider" in page.latest["error"]["message"]
+        assert "again is not a slider" in page.latest["error"]["message"]
         page.ask(type="press", name="agian")
         assert "closest: 'again'" in page.latest["error"]["message"]
     assert weight.value == -1.0

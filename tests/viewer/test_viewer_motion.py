@@ -154,16 +154,13 @@ TURNER = ArmBuilder("turner").revolute("a", [0, 0, 1], [0, 0, 0.1]).tool(TOOL).b
 TURN = plan_joint(TURNER, [[0.0], [np.pi / 2]], limits={"velocity": 1.0, "acceleration": 2.0})
 
 
-def test_a_turn_draws_its_arc_from_end_to_end() -> None:
+def test_a_turn_draws_its_arc_and_configurations_their_order() -> None:
     drawn = tool_path(TURNER, TURN)
     points = np.array(drawn["points"])
     assert_allclose(np.linalg.norm(points[:, :2], axis=1), 0.3, atol=2e-6)
     assert_allclose(points[[0, -1]], [[0.3, 0, 0.4], [0, 0.3, 0.4]], atol=1e-4)
     assert len(points) <= 400
     assert 0 < drawn["radius"] < 0.01
-
-
-def test_configurations_in_their_order() -> None:
     drawn = tool_path(TURNER, [[0.0], [np.pi], [np.pi], [np.pi / 2]])
     assert_allclose(drawn["points"], [[0.3, 0, 0.4], [-0.3, 0, 0.4], [0, 0.3, 0.4]], atol=1e-6)
     assert tool_path(TURNER, [[0.5], [0.5]])["points"] == [], "a tool that stays draws nothing"

@@ -56,20 +56,7 @@ def test_a_new_page_is_told_the_arm_the_scene_and_where_everything_stands(arm: A
     assert {*hello["links"].values(), "/frames/tool"} <= set(hello["kinematics"]["nodes"])
 
 
-def test_arms_without_a_description_are_drawn_from_their_axes() -> None:
-    long = 2.5 * joints.helical([0, 1, 0], [0, 0, 0.4], 0.05)  # a twist may have any length
-    home = np.eye(4)
-    home[:3, 3] = [0.5, 0, 0.4]
-    arm = arm_from_screws(np.hstack([joints.revolute([0, 0, 1], [0, 0, 0]), long, joints.prismatic([0, 0, 1])]), home)
-    stage, scene = Stage(arm, [0.3, 0.4, -0.1]), Drawing(arm).whole()
-    hello = stage.hello(scene.links)
-    assert {"/arm/rod:0", "/arm/rod:1", "/arm/rod:2", "/frames/tool"} <= set(hello["kinematics"]["nodes"])
-    assert hello["arm"]["screws"] == ["helical", "prismatic", "revolute"]
-    assert scene.notes == ()
-    assert {"/arm/rod:0/rod", "/arm/rod:1/rail"} <= {umsgpack.unpackb(part)["path"] for part in scene.objects}
-
-
-def test_axes_are_drawn_at_their_points_nearest_to_the_one_before() -> None:
+def test_arms_without_a_description_are_drawn_from_points_of_axes_nearest_to_the_one_before() -> None:
     """By hand: z through (1, 0, 0); x through (0, 2, 3), whose point nearest to (1, 0, 0) is (1, 2, 3); a slide; and
     y through (−4, 9, 5), whose point nearest to the last is (−4, 2, 5)."""
     screws = np.column_stack(
@@ -85,7 +72,13 @@ def test_axes_are_drawn_at_their_points_nearest_to_the_one_before() -> None:
     arm = arm_from_screws(screws, home)
     points = [[1, 0, 0], [1, 2, 3], [1, 2, 3], [-4, 2, 5]]
     assert_allclose(anchors(arm), points, atol=ROUNDING)
-    drawn = drawn_by(Drawing(arm).whole())
+    scene = Drawing(arm).whole()
+    assert scene.notes == ()
+    hello = Stage(arm).hello(scene.links)
+    assert {"/arm/rod:0", "/arm/rod:1", "/arm/rod:2", "/frames/tool"} <= set(hello["kinematics"]["nodes"])
+    assert hello["arm"]["screws"] == ["helical", "prismatic", "revolute"]
+    drawn = drawn_by(scene)
+    assert {"/arm/rod:0/rod", "/arm/rod:1/rail"} <= set(drawn)
     for i, point in enumerate(points):
         path = "/arm/rod:base" if i == 0 else f"/arm/rod:{i - 1}"
         origin = matrix(drawn[f"{path}/origin"]["object"]["matrix"])[:3, 3]
@@ -94,7 +87,7 @@ def test_axes_are_drawn_at_their_points_nearest_to_the_one_before() -> None:
         assert_allclose(np.abs(tip) / np.linalg.norm(tip), np.abs([[0, 0, 1], [1, 0, 0], [0, 0, 1], [0, 1, 0]][i]))
 
 
-def test_a_cylinder_stands_along_z(arm: Arm) -> None:
+def test_a_cylinder_stands_along_z_and_shapes_stand_in_for_a_lost_mesh(arm: Arm) -> None:
     drawn = drawn_by(Drawing(arm).whole())
     upper = drawn["/arm/link:upper/visual0"]
     assert upper["geometries"][0]["type"] == "CylinderGeometry"
@@ -103,9 +96,7 @@ def test_a_cylinder_stands_along_z(arm: Arm) -> None:
     red = drawn["/arm/link:base_link/visual0"]["materials"][0]
     assert (red["color"], red["opacity"], red["transparent"]) == (0xFF0000, 0.5, True)
 
-
-def test_a_link_without_its_mesh_is_a_frame_and_a_capsule(arm: Arm) -> None:
-    drawn = drawn_by(Drawing(arm).whole())
+    # A link without its mesh is a frame and a capsule.
     stick = drawn["/arm/link:a%2Fb%20%3Ci%3E/stand-in/stick0"]
     assert_allclose(stick["geometries"][0]["height"], 0.3)
     assert_allclose(matrix(stick["object"]["matrix"])[:3, 3], [0.15, 0, 0], atol=ROUNDING)
@@ -198,8 +189,7 @@ def test_whatever_ails_one_mesh_the_others_are_drawn(tmp_path: Path, monkeypatch
     arm = arm_of(tmp_path, mesh.format("bad") + mesh.format("good"), mesh.format("bad"))
     monkeypatch.setattr(links, "read_mesh", lambda path: read_mesh(path) if path.stem == "good" else 1 / 0)
     scene = Drawing(arm).whole()
-    assert scene.left == 0
-    assert len(scene.notes) == 1
+    assert (scene.left, len(scene.notes)) == (0, 1)
     assert "bad.stl: division by zero" in scene.notes[0]
     drawn = drawn_by(scene)
     assert "/arm/link:base/visual1/part0" in drawn
