@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
+import schema_samples as samples
 from test_viewer_messages import BAD_MESSAGES
 from twistarm import ArmBuilder, plan_joint
 from twistarm.control.servo import AnyCommand, JogCommand, ServoOutput, ServoReason, TwistCommand
@@ -134,15 +135,10 @@ def test_what_would_move_the_arm_under_the_servo_s_hands_is_refused(viewer: View
         page.ask(type="pause")
         assert "error" not in page.latest
         held = viewer.theta
-        for request in (
-            {"type": "theta", "theta": [0, 0]},
-            {"type": "joint", "name": "a", "value": 0.1},
-            {"type": "pose", "name": "zero", "ease": False},
-            {"type": "play"},
-            {"type": "seek", "time": 0.1},
-            {"type": "random", "ease": False},
-        ):
-            page.ask(**request)
+        page.ask(type="joint", name="a", value=0.1)
+        assert page.latest["error"]["message"].startswith("a servo drives pair")
+        for kind in ("theta", "pose", "random", "play", "seek", "go", "plan", "target", "solutions", "solution"):
+            page.ask(**samples.request(kind))
             assert page.latest["error"]["message"].startswith("a servo drives pair")
         assert_array_equal(viewer.theta, held)
         page.ask(type="needs", collision=False, reach=False)

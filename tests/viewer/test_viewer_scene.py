@@ -23,7 +23,7 @@ from twistarm.viewer.scene import links
 from twistarm.viewer.scene.arm_drawing import Drawing, anchors
 from twistarm.viewer.stage import Stage
 from urdf_text import joint, write
-from viewer_page import ARM, ROUNDING, THETA, Page, matrix, stored, visit
+from viewer_page import ROUNDING, THETA, Page, matrix, stored, visit
 
 
 def drawn_by(scene: Drawing) -> dict[str, Any]:
@@ -128,34 +128,9 @@ def test_every_material_of_a_collada_file_is_a_part_of_its_own_colour() -> None:
     assert len({part.colour for part in parts}) == 3
 
 
-def test_a_mesh_that_cannot_be_read_is_noted_and_the_rest_is_drawn(tmp_path: Path) -> None:
-    (tmp_path / "lost.stl").write_text("no mesh at all")
-    (tmp_path / "arm.urdf").write_text(ARM)
-    scene = Drawing(load_arm(tmp_path / "arm.urdf", tip="tool0")).whole()
-    (reason,) = scene.notes
-    assert re.search(r"cannot read mesh lost\.stl: .*; export it as STL, OBJ, DAE, PLY or GLB", reason)
-    drawn = drawn_by(scene)
-    assert "/arm/link:a%2Fb%20%3Ci%3E/stand-in/stick0" in drawn
-    with pytest.raises(DescriptionError, match="cannot read mesh"):
-        load_parts(tmp_path / "lost.stl")
-
-
 GREEN = '<material name="m"><color rgba="0 1 0 1"/></material>'
 
 FACES = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl red\nf 1 2 3\nusemtl blue\nf 1 2 4\n"
-
-
-def test_an_obj_has_the_colours_of_its_mtl_and_none_without_it(tmp_path: Path) -> None:
-    path = tmp_path / "two.obj"
-    path.write_text("mtllib two.mtl\n" + FACES)
-    lost = load_parts(path)
-    assert (len(lost), {part.colour for part in lost}) == (2, {None})
-    (tmp_path / "two.mtl").write_text("newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n")
-    assert {part.colour for part in load_parts(path)} == {(1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)}
-    path.write_text("\n".join(line for line in FACES.splitlines() if "usemtl" not in line))
-    (plain,) = load_parts(path)
-    assert plain.colour is None
-    assert len(plain.faces) == 2
 
 
 def test_a_mesh_is_scaled_mirrored_and_coloured_as_the_description_has_it(tmp_path: Path) -> None:
@@ -172,6 +147,8 @@ def test_a_mesh_is_scaled_mirrored_and_coloured_as_the_description_has_it(tmp_pa
 
 def test_a_file_s_own_colours_come_before_the_description_s_placeholder(tmp_path: Path) -> None:
     (tmp_path / "part.obj").write_text("mtllib two.mtl\n" + FACES)
+    without = load_parts(tmp_path / "part.obj")  # its file of colours is not there yet
+    assert (len(without), {part.colour for part in without}) == (2, {None})
     (tmp_path / "two.mtl").write_text("newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n")
     (tmp_path / "plain.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     visuals = [f'<visual><geometry><mesh filename="{name}.obj"/></geometry>{colour}</visual>' for name, colour in [
@@ -185,12 +162,16 @@ def test_a_file_s_own_colours_come_before_the_description_s_placeholder(tmp_path
 def test_whatever_ails_one_mesh_the_others_are_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("good", "bad"):
         trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / f"{name}.stl")
+    (tmp_path / "torn.stl").write_text("no mesh at all")
+    with pytest.raises(DescriptionError, match="cannot read mesh"):
+        load_parts(tmp_path / "torn.stl")
     mesh = '<visual><geometry><mesh filename="{}.stl"/></geometry></visual>'
-    arm = arm_of(tmp_path, mesh.format("bad") + mesh.format("good"), mesh.format("bad"))
-    monkeypatch.setattr(links, "read_mesh", lambda path: read_mesh(path) if path.stem == "good" else 1 / 0)
+    arm = arm_of(tmp_path, mesh.format("bad") + mesh.format("good"), mesh.format("bad") + mesh.format("torn"))
+    monkeypatch.setattr(links, "read_mesh", lambda path: 1 / 0 if path.stem == "bad" else read_mesh(path))
     scene = Drawing(arm).whole()
-    assert (scene.left, len(scene.notes)) == (0, 1)
+    assert (scene.left, len(scene.notes)) == (0, 2)
     assert "bad.stl: division by zero" in scene.notes[0]
+    assert re.search(r"cannot read mesh torn\.stl: .*; export it as STL, OBJ, DAE, PLY or GLB", scene.notes[1])
     drawn = drawn_by(scene)
     assert "/arm/link:base/visual1/part0" in drawn
     assert not any("visual0" in path for path in drawn)

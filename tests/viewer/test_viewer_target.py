@@ -84,13 +84,6 @@ def test_what_can_be_no_answer_is_refused_and_changes_nothing(spoilt: dict[str, 
     assert said(stage, "target")["given"] is None
 
 
-def test_while_a_servo_drives_there_is_no_target() -> None:
-    stage = Stage(ROVER)
-    stage.take_commands()
-    with pytest.raises(InputError, match="a servo drives rover_arm"):
-        ask(stage, "target", stage=stage.number, **SOLVED)
-
-
 def test_tolerances_hold_until_others_are_chosen() -> None:
     stage = Stage(ROVER)
     for tolerance, kept in ((0.5, {"position_tol": 0.5}), (0.0, {})):
