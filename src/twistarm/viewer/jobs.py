@@ -1,4 +1,4 @@
-"""What follows from the state on show: at once and kept (`Memo`), or by long work in a thread (`Job`)."""
+"""Results of the state on show: computed at once and kept (`Memo`), or by a thread (`Job`)."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ FIELDS = {
 
 
 def page_words(message: str) -> str:
-    """A message in the words of the page: degrees, its fields instead of arguments, and what its reader can do."""
+    """A message in degrees, with the page's fields for arguments and the remedies that a page offers."""
     text: str = rendered(message, _written, FIELDS.__contains__)
     return text
 

@@ -1,4 +1,4 @@
-"""The saved page: a snapshot of what is on show, one HTML file that plays it offline, and its frame in a notebook."""
+"""The saved page: a snapshot of the view, an HTML file that plays it offline, a frame in a notebook."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ LIVE = ("collision", "colliding", "controls")  # Messages that hold only while a
 
 @dataclass(frozen=True)
 class SceneSnapshot:
-    """What the pages of `arm` are told: `hello`, the messages by type and node, the drawing, and the motion on show."""
+    """The state of the pages of `arm`: `hello`, messages by type and node, drawing, motion."""
 
     arm: Arm
     drawing: Drawing
@@ -51,7 +51,7 @@ class SceneSnapshot:
         return replace(self, messages={**self.messages, **{message["type"]: message for message in messages}})
 
     def playing(self, trajectory: Trajectory) -> SceneSnapshot:
-        """A copy with `trajectory` and its path, playing from the start as soon as somebody looks.
+        """A copy with `trajectory` and its path, which plays from the start when the page opens.
 
         Raises InputError for another arm's trajectory.
         """
@@ -66,7 +66,7 @@ class SceneSnapshot:
         return replace(self.with_messages(*moved), motion=trajectory)
 
     def data(self, zipped: bool = True) -> dict[str, Any]:
-        """The data for process.js: what a page is told, the motion's samples, and a note about the servo's limits.
+        """The data for process.js: messages, samples of the motion, and a note about the servo's limits.
 
         It may run in any thread, because it does not touch the stage. It reads remaining meshes and runs the doctor if
         needed.
@@ -94,7 +94,7 @@ def of_arm(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | No
 
 
 def on_show(stage: Stage, drawing: Drawing) -> SceneSnapshot:
-    """What the pages of a live view are told now, and the loaded motion.
+    """The present state of a live view's pages, and the loaded motion.
 
     Call it in the stage's thread.
     """
@@ -187,8 +187,8 @@ def save_html(
     The page draws the tool's path. It contains Meshcat's code and the meshes, and its policy lets it load nothing.
     Writing it needs no server and no browser. The file is written whole or not at all.
 
-    Returns the path. Raises InputError for a trajectory of another arm, a theta that does not fit or a file that cannot
-    be written, and MissingExtraError without Meshcat.
+    Returns the path. Raises InputError for a trajectory of another arm, a theta that does not fit, or an unwritable
+    file. Raises MissingExtraError without Meshcat.
 
     Args:
         arm: The arm.
@@ -208,7 +208,7 @@ def page_html(arm: Arm, theta: ArrayLike | None = None, *, trajectory: Trajector
 def stand_alone(snapshot: SceneSnapshot, zipped: bool = True) -> str:
     """index.html with its style, its scripts, the core and what is shown inlined.
 
-    Where it is not `zipped`, the page stands at once: a headless browser that draws it waits for no other thread.
+    Without `zipped` the page is complete at once. A headless browser that draws it waits for no other thread.
     """
     meshcat = f"<script>{_inline(meshcat_bundle())}</script>"
     core = f'<script type="text/plain" id="core">{packed_core(zipped)}</script>'

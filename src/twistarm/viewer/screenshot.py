@@ -166,15 +166,15 @@ def save_png(
     Chromium, Chrome or Edge must be installed. It draws the 3D view of the `save_html` page without a GPU, with a
     temporary profile. The file is written whole or not at all.
 
-    Returns the path. Raises InputError for a size, theta or path that cannot be used, MissingExtraError without
-    Meshcat, TwistarmError without a browser or if it does not draw.
+    Returns the path. Raises InputError for a size, theta or path that cannot be used. Raises MissingExtraError without
+    Meshcat, and TwistarmError without a browser or if it does not draw.
 
     Args:
         arm: The arm.
         path: The file to write, which ends in .png.
         theta: The configuration to show (n,) [rad, m]. By default the trajectory's start, else the ready pose.
         size: (width, height) [pixels].
-        trajectory: A motion whose tool path is drawn, or None.
+        trajectory: A motion, to draw the path of its tool, or None.
     """
     start = trajectory(0.0) if trajectory is not None and theta is None else theta
     return write_picture(path, size, lambda: of_arm(arm, trajectory, start))

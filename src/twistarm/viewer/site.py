@@ -1,4 +1,4 @@
-"""A site of arms for any web server: an index with a picture of each, and a page for each to move it."""
+"""A site of arms for any web server: an index with pictures, and a page to move each arm."""
 
 from __future__ import annotations
 
@@ -48,11 +48,11 @@ SAMPLES = 20_000  # Random configurations; in the best of them the tool is as fa
 
 
 def save_site(arms: Iterable[Arm], folder: str | os.PathLike[str]) -> Path:
-    """Write a static site that shows `arms`: index.html, and a page for each that opens without a server.
+    """Write a static site of `arms`: index.html, and a page for each that opens without a server.
 
     Links are relative, and all pages share their scripts. An installed browser draws the pictures; without one, the
-    index has line drawings. The site is written whole or not at all. Files of the same names are replaced, pages of
-    arms that an older site had are removed, and other files in the folder stay.
+    index has line drawings. The site is written whole or not at all. It replaces files of the same names, and
+    removes the pages of an older site. Other files in the folder stay.
 
     Returns the path of index.html. Raises InputError for no arms or a folder that cannot be written, and
     MissingExtraError without Meshcat.
@@ -65,7 +65,7 @@ def save_site(arms: Iterable[Arm], folder: str | os.PathLike[str]) -> Path:
 
 
 def write_site(folder: str | os.PathLike[str], files: Mapping[str, str | bytes]) -> Path:
-    """Write the files of a site, then remove the pages of arms that only the site before it had."""
+    """Write the files of a site, then remove the pages that only the site before it had."""
     target = writable(folder, folder=True)
     before = _pages(target)
     written = write_folder(target, files)
@@ -118,7 +118,7 @@ def site_of(
 
 
 def _distinction(arm: Arm, number: int, arms: list[Arm]) -> str:
-    """What tells the arm, the one of that number, from others of its name: its file, or else the number."""
+    """A mark for an arm that shares its name with others: its file, or else its number."""
 
     def name_of(other: Arm) -> str:
         path = other.description and other.description.path
@@ -131,7 +131,7 @@ def _distinction(arm: Arm, number: int, arms: list[Arm]) -> str:
 
 
 def _pages(folder: Path) -> list[Path]:
-    """The pages, pictures and meshes of the site in `folder`, by its index; none where the index is not ours."""
+    """The pages, pictures and meshes of the site in `folder`, by its index. None if another tool wrote it."""
     index = folder / "index.html"
     text = index.read_text("utf-8", "replace") if index.is_file() else ""
     if MARK not in text:

@@ -1,4 +1,4 @@
-"""The state on show: an arm at a configuration, its trajectory, the layers, and their transfer to another arm."""
+"""The state on show: an arm, its configuration, trajectory and layers, and the transfer to another."""
 
 from __future__ import annotations
 
@@ -136,8 +136,8 @@ class Stage(Show):
         """Take over the state of another arm's stage. Returns the changes and omissions in words.
 
         Joints keep their values by name, or their limits; new ones take the ready pose. Layers, controls, drawings and
-        obstacles stay. Poses and the motion stay if the joints have the same names and it is inside the limits, and a
-        map if the arm is the same.
+        obstacles stay. Poses and the motion stay if the joints have the same names and the limits hold. A map stays if
+        the arm is the same.
         """
         self.visible, self.needed, self.tolerances = old.visible, old.needed, old.tolerances
         self.drawings = old.drawings
@@ -174,7 +174,7 @@ class Stage(Show):
             yield f"moved to the nearer limit: {listed(moved, 6)}"
 
     def _fits(self, motion: Trajectory) -> bool:
-        """Whether a motion has this arm's joints and keeps to its limits, from a start that may be beyond them."""
+        """Whether a motion has this arm's joints and limits. Its start may be beyond the limits."""
         if motion.joint_names == self.arm.joint_names:
             with suppress(LimitError):
                 require_within(motion, returning(self.arm.limits, motion(0.0), self.arm.units))
@@ -236,7 +236,7 @@ def _go_anywhere(show: Show, now: float, ease: bool) -> None:
 
 
 def _move_joint(show: Show, now: float, name: str, value: float) -> None:
-    """Move a joint of the arm, or one beside it such as a gripper's, which is free while a servo drives the arm."""
+    """Move a joint of the arm, or one beside it such as a gripper's. A servo leaves those free."""
     arm = show.arm
     if name in show.extra_joints:
         joint = show.extra_joints[name]

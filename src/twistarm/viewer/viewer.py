@@ -280,7 +280,7 @@ class Viewer(Closeable):
     ) -> Control[float]:
         """Show a slider on the pages, in place of a control of the same name.
 
-        Returns the control, whose `value` Python can read and set. Callbacks run one after the other in a thread, and
+        Returns the control. Python can read and set its `value`. Callbacks run one after the other in a thread, and
         may call every method of the view. If one is slow, the next call skips values. An error in one is shown as one
         line on the pages and in the terminal. Controls stay when another arm is loaded. Saved pages leave them out.
 

@@ -1,4 +1,4 @@
-"""An arm for the pages: its joints, poses and findings, checks of what is to be shown, and its tool's path."""
+"""An arm for the pages: joints, poses, findings, the tool's path, and checks of what to show."""
 
 from __future__ import annotations
 
@@ -183,7 +183,7 @@ def doctor_findings(arm: Arm) -> Message:
 
 
 def node_of(arm: Arm, place: Place) -> str | None:
-    """The node of the link or joint at `place`: a screw for a joint of the chain, else a link."""
+    """The node of the link or joint at `place`. A joint of the chain has its screw, any other its link."""
     name = place.name
     joints, links = ({}, {}) if arm.description is None else (arm.description.joints, arm.description.links)
     if place.element == "link" and name in links:

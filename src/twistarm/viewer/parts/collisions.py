@@ -32,7 +32,10 @@ NOWHERE: Message = {"type": "collision", "ready": False, "links": [], "words": [
 
 
 class Collisions(Part):
-    """Checks what is on show with a scene: the program's, or one that is made when its layer is first switched on."""
+    """Checks what is on show with a scene.
+
+    The scene is the program's. Without one, the layer makes it when a page first switches it on.
+    """
 
     def __init__(self, scene: Scene | None, solutions: Solutions) -> None:
         self.scene, self._solutions = scene, solutions
@@ -151,7 +154,7 @@ def _in_collision(scene: Scene | None, theta: Array, near: bool, *bodies: Body) 
 def _colliding(
     scene: Scene | None, poses: Sequence[RecordedPose], theta: Array | None, band: list[list[float]], *bodies: Body
 ) -> Message:
-    """The ids of recorded poses, the places of configurations (k, n), and the parts of the motion that collide."""
+    """What collides: ids of recorded poses, places of configurations (k, n), parts of the motion."""
     message: Message = {"type": "colliding", "poses": [], "solutions": [], "band": band}
     if scene is not None:
         message["poses"] = [pose.id for pose in poses if scene.collides(pose.theta)]
@@ -161,7 +164,7 @@ def _colliding(
 
 
 def drawing(body: Body) -> dict[str, Any]:
-    """A body as the page draws it: kind, size, the node of its link, its matrix there, and packed triangles."""
+    """A body for the page: kind, size, the node of its link, its matrix there, packed triangles."""
     outlined = outline(body.shape)
     if outlined["kind"] == "points":
         outlined |= _quantised(outlined["points"], body.size[0])

@@ -1,4 +1,4 @@
-"""What a program adds to the pages: drawings in the scene, and sliders, buttons and lines of text in the panel."""
+"""Additions of a program: drawings in the scene; sliders, buttons and lines of text in the panel."""
 
 from __future__ import annotations
 

@@ -79,7 +79,7 @@ def _loaded(show: Show, doing: str) -> Playback:
 
 
 def plots(arm: Arm, trajectory: Trajectory | None) -> Message:
-    """Times [s], the values of each joint for each derivative [rad, m, per s, s²], and the plotted joints.
+    """Times [s], the plotted joints, and the values of each for each derivative [rad, m, per s, s²].
 
     The limits are those of the motion, or the arm's. Infinite or missing values give no plot.
     """

@@ -1,4 +1,4 @@
-"""The list of recorded poses, each with a unique number, a unique name, and theta; undo and redo of its changes."""
+"""The list of recorded poses, with undo and redo. Each has a unique number, a unique name, and theta."""
 
 from __future__ import annotations
 

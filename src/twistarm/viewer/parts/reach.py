@@ -46,15 +46,16 @@ class Reach(Part):
 
 
 def quick(arm: Arm, progress: Progress) -> Message:
-    """A map by random configurations, made in a second or two, as it is drawn."""
+    """A map by random configurations, for drawing. It takes a second or two."""
     voxel = float(f"{max(sphere(arm)[1] / ACROSS, 1e-6):.1g}")
     return drawing(reach_map(arm, voxel, 26, method="fk", workers=1, progress=progress))
 
 
 def drawing(m: ReachMap) -> Message:
-    """A map as pages draw it: `shares` of its cubes, and its surface by `points`, `faces` and `values` at the points.
+    """A map for the pages: the `shares` of its cubes, and its surface.
 
-    Shares and values are 0 for nothing to 255 for `best`. The cube of index i (3,) has its centre at first + i voxel.
+    The surface has `points`, `faces`, and `values` at the points. Shares and values are 0 for nothing to 255 for
+    `best`. The cube of index i (3,) has its centre at first + i voxel.
     """
     step = -(-max(m.grid.shape) // MOST_CUBES)
     padded = np.pad(m.counts, [(0, -size % step) for size in m.grid.shape])
@@ -75,8 +76,9 @@ def drawing(m: ReachMap) -> Message:
 def hull(values: Array) -> tuple[Array, NDArray[np.int64], Array]:
     """The closed surface of the cubes (nx, ny, nz) above 0, smoothed.
 
-    Returns vertices (V, 3) in sides of a cube from the centre of the first, triangles (F, 3) that are counterclockwise
-    seen from outside, and for each vertex (V,) the mean value of the cubes behind it.
+    Returns vertices (V, 3), triangles (F, 3) and values (V,). The unit of vertices is the side of a cube, and their
+    origin the centre of the first. Triangles are counterclockwise seen from outside. A value is the mean of the cubes
+    behind the vertex.
     """
     padded = np.pad(values, 1)
     corners, behind = [np.empty((0, 4, 3), dtype=np.int64)], [np.empty(0)]

@@ -1,4 +1,4 @@
-"""The arm on show: where it stands and moves, and the interface of its parts, such as target and player."""
+"""The arm on show: its configuration and motion, and the interface of parts such as the player."""
 
 from __future__ import annotations
 
@@ -157,7 +157,7 @@ class Show:
 
     @property
     def rates(self) -> list[float] | None:
-        """The joint rates (n,) [rad/s, m/s] of the motion at this moment; None where the arm is not on it."""
+        """The joint rates (n,) [rad/s, m/s] of the motion now. None while the arm is not on it."""
         at = self.playback
         return None if at is None else self._rates(at, at.time, self.running, self.theta)
 

@@ -32,7 +32,7 @@ class Theory(Part):
 
 
 def axes(arm: Arm) -> dict[str, Any]:
-    """Each moving joint's axis: its node, the arrow's tip in it [m], its pitch [m/rad], null for inf.
+    """The axis of each moving joint: node, tip of its arrow [m], pitch [m/rad] or null for inf.
 
     A joint carries its screw, so both are constant: Ad_g keeps the pitch (MLS §2.4.2). The drawing scales are `linear`
     [m] for 1 m/s and `angular` [m] for 1 rad/s. A slide's rate is divided by `length` [m]. Singular values

@@ -32,8 +32,8 @@ class Drawing:
 
     A second arm `beside` is drawn below its node.
 
-    An unreadable mesh is reported. A frame and simple shapes replace it: the link's collision shapes, or capsules from
-    its origin to the joints that it carries. An arm without a description is drawn as rods between points of its axes.
+    An unreadable mesh is reported. A frame and simple shapes replace it. These are the link's collision shapes, or
+    capsules from its origin to its joints. An arm without a description is drawn as rods between points of its axes.
     """
 
     def __init__(self, arm: Arm, exact: bool = False, read: Read | None = None, beside: Arm | None = None) -> None:
@@ -96,7 +96,7 @@ class Drawing:
                 return restarted or piece is not None
 
     def _add(self, piece: MeshDrawing) -> None:
-        """Draw a mesh in place of its last drawing, which is better than nothing where the mesh cannot be read."""
+        """Replace the last drawing of a mesh. It stays if the mesh cannot be read."""
         self.left -= 1
         self.simplified = self.simplified or not piece.exact
         if piece.note and piece.note not in self.notes:

@@ -1,4 +1,4 @@
-"""The numbers of an arm for the core in the page: core.js hands them to core/wasm/module.cpp in this order."""
+"""The numbers of an arm for the core in the page, in the order of core/wasm/module.cpp."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ MOST_SOLVED = 7  # Joints. A position leaves all but three of them free, and eac
 
 @lru_cache(maxsize=2)
 def core_numbers(arm: Arm) -> dict[str, Any] | None:
-    """What the core in the page takes, packed float64: the `arm`, its `servo` with the usual limits, its `forms`.
+    """Input of the core in the page, packed float64: the `arm`, its `servo` and its `forms`.
 
-    `forms` has the closed form for each kind of target that has one. `rows` names the rows of the servo's limits,
-    `causes` are its reasons [name, status, words], and `reasons` those of a solver, {name: words}, both in the core's
-    order. None for an arm that the core does not hold.
+    The servo has the usual limits. `forms` has the closed form for each kind of target that has one. `rows` names the
+    rows of the servo's limits. `causes` are its reasons [name, status, words]. `reasons` are those of a solver,
+    {name: words}. Both are in the core's order. None for an arm that the core does not hold.
     """
     if max(arm.coupling.A.shape) > MOST_JOINTS:
         return None

@@ -1,4 +1,4 @@
-"""Servo commands of the pages, and Drive: a servo on simulated joints inside the view that a switch begins and ends."""
+"""Servo commands of the pages, and Drive: a switch for a servo on simulated joints in the view."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ Post = Callable[[str, Callable[[Stage], None]], None]  # Applies a change of the
 def servo_words(answer: Cycle | ServoOutput) -> dict[str, Any]:
     """The answer of a servo or its loop in words.
 
-    {"status": status of a ServoOutput or null, "joint": name or null, "reason": text, "share": executed share of the
-    command from 0 to 1, or null}.
+    The message has `status` of a ServoOutput or null, `joint` by name or null, and `reason` as text. `share` is the
+    executed share of the command from 0 to 1, or null.
     """
     output, moving = answer, True
     if not isinstance(output, ServoOutput):

@@ -1,4 +1,4 @@
-"""Handlers of the web server: who is admitted, the page's files, downloads, and a socket for each page."""
+"""Handlers of the web server: admission, the page's files, downloads, and a socket for each page."""
 
 from __future__ import annotations
 

@@ -205,7 +205,7 @@ class Server:
         return words
 
     async def _examine_in_calm(self) -> None:
-        """Have the doctor examine the arm after CALM_TIME [s] of calm, so as not to delay page loads and servos."""
+        """Have the doctor examine the arm after CALM_TIME [s] of calm. So page loads and servos are not delayed."""
         stage, calm = self.stage, 0
         while calm < 2:
             calm = calm + 1 if self.clients and not stage.driven and not self.drawing.left else 0
