@@ -42,11 +42,11 @@ def almost_exact(screws: Array, home: Array, joints: Sequence[str], reach: float
         both = bool(turning[i] and turning[j])
         names = f"{joints[i]}–{joints[j]}"
         near = _pair(axes[i], axes[j], points[j] - points[i] if both else None, reach)
-        found += [Near(names, *one) for one in near]
+        found += [Near(names, *pair) for pair in near]
     first, last = _among(axes[0], np.eye(3), reach), _among(axes[-1], home[:3, :3].T, reach)
     found += _wrist(joints, axes, points, turning)
-    found += [Near(f"base–{joints[0]}", *one) for one in first]
-    return found + [Near(f"{joints[-1]}–tool", *one) for one in last]
+    found += [Near(f"base–{joints[0]}", *pair) for pair in first]
+    return found + [Near(f"{joints[-1]}–tool", *pair) for pair in last]
 
 
 def _among(axis: Array, frame: Array, reach: float) -> list[tuple[str, float]]:
@@ -54,7 +54,7 @@ def _among(axis: Array, frame: Array, reach: float) -> list[tuple[str, float]]:
     along = int(np.abs(frame @ axis).argmax())
     if np.linalg.norm(np.cross(axis, frame[along])) < ALMOST_ANGLE:
         return [*_pair(axis, frame[along], None, reach)]
-    return [one for other in frame for one in _pair(axis, other, None, reach)]
+    return [pair for other in frame for pair in _pair(axis, other, None, reach)]
 
 
 def _pair(a: Array, b: Array, offset: Array | None, reach: float) -> Iterator[tuple[str, float]]:

@@ -61,7 +61,7 @@ class Cloud:
             time.sleep(0.0)
             tile = coal.makeOctree(self.centres[rows], voxel)
             inner = _groups(_numbered(cells[rows] // PART))
-            tile.parts = [coal.makeOctree(self.centres[rows[each]], voxel) for each in inner]
+            tile.parts = [coal.makeOctree(self.centres[rows[cells]], voxel) for cells in inner]
             for part in tile.parts:
                 part.computeLocalAABB()
             self.tiles.append(tile)  # its parts go where it goes

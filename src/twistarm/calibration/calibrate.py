@@ -26,10 +26,10 @@ FOLDS = 5
 # How far joints are out as a rule [m, rad, 1]: what the fit knows before the log.
 USUAL = {"zero": 0.2, "shift": 0.002, "tilt": 0.01, "scale": 0.1}
 # A base that moved lowers the squares by more than so many times what six more parameters do by chance.
-MOVED = 6.0
+BASE_GAIN = 6.0
 # An axis that would tilt by more [rad], or move by more reaches, is no matter of tolerances.
 FAR_TILT, FAR_SHIFT = 0.2, 0.1
-TURNED = 0.2  # Orientations that are out by more [rad] are written in another way.
+OTHER_CONVENTION = 0.2  # Orientations that are out by more [rad] are written in another convention.
 LEAST_PART = 6  # Rows on each side of the moment when a base moved.
 
 
@@ -92,14 +92,14 @@ def calibrate(
     eye = _camera(log, camera, tag_size, as_positive(corner_noise, "corner_noise"))
     geometry = Geometry(arm, np.eye(4), np.eye(4), as_flag(scales, "scales"))
     noise = as_positive(position_noise, "position_noise"), as_positive(orientation_noise, "orientation_noise")
-    known, apart = _distances(distances, log), as_positive(distance_noise, "distance_noise")
+    known = _distances(distances, log), as_positive(distance_noise, "distance_noise")
     if eye is not None:
         if "held" in (base, tool) or distances:
             raise InputError("a camera's log shows base and tool as camera and tag: fit both, without distances")
         refuse_unusable_views(log, arm)
         noise, log = (eye.noise * float(np.median(log.tvec[:, 2])), noise[1]), eye.log(log)
-    usual = [0.0] * 12 + [1.0 / USUAL[each.what.split()[0]] for each in geometry.parameters[12:]]
-    problem, start = Problem(geometry, log, noise, np.array(usual), known, apart, camera=eye).placed()
+    usual = [0.0] * 12 + [1.0 / USUAL[parameter.what.split()[0]] for parameter in geometry.parameters[12:]]
+    problem, start = Problem(geometry, log, noise, np.array(usual), *known, camera=eye).placed()
     # Without a measured frame the base may not move, and only poses show how a tool is turned.
     fitted = np.ones(len(start), dtype=bool)
     fitted[:6] = base == "fit" and bool(log.located.any())
@@ -128,7 +128,7 @@ def _read(arm: Arm, measurements: Log | Sequence[Log]) -> Measurements:
     several = [measurements] if isinstance(measurements, (Measurements, str, os.PathLike)) else measurements
     if not isinstance(several, (list, tuple)) or not several:
         raise InputError(f"measurements must be a log, or a sequence of one log or more; got {quote(measurements)}")
-    parts = [each if isinstance(each, Measurements) else read_measurements(each, arm) for each in several]
+    parts = [log if isinstance(log, Measurements) else read_measurements(log, arm) for log in several]
     for part in parts:
         as_theta(part.theta, arm.n, "theta", arm.joint_names)
     return joined(parts)
@@ -223,8 +223,8 @@ def faults_of(problem: Problem, q: Array, first: Array) -> tuple[str, ...]:
     arm, still = problem.geometry.arm, still_joints(problem)
     if still and problem.camera is None:
         return (f"{listed(still)} hardly moves: the fit holds near one value only; move it by more than 15° or 50 mm",)
-    turned = np.linalg.norm(problem.misses(q)[problem.measured[:, 3], 3:], axis=1)
-    if problem.camera is None and turned.size and np.median(turned) > TURNED:
+    angles = np.linalg.norm(problem.misses(q)[problem.measured[:, 3], 3:], axis=1)
+    if problem.camera is None and angles.size and np.median(angles) > OTHER_CONVENTION:
         return ("the orientations do not fit: are they qx, qy, qz, qw in this order, of the tool in device axes?",)
     # Before a camera wrong zeros alone turn the tag enough to look like a base that moved.
     moved = _moved_base(problem, q) or (() if problem.camera else _moved_base(problem, first))
@@ -266,7 +266,7 @@ def _moved_base(problem: Problem, q: Array) -> tuple[str, ...]:
     best = int(np.argmax(gains))
     # What is left is at least the noise: less than that shows nothing.
     left = max((float(r @ r) - float(gains[best])) / len(r), 1.0)
-    if gains[best] / 12 < MOVED * left or gains[best] < 0.3 * (r @ r):
+    if gains[best] / 12 < BASE_GAIN * left or gains[best] < 0.3 * (r @ r):
         return ()
     near = problem.log.label[at[cuts[best]]]
     moved = "the base or the tracker" if problem.camera is None else "the camera or the tag"

@@ -56,8 +56,8 @@ class Estimate(NamedTuple):
         """In words, in mm and degrees: "axis 0.81 mm toward its x ± 0.05 mm"."""
         unit, (kind, _, axis) = self.parameter.unit, self.parameter.what.partition(" ")
         value, std = amount(self.value, unit), amount(self.std, unit)
-        said = {"shift": f"axis {value} toward its {axis}", "tilt": f"axis tilted {value} about its {axis}"}
-        return f"{said.get(kind, f'{self.parameter.what} {value}')} ± {std}"
+        motions = {"shift": f"axis {value} toward its {axis}", "tilt": f"axis tilted {value} about its {axis}"}
+        return f"{motions.get(kind, f'{self.parameter.what} {value}')} ± {std}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -217,16 +217,16 @@ class Calibration:
 
     def changes(self) -> tuple[str, ...]:
         """The corrections of each joint in words, in mm and degrees: "elbow: axis 0.81 mm toward its x ± …"."""
-        said: dict[str, list[str]] = {}
+        corrections: dict[str, list[str]] = {}
         for estimate in self.estimates:
             if estimate.seen and estimate.of_joint:
-                said.setdefault(estimate.parameter.owner, []).append(str(estimate))
-        return tuple(f"{owner}: {', '.join(parts)}" for owner, parts in said.items())
+                corrections.setdefault(estimate.parameter.owner, []).append(str(estimate))
+        return tuple(f"{owner}: {', '.join(parts)}" for owner, parts in corrections.items())
 
     @property
     def zeros(self) -> Array:
         """What is added to each commanded joint (n,) [rad, m]: 0 where the log does not show it."""
-        return np.array([one.value for one in self.estimates if one.parameter.what == "zero"])
+        return np.array([estimate.value for estimate in self.estimates if estimate.parameter.what == "zero"])
 
     def motor_offsets(self) -> Mapping[str, float]:
         """The `offset` of each motor for arm.toml that corrects the joints' zeros: o − G z [rad, m].
@@ -255,13 +255,13 @@ class Calibration:
         J, C, chosen = self._slopes(theta)[:, :3] / self.problem.noise[0], self._spread, list[int]()
         if camera is not None:
             J = camera.image(geometry.poses(self._p, theta))[1] @ self._slopes(theta) / camera.noise
-        one = np.eye(J.shape[1])
+        identity = np.eye(J.shape[1])
         for _ in range(min(count, len(theta))):
-            gain = np.linalg.slogdet(one + J @ C @ np.swapaxes(J, 1, 2))[1]
+            gain = np.linalg.slogdet(identity + J @ C @ np.swapaxes(J, 1, 2))[1]
             gain[chosen] = -np.inf
             chosen.append(int(gain.argmax()))
             CJ = C @ J[chosen[-1]].T
-            C = C - CJ @ np.linalg.solve(one + J[chosen[-1]] @ CJ, CJ.T)
+            C = C - CJ @ np.linalg.solve(identity + J[chosen[-1]] @ CJ, CJ.T)
         return np.asarray(theta[chosen])
 
     @cached_property

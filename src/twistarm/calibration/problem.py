@@ -82,7 +82,7 @@ class Problem:
     @cached_property
     def place(self) -> Rows:
         """The place (K,) of each row, as its number in `places`; −1 for a position."""
-        return np.array([self.places.index(each) if any(each) else -1 for each in self.log.place])
+        return np.array([self.places.index(place) if any(place) else -1 for place in self.log.place])
 
     @cached_property
     def sigma(self) -> Array:
@@ -162,9 +162,9 @@ class Problem:
         geometry, P, r, J = self.geometry, self.P, [np.empty(0)], [np.empty((0, len(q)))]
         for pair, length in self.distances.items():
             a, b = (P + 3 * self.places.index(("point", name)) for name in pair)
-            apart, slope = q[a : a + 3] - q[b : b + 3], np.zeros((1, len(q)))
-            far = float(np.linalg.norm(apart))
-            slope[0, a : a + 3] = apart / max(far, 1e-9) / self.distance_noise
+            difference, slope = q[a : a + 3] - q[b : b + 3], np.zeros((1, len(q)))
+            far = float(np.linalg.norm(difference))
+            slope[0, a : a + 3] = difference / max(far, 1e-9) / self.distance_noise
             slope[0, b : b + 3] = -slope[0, a : a + 3]
             r.append(np.array([(far - length) / self.distance_noise]))
             J.append(slope)

@@ -145,7 +145,7 @@ class Wiring:
         """The unknowns (Q,) that an explanation fits."""
         fitted = [KINDS[kind] for kind in one.kinds]
         base = np.repeat(np.array(self.elsewhere if one.elsewhere else self.base) > 0.0, 3)
-        return np.r_[base, np.zeros(6, dtype=bool), [each.zero for each in fitted], [each.scale for each in fitted]]
+        return np.r_[base, np.zeros(6, dtype=bool), [kind.zero for kind in fitted], [kind.scale for kind in fitted]]
 
     def fit(self, near: Explanation, **changes: Any) -> Explanation:
         """The explanation with these changes, fitted from the unknowns near it."""
@@ -242,7 +242,7 @@ def explained(wiring: Wiring) -> tuple[Found, list[Explanation]]:
                 found = other
             else:
                 rivals = [other.best]
-    as_good = [one for one in found.others if one.claims <= found.best.claims and found.as_good(one)]
+    as_good = [rival for rival in found.others if rival.claims <= found.best.claims and found.as_good(rival)]
     return found, [*as_good, *rivals]
 
 
@@ -291,7 +291,7 @@ def _climbed(wiring: Wiring, one: Explanation, most: float = MOST_CLAIMS) -> Fou
             if claims <= allowed and (claims <= best.claims or least < found.cost(best)):
                 others.append(fit())
                 best = min([best, others[-1]], key=found.cost)
-        found = Found(one, tuple(others), wiring.scale(min(each.total for each in (loose, one, *others))))
+        found = Found(one, tuple(others), wiring.scale(min(hypothesis.total for hypothesis in (loose, one, *others))))
         best = min([one, *others], key=found.cost)
         if found.cost(best) > found.cost(one) - 1e-6:
             return found

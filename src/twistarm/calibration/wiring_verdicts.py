@@ -191,10 +191,10 @@ def _verdicts(evidence: Evidence, loud: Array) -> tuple[str, str, list[MotorVerd
     if not evidence.wiring.explains(evidence.found.best):
         worst = int(loud.argmax())
         odd = loud[worst] > LOUD * max(1.0, float(np.median(loud)))
-        said = f"row {worst + 1} fits least: measure it again, or leave it out" if odd else "check --position-noise"
-        return "unexplained", f"no sign, ratio or zero of single motors explains the log; {said}", each
+        remedy = f"row {worst + 1} fits least: measure it again, or leave it out" if odd else "check --position-noise"
+        return "unexplained", f"no sign, ratio or zero of single motors explains the log; {remedy}", each
     each = list(map(evidence.verdict, motors))
-    named = {found: [one.name for one in each if one.verdict == found] for found in VERDICTS}
+    named = {found: [motor.name for motor in each if motor.verdict == found] for found in VERDICTS}
     named["possible fault"] += ["the base"] * evidence.of_base
     gravest = next((found for found in VERDICTS if named[found]), "sound").removeprefix("possible ")
     what = "; ".join(f"{found}: {', '.join(names)}" for found, names in named.items() if names)
@@ -242,21 +242,23 @@ class Evidence:
     @cached_property
     def doubts(self) -> list[Explanation]:
         """The rivals that lack a fault of some motor."""
-        return [one for one in self.rivals if any(self.doubted(i, one) for i in range(self.wiring.k))]
+        return [rival for rival in self.rivals if any(self.doubted(i, rival) for i in range(self.wiring.k))]
 
     def blaming(self, i: int) -> list[Explanation]:
         """Those of them that blame motor i for more than the best explanation does."""
-        return [one for one in self.doubts if set(self.named(one, i)) - set(self.faults[i])]
+        return [rival for rival in self.doubts if set(self.named(rival, i)) - set(self.faults[i])]
 
     @cached_property
     def possible(self) -> list[int]:
         """The motors of which the log does not show whose fault it is."""
-        return [i for i in range(self.wiring.k) if self.blaming(i) or any(self.doubted(i, one) for one in self.doubts)]
+        return [
+            i for i in range(self.wiring.k) if self.blaming(i) or any(self.doubted(i, rival) for rival in self.doubts)
+        ]
 
     @property
     def of_base(self) -> bool:
         """Whether a base that stands elsewhere explains a fault as well."""
-        return any(one.elsewhere for one in self.doubts)
+        return any(rival.elsewhere for rival in self.doubts)
 
     @cached_property
     def std(self) -> Array:
@@ -319,21 +321,21 @@ class Evidence:
         stds = float(self.std[k + i]), float(self.std[i])
         motor = MotorVerdict(motors.names[i], "sound", self.named(one, i), unseen, s, stds[0], e, stds[1], joints)
         partners = listed(motors.names[j] for j in one.swap if j != i)
-        said = [f"{fault} with {partners}" if fault == "swapped" else fault for fault in motor.faults]
+        named = [f"{fault} with {partners}" if fault == "swapped" else fault for fault in motor.faults]
         hidden = [f"the log does not show: {', '.join(unseen)}"] if unseen else []
         if i in self.possible:
             others = [f"a fault of {motors.names[j]!r}" for j in self.possible if j != i]
-            what = ", or ".join([*said, *others, *["the base's place"] * self.of_base])
+            what = ", or ".join([*named, *others, *["the base's place"] * self.of_base])
             remedy = BASE_KNOWN if self.of_base else self.advice(i)
             return replace(motor, verdict="possible fault", what=what, remedy=remedy)
         ratio = {joint: float(g / s) for joint, g in zip(motors.joint_names, motors.G[i], strict=True) if g}
         motor = replace(motor, ratio=ratio, zero=float(motors.offset[i] - e / s))
-        if said:
+        if named:
             entries = ", ".join(f"{joint} = {value:.7g}" for joint, value in ratio.items())
             entries = f"as wired, [actuators.{motor.name}] has ratio = {{ {entries} }}, offset = {motor.zero:.7g}"
             plugs = "swap their plugs, or their names in the arm.toml"
             remedies = [*[plugs] * (i in one.swap), *[entries] * (self.faults[i] != ("swapped",))]
-            return replace(motor, verdict="fault", what="; ".join([*said, *hidden]), remedy="; ".join(remedies))
+            return replace(motor, verdict="fault", what="; ".join([*named, *hidden]), remedy="; ".join(remedies))
         if unseen:
             of_base = unseen == ("zero",) and bool(one.q[:6].any())
             remedy = BASE_KNOWN if of_base else self.advice(i)

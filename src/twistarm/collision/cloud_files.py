@@ -63,7 +63,7 @@ def _text(data: bytes) -> Array:
 
     Commas beside semicolons are decimal points.
     """
-    text, places, factors = data.decode("utf-8-sig"), [0, 1, 2], np.ones(3)
+    text, places, factors = data.decode("utf-8-sig"), [0, 1, 2], [1.0, 1.0, 1.0]
     first = text.partition("\n")[0]
     rows = (text.replace(",", ".").replace(";", " ") if ";" in text else text.replace(",", " ")).splitlines()
     if rows and not re.match(r"\s*([-+.\d]|nan|inf|#|$)", rows[0], re.I):

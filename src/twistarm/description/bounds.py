@@ -103,7 +103,7 @@ def note_softened(joints: Iterable[Joint], reading: Reading) -> None:
     """Add one finding for all joints with the range of a controller."""
     narrower = [joint for joint in joints if (joint.lower, joint.upper) != joint.hard]
     if narrower:
-        ranges = [f"{one.name} [{one.lower:g}, {one.upper:g}]" for one in narrower[:MOST_SHOWN]]
+        ranges = [f"{joint.name} [{joint.lower:g}, {joint.upper:g}]" for joint in narrower[:MOST_SHOWN]]
         more = f" and {len(narrower) - MOST_SHOWN} more" if len(narrower) > MOST_SHOWN else ""
         what = f"the soft limits of <safety_controller> are kept, inside those of <limit>: {', '.join(ranges)}{more}"
         reading.note("limits-adjusted", None, what, "give lower and upper in arm.toml for other limits")

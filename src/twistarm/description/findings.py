@@ -157,7 +157,7 @@ def refusal(code: str, place: Place, what: str, remedy: str = "") -> Description
 def refused(findings: Iterable[Finding]) -> DescriptionError:
     """One error for all findings: the first in full, the others counted. `.findings` holds all."""
     every = tuple(findings)
-    first, *others = [one for one in every if one.severity == "error"]
+    first, *others = [finding for finding in every if finding.severity == "error"]
     text = joined("; ", filter(None, (Text("{place}: {what}", place=first.place, what=first.what), first.remedy)))
     more = f" (and {len(others)} more: twistarm doctor lists them)" if others else ""
     return DescriptionError(Text("{text}{more}", text=text, more=more), every)

@@ -255,12 +255,12 @@ def _is_jaw(child: Body, body: Body) -> bool:
     Beside a tool's frame that carries nothing, the only branch is one whatever its name. A branch with a finger's name
     is one if it is named like a moving jaw, or is on a body that has a tool's frame or a fixed jaw.
     """
-    carrying = {link for one in body.children if one.joint for link in body.inward(one.joint.parent)}
+    carrying = {link for child in body.children if child.joint for link in body.inward(child.joint.parent)}
     fixed = [link for link, on in body.links.items() if on]
     frames = [link for link in fixed if link not in carrying and (is_tool(link) or named_like("carrier", link))]
     if frames and len(body.on("limb")) == 1:
         return all(beyond.follows for beyond in child.children)
-    fingers = [one for one in body.on("limb") if not one.holds_tool and named_like("finger", *one.names)]
+    fingers = [child for child in body.on("limb") if not child.holds_tool and named_like("finger", *child.names)]
     if fingers != [child] or child.children or named_like("wrist", *child.names) or named_like("jaw", *body.names):
         return False  # the last joint of a finger is no jaw
     return body.holds_tool or any(named_like("jaw", link) for link in (*fixed, child.names[-1]))
@@ -278,9 +278,9 @@ def _heads(body: Body) -> Sequence[Body]:
     """Heads, masts and cameras: branches with only such names, beside limbs or wheels."""
     limbs = body.on("limb")
     heads = [child for child in limbs if not child.holds_tool]
-    heads = [child for child in heads if all(named_like("sensor", *one.names) for one in child.beyond())]
+    heads = [child for child in heads if all(named_like("sensor", *link.names) for link in child.beyond())]
     beside = len(heads) < len(limbs) or body.on("locomotion")
-    return [one for child in heads for one in child.beyond()] if beside else ()
+    return [link for child in heads for link in child.beyond()] if beside else ()
 
 
 RULES: Mapping[Part, Callable[[Body], Iterable[Body]]] = {
@@ -314,7 +314,7 @@ def choose_ends(description: Description, base: str | None = None, groups: Itera
     if the choice is not clear. The error lists the candidates, the likeliest first, and the `groups` of an SRDF.
     """
     found = bodies(description, base or description.root)
-    limbs = [body for body in found if body.joint is not None and all(one.part == "limb" for one in body.path())]
+    limbs = [body for body in found if body.joint is not None and all(other.part == "limb" for other in body.path())]
     ends = sorted((body for body in limbs if not body.on("limb")), key=lambda body: -body.depth)
     end = max(ends, key=lambda end: (_has_tool(end), end.depth), default=None)
     if end is None or not _is_arm(end, found) or not all(_outweighs(end, other) for other in ends if other is not end):

@@ -175,7 +175,7 @@ def _gaps(arm: Arm, unlimited: NDArray[np.bool_]) -> Iterator[str]:
         yield "no link that moves has a mass: the arm's own weight counts as 0, and a real arm holds less"
     if arm.description is not None:
         found = (*arm.findings, *check_inertias(arm.description))
-        yield from (f"{one.place}: {one.what}" for one in found if one.code in MASS_CODES)
+        yield from (f"{gap.place}: {gap.what}" for gap in found if gap.code in MASS_CODES)
     if unlimited.any():
         lacking = listed(name for name, lacks in zip(arm.joint_names, unlimited, strict=True) if lacks)
         so = "the payload is unknown" if unlimited.all() else "the payload is an upper bound"

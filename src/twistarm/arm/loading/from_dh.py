@@ -146,7 +146,7 @@ def to_dh(arm: Arm, convention: str = "standard", parallel: float = PARALLEL) ->
         frame = np.eye(4)
         frame[:3, :3], frame[:3, 3] = plane_axes(axes[k], x), feet[k - i]
         frames.append(frame)
-    steps = [inverse(one) @ other for one, other in pairwise(frames)]
+    steps = [inverse(frame) @ other for frame, other in pairwise(frames)]
     rows = np.array([_row(T, convention) for T in steps])
     types = tuple("prismatic" if slide else "revolute" for slide in slides)
     bounds = {name: getattr(arm.limits, name) for name in LIMIT_NAMES}

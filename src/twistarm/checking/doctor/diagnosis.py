@@ -85,7 +85,7 @@ def examine(source: str | os.PathLike[str] | Arm, **load: Any) -> Diagnosis:
         return examine_arm(arm)
     if description is None:
         return Diagnosis(_in_order(refused))
-    known = [one for one in description.findings if one not in refused]
+    known = [finding for finding in description.findings if finding not in refused]
     return Diagnosis(_in_order([*refused, *known, *_of_description(description, None)]), description)
 
 
@@ -116,5 +116,5 @@ def _of_description(description: Description, arm: Arm | None) -> Iterator[Findi
 
 def _in_order(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """The gravest first, each with a remedy."""
-    complete = (one if one.remedy else replace(one, remedy="correct what is there") for one in findings)
+    complete = (finding if finding.remedy else replace(finding, remedy="correct what is there") for finding in findings)
     return tuple(sorted(complete, key=lambda one: _ORDER.index(one.severity)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -17,7 +17,7 @@ from ...support.errors import InputError
 from ...theory.rotations import to_rpy
 from ..numbers import LENGTH, argument, option, quantity, switch, typed_number, whole
 from ..options import ArmArgument, Avoid, Json, answers, avoided
-from ..output import Outputs, entries, plain, warn
+from ..output import Contents, Outputs, entries, plain, warn
 from ..tables import Column, Table, number
 
 Log = Annotated[Path, argument("LOG", "CSV: a column per motor, x, y, z [m], and qx, qy, qz, qw if measured.")]
@@ -82,7 +82,7 @@ def wiring(
     report = check_wiring(arm, log, **noise)
     before, after = _residual(report.before), _residual(report.after)
     rows = "1 row" if report.rows == 1 else f"{report.rows} rows"
-    faults = [each for each in report.motors if each.verdict != "sound" and each.what]
+    faults = [motor for motor in report.motors if motor.verdict != "sound" and motor.what]
     lines = [
         f"{rows}; measured against computed: {before} as the arm.toml says, {after} as found here",
         *(f"{motor.name}: {'; '.join(filter(None, (motor.what, motor.remedy)))}" for motor in faults),
@@ -153,36 +153,23 @@ def calibrate(
 ) -> int:
     """Fit the arm's axes and zeros to measured positions of its tool, or by hand-eye calibration with a camera."""
     arm = source.load()
-    apart = any(kind == "toml" for kind, _ in outputs.files)
-    found = fit(
-        arm,
-        logs,
-        base="held" if base_held else "fit",
-        tool="held" if tool_held else "fit",
-        position_noise=position_noise,
-        orientation_noise=orientation_noise,
-        distances=dict(_distance(said) for said in distance or ()),
-        distance_noise=distance_noise,
-        scales=scales,
-        camera=camera,
-        tag_size=tag_size,
-        corner_noise=corner_noise,
-    )
+    noise: dict[str, Any] = {
+        "position_noise": position_noise,
+        "orientation_noise": orientation_noise,
+        "distance_noise": distance_noise,
+    }
+    frames: dict[str, Any] = {"base": "held" if base_held else "fit", "tool": "held" if tool_held else "fit"}
+    distances = dict(map(_distance, distance or ()))
+    views: dict[str, Any] = {"camera": camera, "tag_size": tag_size, "corner_noise": corner_noise}
+    found = fit(arm, logs, **noise, **frames, **views, distances=distances, scales=scales)
     more = found.next_postures(next_postures, scene=avoided(arm, avoid)) if next_postures else np.empty((0, arm.n))
     names = "base tool expected held_out held_out_before confirmed confirmed_here outliers warnings"
     means = {"before": float(found.before.mean()), "after": float(found.after.mean())}
     data = {"arm": found.arm.name} | means | entries(found, names) | {"next": more, "hand_eye": _seen(found)}
     replace(outputs, files=()).show(data, *_parts(found, arm, more))
-    contents: dict[str, Callable[[], str | bytes]] = {
-        "urdf": lambda: corrected_urdf(found, zeros=not apart, here=outputs.force),
-        "toml": lambda: "\n".join(
-            f"[actuators.{name}]\noffset = {offset!r}\n"
-            for name, offset in found.require(here=outputs.force).motor_offsets().items()
-        ),
-    }
     # A refusal would repeat the last line above.
     if found.confirmed or (outputs.force and found.confirmed_here):
-        outputs.say(outputs.write(contents))
+        outputs.say(outputs.write(_contents(found, outputs)))
     elif outputs.files:
         warn("no file is written")
     # Camera and tag are found without a corrected arm too.
@@ -190,36 +177,50 @@ def calibrate(
     return 0 if found.confirmed or seen else 1
 
 
+def _contents(found: Calibration, outputs: Outputs) -> Contents:
+    """The corrected description, and the offsets of the motors. What the one corrects, the other must not."""
+    origins_alone = any(kind == "toml" for kind, _ in outputs.files)
+    return {
+        "urdf": lambda: corrected_urdf(found, zeros=not origins_alone, here=outputs.force),
+        "toml": lambda: "\n".join(
+            f"[actuators.{name}]\noffset = {offset!r}\n"
+            for name, offset in found.require(here=outputs.force).motor_offsets().items()
+        ),
+    }
+
+
 def _seen(found: Calibration) -> dict[str, Any] | None:
     names = "camera camera_std parent tag tag_std tag_parent residual corrected xyz rpy urdf"
     return None if found.hand_eye is None else entries(found.hand_eye, names)
 
 
-def _distance(said: str) -> tuple[tuple[str, str], float]:
-    a, b, length, *more = [*said.split("="), "", ""]
+def _distance(typed: str) -> tuple[tuple[str, str], float]:
+    a, b, length, *more = [*typed.split("="), "", ""]
     value = typed_number(length, LENGTH)
     if len(more) != 2 or not np.isfinite(value):
-        raise InputError(f"--distance takes A=B=LENGTH, as in left=right=0.05 or left=right=50mm; got {said!r}")
+        raise InputError(f"--distance takes A=B=LENGTH, as in left=right=0.05 or left=right=50mm; got {typed!r}")
     return (a, b), value
 
 
 def _parts(found: Calibration, arm: Arm, more: Any) -> Iterator[Table | str]:
     """What people read: the corrections, where to measure next, the errors, and what is odd."""
-    held = "; ".join(str(one.parameter) for one in found.estimates if one.of_joint and not one.seen) or "none"
-    yield f"held at 0, because others explain them in this log: {held}"
-    every, sound = found.estimates, not found.faults
+    estimates, sound = found.estimates, not found.faults
+    held = [str(estimate.parameter) for estimate in estimates if estimate.of_joint and not estimate.seen]
+    yield f"held at 0, because others explain them in this log: {'; '.join(held) or 'none'}"
+    parameters, values, stds, seen = zip(*estimates, strict=True)
+    units = [parameter.unit for parameter in parameters]
     columns = [
-        Column("joint", [one.parameter.owner for one in every], key="owner"),
-        Column("what", [one.parameter.what for one in every]),
-        Column("value", [one.value for one in every], text=[amount(one.value, one.parameter.unit) for one in every]),
-        Column("±", [one.std for one in every], text=[amount(one.std, one.parameter.unit) for one in every], key="std"),
-        Column("unit", [one.parameter.unit for one in every], people=False),
-        Column("seen", [one.seen for one in every], people=False),
+        Column("joint", [parameter.owner for parameter in parameters], key="owner"),
+        Column("what", [parameter.what for parameter in parameters]),
+        Column("value", values, text=[*map(amount, values, units)]),
+        Column("±", stds, text=[*map(amount, stds, units)], key="std"),
+        Column("unit", units, people=False),
+        Column("seen", seen, people=False),
     ]
-    rows = [i for i, one in enumerate(every) if one.of_joint and one.seen and sound]
+    rows = [i for i, estimate in enumerate(estimates) if estimate.of_joint and estimate.seen and sound]
     yield Table(f"{arm.name}: its corrections", columns, key="estimates", rows=rows)
     if len(more) and sound:
-        joints = (Column(*each) for each in zip(arm.joint_names, more.T, arm.units, strict=True))
+        joints = (Column(*column) for column in zip(arm.joint_names, more.T, arm.units, strict=True))
         yield Table("to measure next", [Column("", range(1, len(more) + 1)), *joints])
     if sound:
         before = [float(found.before.mean()), found.held_out_before]

@@ -53,7 +53,7 @@ def doctor(source: ArmArgument, out: Repaired, strict: Strict = False, fix: Fix 
     diagnosis = examine(source.name, **source.keywords) if source.tool is None else examine(source.load())
     findings, arm, able = diagnosis.findings, diagnosis.arm, diagnosis.able
     # A file that does not exist is the caller's error, not the doctor's business.
-    if any(one.code == "file-unreadable" and one.place.file == source.name for one in findings):
+    if any(finding.code == "file-unreadable" and finding.place.file == source.name for finding in findings):
         raise refusal_of(findings)
     known = arm or diagnosis.description
     name = known.name if known else source.name
@@ -62,13 +62,13 @@ def doctor(source: ArmArgument, out: Repaired, strict: Strict = False, fix: Fix 
         "arm": name,
         "n": arm and arm.n,
         "directions": able and {"position": able.position, "rotation_in_place": able.turning},
-        "findings": [plain(one) | {"meaning": CODES[one.code].meaning} for one in findings],
+        "findings": [plain(finding) | {"meaning": CODES[finding.code].meaning} for finding in findings],
     }
     does = "it cannot be loaded until the errors below are fixed"
     if arm is not None and able is not None:
         does = f"{plural(arm.n, 'joint')} from {arm.base} to {arm.tip}; {summary(arm, able)}"
     words_of = {"error": "error", "warning": "warning", "info": "remark"}
-    numbers = {word: sum(one.severity == severity for one in findings) for severity, word in words_of.items()}
+    numbers = {word: sum(finding.severity == severity for finding in findings) for severity, word in words_of.items()}
     counted = ", ".join(plural(n, word) for word, n in numbers.items() if n) or "nothing to remark"
     parts: list[Any] = [f"{name}: {does}", *_paragraphs(findings), counted]
     contents: dict[str, Callable[[], str]] | None = None

@@ -157,8 +157,8 @@ def designs(
     for design in found:
         for why in design.notes:
             note(f"{design.name}: {why}")
-    columns = [Column(one.name, [number(getattr(one, name), 3) for name in NUMBERS.values()]) for one in found]
-    records = [plain(one) | joints_table(one.arm).entries() for one in found]
+    columns = [Column(design.name, [number(getattr(design, name), 3) for name in NUMBERS.values()]) for design in found]
+    records = [plain(design) | joints_table(design.arm).entries() for design in found]
     out.show({"designs": records}, Table("", [Column("", list(NUMBERS)), *columns]))
 
 

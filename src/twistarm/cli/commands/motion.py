@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -23,7 +23,7 @@ from ...planning.trajectory_files import FORMATS, Writing, written
 from ...support.errors import InputError
 from ..numbers import POSE, JointValues, OfJoints, argument, joint_values, of_joints, option, quantity, switch
 from ..options import ArmArgument, Avoid, Offset, answers, avoided
-from ..output import STDOUT, Contents, Outputs, note, progress_bar
+from ..output import STDOUT, Contents, Outputs, entries, note, progress_bar
 from ..rows import OrientationTol, PositionTol, TargetOptions
 from ..tables import Column, Table, number, theta_values
 
@@ -176,27 +176,24 @@ def plan(
 ) -> None:
     """Plan the fastest motion through poses, targets or the segments of a file, within the limits."""
     arm = source.load()
-    whole = {"linear_speed": linear_speed, "position_tol": position_tol, "orientation_tol": orientation_tol}
-    typed: dict[str, Any] = {name: value for name, value in whole.items() if value is not None}
+    about_tool = {"linear_speed": linear_speed, "position_tol": position_tol, "orientation_tol": orientation_tol}
+    typed: dict[str, Any] = {name: value for name, value in about_tool.items() if value is not None}
     targets = at.all()
     _require_fitting(motion, to, targets, line, avoid, stop, blend, smooth, kind, typed)
     kept = _kept(keep, keep_tol, avoid is not None and not line and motion is None)
     if counts and not all(FORMATS[kind].counts for kind, _ in out.files):
         raise InputError("--counts goes with *.csv and *.h: a JointTrajectory is in rad and m")
+    if offset is not None and mass is None:
+        raise InputError("--offset is where the mass of --mass is: give both")
     poses = [arm.ready if start is None else start.of(arm)]
-    for each in to or ():
-        poses.append(each.of(arm, ("the pose before", poses[-1])))
+    for pose in to or ():
+        poses.append(pose.of(arm, ("the pose before", poses[-1])))
     if motion is not None:
         asked = planning.load_motion(motion, arm)
     else:
-        free = partial(planning.FreeMove, keep=kept)
-        move = planning.LineMove if line else planning.JointMove if avoid is None else free
-        goals = targets or poses[1:]
-        blends = [blend or 0.0] * (len(goals) - 1) + [0.0]  # rounded corners between them
-        asked = planning.MotionFile(tuple(move(goal, blend=each) for goal, each in zip(goals, blends, strict=True)))
+        move = planning.LineMove if line else partial(planning.FreeMove, keep=kept) if avoid else planning.JointMove
+        asked = _moves(move, targets or poses[1:], blend or 0.0)
     typed |= {} if start is None else {"start": poses[0]}
-    if offset is not None and mass is None:
-        raise InputError("--offset is where the mass of --mass is: give both")
     typed |= {} if mass is None else {"payload": mass if offset is None else (mass, offset)}
     asked = replace(
         asked, **typed, kind=kind or asked.kind, unwrap=unwrap or asked.unwrap, torques=torques or asked.torques
@@ -218,27 +215,24 @@ def plan(
         name = arm.ready_name
         which = "computed" if name is None else f"the pose named {name!r}"
         note(f'starts at ready ({which}): --from "{theta_values(arm, arm.ready, out.radians)}"')
-    for each in found.notes:
-        note(each, radians=out.radians)
+    for remark in found.notes:
+        note(remark, radians=out.radians)
     assumed = defaults_line(arm, given)
     nearest = None if scene is None else scene.clearance(found.breakpoints, found.coefficients)
+    data = {"arm": arm, "start": origin or "ready", "assumed": assumed or None, "nearest": nearest}
     out.show(
-        {
-            "arm": arm,
-            "duration": found.duration,
-            "times": found.times,
-            "waypoints": found.waypoints,
-            "start": "ready" if origin is None else origin,
-            "assumed": assumed or None,
-            "nearest": nearest,
-            "notes": found.notes,
-        },
+        data | entries(found, "duration times waypoints notes"),
         *([f"{assumed} (--velocity, --acceleration)"] if assumed else []),
         *plan_tables(arm, found, limits),
         active_limits_table(planning.active_limits(arm, found, limits=limits, segments=segments, **efforts)),
         *([] if nearest is None else [f"nearest: {nearest}"]),
         files=motion_texts(arm, found, out, dt, counts=counts),
     )
+
+
+def _moves(move: Callable[..., Any], goals: Sequence[Any], blend: float) -> planning.MotionFile:
+    """A move to each goal, with corners rounded between them: not at the last, where the arm stops."""
+    return planning.MotionFile((*(move(goal, blend=blend) for goal in goals[:-1]), move(goals[-1])))
 
 
 def _require_fitting(
@@ -306,11 +300,11 @@ def active_limits_table(active: Sequence[planning.ActiveLimit]) -> Table:
     longest = sorted(range(len(active)), key=lambda i: active[i].begin - active[i].end)[:MOST_STRETCHES]
     left = len(active) - len(longest)
     columns = [
-        Column("begin", [each.begin for each in active], "s", digits=3),
-        Column("end", [each.end for each in active], "s", digits=3),
-        Column("rate", [each.rate for each in active], text=[each.describe() for each in active]),
-        *(Column(name, [getattr(each, name) for each in active], people=False) for name in ("owner", "name")),
-        Column("share", [each.share for each in active], text=[f"{each.share:.0%}" for each in active]),
+        Column("begin", [stretch.begin for stretch in active], "s", digits=3),
+        Column("end", [stretch.end for stretch in active], "s", digits=3),
+        Column("rate", [stretch.rate for stretch in active], text=[stretch.describe() for stretch in active]),
+        *(Column(name, [getattr(stretch, name) for stretch in active], people=False) for name in ("owner", "name")),
+        Column("share", [stretch.share for stretch in active], text=[f"{stretch.share:.0%}" for stretch in active]),
     ]
     title = "limits used most" + (f" ({left} shorter stretches are in --json)" if left else "")
     return Table(title, columns, "active_limits", rows=sorted(longest))

@@ -149,7 +149,7 @@ def _specification(content: Mapping[str, Any], path: Path) -> ArmSpecification:
     folders = [_beside(folder, "package_dirs", path, os.path.isdir) for folder in content.get("package_dirs", ())]
     here = os.path.realpath(path.parent)
     # The way to a far folder leads through the home folder or one above it.
-    far = tuple(one for one in folders if is_too_wide(Path(os.path.commonpath([os.path.realpath(one), here]))))
+    far = tuple(folder for folder in folders if is_too_wide(Path(os.path.commonpath([os.path.realpath(folder), here]))))
     tool, doubtful = content.get("tool"), []
     for name, table in {"tool": tool or {}, "dh.base": content.get("dh", {}).get("base", {})}.items():
         if hint := angle_hint(np.array(table.get("rpy", ()))):

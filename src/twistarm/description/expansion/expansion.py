@@ -304,7 +304,7 @@ class Expansion:
     def _call_macro(self, node: Any, macros: Any, symbols: Any) -> Any:
         """Call xacro's function. The call of an unknown macro is left out if a file was."""
         name = node.tagName.removeprefix("xacro:")
-        if name not in ("call", node.tagName) and any(one.code == "package-left-out" for one in self._notes.values()):
+        if name not in ("call", node.tagName) and any(note.code == "package-left-out" for note in self._notes.values()):
             try:
                 self._xacro.resolve_macro(name, macros, symbols)
             except KeyError:
