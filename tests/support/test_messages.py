@@ -40,7 +40,7 @@ OPTIONS = [
     (Argument("unwrap", True), "unwrap=True", "--unwrap"),
     (Argument("orientation_tol", Quantity(0.01, "rad", 2)), "orientation_tol=0.01", "--orientation-tol 0.57"),
     (Argument("position_tol", Quantity(1e-3, "m")), "position_tol=0.001", "--position-tol 0.001"),
-    (Argument("rng", 3), "rng=3", "rng=3"),
+    (Argument("camera", "tool"), "camera='tool'", "--camera tool"),
     (Quantity(-1.5707963, "rad"), "-1.5708 rad", "-90°"),
     (Quantity(2.0, "rad/s²"), "2 rad/s²", "114.59°/s²"),
     (Quantity(1.23456, "m", 3), "1.23 m", "1.23 m"),
