@@ -1,4 +1,4 @@
-"""What a log shows of an arm: the wiring of its motors, its geometry, and a camera (hand-eye calibration)."""
+"""What a log shows of an arm: its motors' wiring, its geometry, and a camera (hand-eye calibration)."""
 
 from .calibrate import calibrate
 from .calibration import Calibration, Estimate, corrected_urdf

@@ -1,4 +1,4 @@
-"""`calibrate`: the arm's true axes and zeros from measurements of its tool, or from a camera that sees a tag."""
+"""`calibrate`: the arm's true axes and zeros, from measurements of its tool or from a camera."""
 
 from __future__ import annotations
 
@@ -53,12 +53,12 @@ def calibrate(
 
     The model is `geometry.Geometry`, a local product of exponentials. Each turning joint has 4 parameters and each
     slide 2; base and tool have 6 each. Zeros and scales come on top. A parameter that the log does not show beside the
-    others is held at 0 and named. Base and tool come first, then zeros, then axes: first what would show most if it
-    were out by its usual size. The choice follows from the nominal arm and the rows' configurations. Without positions
-    or poses the base is the arm's own.
+    others is held at 0 and named. Base and tool come first, then zeros, then axes. Among these, what would show most
+    at its usual size comes first. The choice follows from the nominal arm and the rows' configurations. Without
+    positions or poses the base is the arm's own.
 
     Rows of `rvec` and `tvec` are a hand-eye calibration (`Calibration.hand_eye`). The camera is on the tool
-    (eye-in-hand) and its tag beside the arm, or the camera is beside the arm (eye-to-hand) and its tag on the tool.
+    (eye-in-hand) or beside the arm (eye-to-hand). Its tag is at the other of these two places.
     Both poses come with the arm's zeros and axes from one fit of the reprojection error (`camera.Camera`).
 
     Args:
@@ -82,8 +82,8 @@ def calibrate(
         The `Calibration`.
 
     Raises:
-        InputError: The log is unusable: too few rows, angles in degrees, positions in millimetres, a tool
-            that turns about one axis only before a camera.
+        InputError: The log is unusable: too few rows, angles in degrees, positions in millimetres. Before a camera
+            the tool turns about one axis only.
     """
     require_arm(arm)
     for choice, name in ((base, "base"), (tool, "tool")):
@@ -135,7 +135,7 @@ def _read(arm: Arm, measurements: Log | Sequence[Log]) -> Measurements:
 
 
 def _camera(log: Measurements, mount: Mount | None, tag_size: float | None, noise: float) -> Camera | None:
-    """The camera of a log that has rvec and tvec, or None; InputError where log and arguments do not agree."""
+    """The camera of a log with rvec and tvec, or None. InputError where log and arguments do not agree."""
     given = {"camera": mount, "tag_size": tag_size}
     if not log.sighted.any():
         for name, value in given.items():
@@ -165,7 +165,7 @@ def _distances(distances: dict[tuple[str, str], float] | None, log: Measurements
 
 
 def _held_out(problem: Problem, first: Array, seen: Bools, robust: bool) -> tuple[float, float]:
-    """The mean error [m] on rows left out: with all that their rest shows, and with base and tool alone.
+    """The mean error [m] on rows left out, with all that the rest shows, and with base and tool alone.
 
     A fifth of the rows is left out in turn, at random. Without positions they are places, those with a known distance
     together, if there are several.
@@ -216,7 +216,7 @@ def refuse_unusable(problem: Problem, fitted: Bools) -> tuple[str, ...]:
 
 
 def faults_of(problem: Problem, q: Array, first: Array) -> tuple[str, ...]:
-    """What spoils the fit q (Q,): a joint at rest, a correction that no arm needs, or a base that moved.
+    """What spoils the fit q (Q,): a joint at rest, an impossible correction, or a base that moved.
 
     `first` (Q,) are the unknowns with base and tool fitted alone.
     """

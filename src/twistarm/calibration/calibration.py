@@ -132,7 +132,7 @@ class Calibration:
 
     @cached_property
     def hand_eye(self) -> HandEye | None:
-        """Camera and tag, if the log has a camera: of the corrected arm if rows left out confirm it."""
+        """Camera and tag of a camera's log. They belong to the corrected arm if rows left out confirm it."""
         problem, camera, corrected = self.problem, self.problem.camera, self.confirmed_here
         if camera is None:
             return None
@@ -164,16 +164,16 @@ class Calibration:
 
     @cached_property
     def confirmed_here(self) -> bool:
-        """Rows that were not fitted confirm the correction where the log was taken, and the log has no faults."""
+        """Rows left out confirm the correction where the log was taken, and the log has no faults."""
         return not self.faults and self.held_out < SURE * self.held_out_before
 
     @cached_property
     def confirmed(self) -> bool:
         """Rows that were not fitted confirm the correction, also elsewhere in reach.
 
-        Not so from one placement of points, a plane or a wire: its place is fitted too, so rows left out only show that
-        the tool stood still. Nor from positions so near each other that more than `ELSEWHERE` times their error, or
-        their noise, is expected elsewhere.
+        One placement of points, a plane or a wire is not enough: its place is fitted too. Rows left out then only show
+        that the tool stood still. Positions near each other are not enough either. More than `ELSEWHERE` times their
+        error, or their noise, may be expected elsewhere.
         """
         if self.problem.log.located.any():
             noise = float(np.median(self.problem.sigma))
@@ -240,7 +240,7 @@ class Calibration:
         return dict(zip(motors.names, (motors.offset - motors.G @ self.zeros).tolist(), strict=True))
 
     def next_postures(self, count: int = 10, *, among: ArrayLike | None = None, scene: Scene | None = None) -> Array:
-        """The configurations (count, n) whose positions would show most beside the log: D-optimal, one by one.
+        """The configurations (count, n) to measure next, which show most beside the log: D-optimal, one by one.
 
         Each next one maximises det(I + σ⁻² J C Jᵀ) for the covariance C so far. Candidates are `among` (N, n), by
         default 1,000 random configurations, without those that collide in `scene`.
@@ -266,7 +266,9 @@ class Calibration:
 
     @cached_property
     def expected(self) -> float:
-        """The error [m] to expect at random configurations: √(mean tr J C Jᵀ), with usual tolerances of what is held.
+        """The error [m] to expect at random configurations: √(mean tr J C Jᵀ).
+
+        What is held has its usual tolerance.
 
         Without measured positions, and before a camera, a motion of the whole arm does not count.
         """
@@ -335,7 +337,7 @@ def corrected_urdf(calibration: Calibration, *, zeros: bool = True, here: bool =
 
 
 def _origins(calibration: Calibration, p: Array) -> dict[str, Array]:
-    """The new origin (4, 4) of each joint that moved: O G⁻¹ D G, where G is its frame at rest and D its motion."""
+    """The new origin (4, 4) of each joint that moved: O G⁻¹ D G, with its frame at rest G and its motion D."""
     arm = calibration.problem.geometry.arm
     assert arm.description is not None
     g, origins = np.eye(4), {}

@@ -32,10 +32,10 @@ class Camera:
     Its rows are poses M = B g T like all others. On the tool T is the camera beyond the tip, and M the camera in the
     tag's frame. Beside the arm T is the tag beyond the tip, and M the tag in the camera's frame.
 
-    The residual is the reprojection error: where the tag's corners lie in the image, (x/z, y/z), by the model and by
-    the measured pose. `noise` [rad] is its standard deviation: that of a corner in pixels over the focal length. A pose
-    that solvePnP found from four corners has six degrees of freedom, so the error is projected onto the six directions
-    in which the measured pose moves the corners. Depth and tilts then weigh as little as the corners show them.
+    The residual is the reprojection error: the tag's corners in the image, (x/z, y/z), by the model minus those by the
+    measured pose. `noise` [rad] is its standard deviation: that of a corner in pixels over the focal length. A pose of
+    solvePnP has six degrees of freedom. So the error is projected onto the six directions in which the measured pose
+    moves the corners. Depth and tilts then weigh as little as the corners show them.
     """
 
     mount: Mount
@@ -82,7 +82,7 @@ class Camera:
         return M if self.mount == "base" else inverse_of(M)
 
     def visible(self, M: Array, log: Measurements) -> Bools:
-        """Whether the tag at M (N, 4, 4) faces the camera as in the log: as near, as much in the middle, as steep."""
+        """Whether the tag at M (N, 4, 4) is as near, as central and as steep in the image as in the log."""
 
         def view(poses: Array) -> Array:
             tag = self.in_camera(poses)
@@ -104,7 +104,7 @@ def poses_of(log: Measurements) -> Array:
 
 
 def refuse_unusable_views(log: Measurements, arm: Arm) -> None:
-    """InputError for rows that solvePnP does not return: other units, a tag behind the camera, other kinds of rows."""
+    """InputError for rows that solvePnP does not return: other units or kinds, a tag behind the camera."""
     if not log.sighted.all() or np.isfinite(log.noise).any():
         raise InputError("all rows of a camera's log hold rvec and tvec, and no noise: fit other measurements alone")
     turn, far = np.linalg.norm(log.rvec, axis=1), log.tvec[:, 2]
@@ -170,7 +170,7 @@ def _rotations(
 
 
 def _require_turns(beta: Array, mount: Mount) -> None:
-    """InputError if the tool's turns (N, 3) [rad] are about one axis or none: what such a log does not show."""
+    """InputError if the tool's turns (N, 3) [rad] are about one axis or none."""
     _, sizes, axes = np.linalg.svd(beta / np.sqrt(len(beta)), full_matrices=False)
     hidden = "camera" if mount == "tool" else "tag"
     if sizes[0] < ONE_AXIS:
@@ -196,7 +196,7 @@ class HandEye:
     `residual` are the medians of the tag's position and orientation in the camera, measured against computed [m, rad].
     `corrected`: they belong to the corrected arm, because rows left out confirm it; else to the arm as described.
 
-    A turn of the first joint's zero moves what stands beside the base, and one of the last joint's what the tool
+    A turn of the first joint's zero moves what stands beside the base. One of the last joint's moves what the tool
     carries. No log shows them: these zeros stay, and `camera` and `tag` take them in.
     """
 

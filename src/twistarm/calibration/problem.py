@@ -35,9 +35,9 @@ class Problem:
     `usual` (P,) is one over the standard deviation of each parameter before the log, 0 where nothing is known.
     `contradiction` (k, k) maps readings of motors that share a joint to how far they contradict each other [σ].
 
-    A vector of unknowns q is the geometry's parameters, then 3 numbers for each of `places` (kind, name): a point, an
-    anchor, or a plane (two tilts of the normal, and its distance from the origin). The columns of `normals` (3, 3) are
-    the axes of each plane, the last one its first normal.
+    A vector of unknowns q is the geometry's parameters, then 3 numbers for each of `places` (kind, name). A place is a
+    point, an anchor, or a plane: two tilts of its normal, and its distance from the origin. The columns
+    of `normals` (3, 3) are the axes of each plane, the last one its first normal.
     """
 
     geometry: Geometry
@@ -63,7 +63,7 @@ class Problem:
         return len(self.geometry.parameters)
 
     def placed(self) -> tuple[Problem, Array]:
-        """The problem with the places that its log names, and the unknowns (Q,) that put them where the tool was."""
+        """The problem with the places that its log names, and unknowns (Q,) that put them at the tool."""
         places = tuple(dict.fromkeys(place for place in self.log.place if place != ("", "")))
         p = self.geometry.poses(np.zeros(self.P), self.log.theta)[:, :3, 3]
         normals, starts = {}, [np.zeros(self.P)]
@@ -187,7 +187,7 @@ class Problem:
     def slopes(self, q: Array, weights: Array, *, resting: bool = False) -> Array:
         """The derivative (N, Q) of `residual`; with `resting` as if the tool were where the rows say.
 
-        A tool beside its socket would show a turn of the whole arm with the socket, which nothing can show.
+        A tool beside its socket would show a turn of the whole arm with the socket. Nothing can show that.
         """
         g, V = self.geometry.twists(q[: self.P], self.log.theta)
         r, slope, own = self._misses(q, g)

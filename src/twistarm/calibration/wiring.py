@@ -21,7 +21,7 @@ from .problem import Problem, descend
 
 
 class Kind(NamedTuple):
-    """What is said of a motor: its sign (0: any), whether scale and zero are fitted, and how many claims that is."""
+    """A claim about a motor: its sign (0: any), whether scale and zero are fitted, and how many claims that is."""
 
     sign: float
     scale: bool

@@ -36,7 +36,7 @@ def params_of(function: Callable[..., Any]) -> list[Any]:
 
 
 class _Options:
-    """A help with a section for each panel, options that commands share, and numbers in the unit that was typed."""
+    """A help with a section for each panel. Commands share options, and read numbers in the typed unit."""
 
     params: list[Any]
 
@@ -89,7 +89,7 @@ def _read(value: Any, option: str, radians: bool) -> Any:
 
 
 class Group(_Options, TyperGroup):
-    """The program, or a command with commands of its own."""
+    """The program, or a command with further commands."""
 
 
 class Command(_Options, TyperCommand):
@@ -104,7 +104,7 @@ class Command(_Options, TyperCommand):
 
 
 def _refuse_repeated(words: Sequence[str], params: Sequence[Any]) -> None:
-    """InputError for an option typed twice that holds one value, of which Click would take the last."""
+    """InputError for an option of one value that is typed twice: Click would take the last."""
     options = {name: param for param in params if param.param_type_name == "option" for name in param.opts}
     typed: dict[str, str] = {}
     rest = iter(words)
@@ -143,7 +143,7 @@ def joined(words: Sequence[str], options: Collection[str]) -> list[str]:
 
 
 def _is_part(word: str) -> bool:
-    """Whether a typed word, such as -pi/2 or '12 in', is a part of numbers or joint=value, also if it is wrong."""
+    """Whether a typed word is a part of numbers or joint=value, such as -pi/2 or '12 in'. It may be wrong."""
     name, equals, value = word.rpartition("=")
     if equals and not name.startswith("-"):
         return value.isalpha() or is_part(value)

@@ -56,7 +56,7 @@ _PAIR = re.compile(rf"[\s,]*([^=]+?)\s*=\s*([^\s=,]+(?:\s+(?:{UNIT}))?)(?=[\s,]|
 
 
 def is_part(word: str) -> bool:
-    """Whether a typed word can be a number, its unit or several of them, also if they are wrong, as 1/0 and pi are."""
+    """Whether a typed word can be a number, its unit or several of them. They may be wrong, as 1/0 and pi."""
     return _PART.fullmatch(word) is not None
 
 
@@ -66,7 +66,7 @@ def separate(text: str) -> list[str]:
 
 
 def typed_number(text: str, quantity: str = NUMBER, *, radians: bool = False) -> float:
-    """A number with or without a unit, in SI; NaN if it is none of the `quantity`.
+    """A number with or without a unit, in SI; NaN if it is no `quantity`.
 
     An angle without a unit is in degrees, unless `radians` is set.
     """
@@ -133,7 +133,7 @@ def numbers(units: str, metavar: str, help_text: str, *names: str) -> Any:
 def quantity(units: str, help_text: str, *names: str, zero: bool = False) -> Any:
     """An option of a number above 0, or with `zero` from 0, that may have a unit. It gives the number in SI.
 
-    Of two `units`, for turns and slides, it gives `OfJoints`; a number without a unit is then in both, in SI.
+    Of two `units`, for turns and slides, it gives `OfJoints`. A number without a unit is then in both, in SI.
     """
     choices = units.split()
 

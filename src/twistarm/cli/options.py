@@ -69,7 +69,7 @@ def avoided(arm: Arm, typed: str | Path | None) -> Scene | None:
 
     with progress_bar("allowed pairs") as progress:
         scene = Scene(arm, progress=progress) if typed == SELF else Scene.load(arm, typed, progress=progress)
-        scene.find_allowed_pairs()
+        scene.find_allowed_pairs()  # now, with its bar: the first question would do it in silence
     for found in scene.findings:  # what is not checked as the user expects
         if found.severity == "warning":
             say(words(found.text), file=sys.stderr)
@@ -94,7 +94,7 @@ ALL_OF_ANSWERS = params_of(_answer)
 
 
 def answers(names: str, kinds: Kinds | None = None, over_description: bool = False, **helps: str) -> Shared:
-    """The options output, form, force, rad and json, as far as a command has them, as one argument `Outputs`.
+    """One argument `Outputs` from the options output, form, force, rad and json that a command has.
 
     `kinds` are those of its files, and `helps` other texts in its help. The files are checked before it begins.
     """
@@ -209,6 +209,7 @@ def _keywords(
 
 def _locked(source: Source, pairs: list[str], radians: bool) -> dict[str, float]:
     """Typed JOINT=VALUE pairs in rad and m. Only the description knows which of the two, so that it is read."""
+    # Limits are for joints that locking may remove, so they are left out here.
     joints = read(specify(source.name, **{k: v for k, v in source.keywords.items() if k != "limits"})).joints
     locked_joints: dict[str, float] = {}
     for pair in pairs:
@@ -261,4 +262,4 @@ class ArmCommand(_Loading, Command):
 
 
 class ArmGroup(_Loading, Group):
-    """A command with an ARM and commands of its own."""
+    """A command with an ARM and further commands."""

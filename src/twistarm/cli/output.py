@@ -56,6 +56,7 @@ def note(message: str, *, radians: bool = False) -> None:
 
 def print_json(content: Any) -> None:
     """Print one JSON document. Characters that are not printable are escaped, as JSON allows."""
+    # No NaN: JSON has none, and most parsers refuse it. `plain` has made null of it.
     text = json.dumps(plain(content), allow_nan=False, indent=2, ensure_ascii=False)
     print(re.sub(r"[^\n -~]", lambda c: c[0] if c[0].isprintable() else json.dumps(c[0])[1:-1], text))
 
@@ -198,6 +199,7 @@ class Outputs:
 
     def write(self, contents: Contents) -> list[str]:
         """Write every file with the result of the function of its kind. Return the names."""
+        # All contents before the first file: an error in one of them must not leave the others behind.
         made = [(name, contents[kind]()) for kind, name in self.files]
         for name, content in made:
             if isinstance(content, Mapping):

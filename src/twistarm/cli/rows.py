@@ -48,7 +48,7 @@ OrientationTol = Annotated[
 
 @dataclass(frozen=True)
 class TypedTargets:
-    """The typed positions of the tool, and its orientation there: one for all of them, or one for each.
+    """The typed positions of the tool, with one orientation for all of them, or one for each.
 
     `ik` takes one position, `plan` and `designs` take several.
     """
@@ -195,7 +195,7 @@ def read_sheet(path: str, usual: Sequence[str]) -> Sheet:
 
 
 def configurations_in(arm: Arm, path: str) -> tuple[list[int], Array]:
-    """Lines and theta (N, n) of a CSV's rows [rad, m]: a column per joint, by names or base to tip.
+    """Lines and theta (N, n) of a CSV's rows [rad, m]. A column per joint, by names or base to tip.
 
     Joints without a column take their value in ready, with a note.
     """

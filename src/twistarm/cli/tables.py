@@ -58,9 +58,9 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """A table for people, and for JSON if it has a `key`: an entry with a record for each row.
+    """A table for people. With a `key` it is for JSON too: an entry with a record for each row.
 
-    With the key "" each column is an entry of its own, a list. People see only `rows`, if they are given.
+    With the key "" each column is an entry, a list. People see only `rows`, if they are given.
     """
 
     title: str
@@ -132,7 +132,7 @@ def number(value: float, digits: int = 4) -> str:
     if not np.isfinite(value):
         return "−"
     text = f"{value:.{digits}f}".rstrip("0").rstrip(".")
-    return "0" if text in ("-0", "") else text
+    return "0" if text in ("-0", "") else text  # a rounding below zero is no negative number
 
 
 def unit_text(unit: str, radians: bool) -> str:
@@ -182,7 +182,7 @@ def theta_values(arm: Arm, theta: Array, radians: bool, digits: int = 6) -> str:
 
 def matrix_table(title: str, matrix: Array, rows: Sequence[str], columns: Sequence[str]) -> Table:
     """A matrix with its rows and columns named. The first of `columns` is the head of the names of the rows."""
-    values = [[f"{x:.6f}" for x in column] for column in (np.round(matrix, 6) + 0.0).T]
+    values = [[f"{x:.6f}" for x in column] for column in (np.round(matrix, 6) + 0.0).T]  # + 0.0 turns −0 into 0
     parts = [Column(name, column, text=text) for name, column, text in zip(columns[1:], matrix.T, values, strict=True)]
     return Table(title, [Column(columns[0], list(rows)), *parts])
 

@@ -44,7 +44,7 @@ def words_of(error: Exception, *, radians: bool = False) -> str:
     """An error's message: ours in the words of the command line, any other with its origin."""
     if isinstance(error, TwistarmError):
         return words(error.message, radians=radians)
-    if isinstance(error, OSError):
+    if isinstance(error, OSError):  # a full disk, a port in use: no fault of twistarm
         return f"the operating system refuses: {error}"
     return f"{type(error).__name__}: {error}; a fault of twistarm's: please report it with the output of --debug"
 

@@ -37,6 +37,7 @@ def bake(source: ArmArgument, outputs: Written) -> None:
     outputs = outputs if outputs.files else outputs.named(f"{Path(arm.name).name}.{outputs.form or 'json'}")
     include = core_headers() if any(kind == "hpp" for kind, _ in outputs.files) else None
     function = next((Path(name).name for kind, name in outputs.files if kind == "m" and name != STDOUT), None)
+    # Meshes of a URDF are relative to its folder, so the text depends on where it goes.
     folder = next((Path(name).parent for kind, name in outputs.files if kind == "urdf"), None)
     description = "" if folder is None else urdf.to_urdf(arm, folder)
     lost = [] if folder is None else urdf.lost_meshes(description, folder)

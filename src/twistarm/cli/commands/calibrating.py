@@ -151,7 +151,7 @@ def calibrate(
     next_postures: Next = 0,
     avoid: Avoid = None,
 ) -> int:
-    """Fit the arm's axes and zeros to measured positions of its tool, or by hand-eye calibration with a camera."""
+    """Fit the arm's axes and zeros to measured positions of its tool. With --camera: hand-eye calibration."""
     arm = source.load()
     noise: dict[str, Any] = {
         "position_noise": position_noise,
@@ -166,6 +166,7 @@ def calibrate(
     names = "base tool expected held_out held_out_before confirmed confirmed_here outliers warnings"
     means = {"before": float(found.before.mean()), "after": float(found.after.mean())}
     data = {"arm": found.arm.name} | means | entries(found, names) | {"next": more, "hand_eye": _seen(found)}
+    # The answer comes before the files, which a correction that is not confirmed does not get.
     replace(outputs, files=()).show(data, *_parts(found, arm, more))
     # A refusal would repeat the last line above.
     if found.confirmed or (outputs.force and found.confirmed_here):

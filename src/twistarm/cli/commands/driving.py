@@ -105,7 +105,7 @@ class Robot:
     def joints(
         self, arm: Arm, theta: Array, stack: ExitStack
     ) -> tuple[stream.Sink, stream.Feedback, Callable[[Any], object]]:
-        """Open the links to the robot, and what takes each cycle: a recorder of both, if there is --record.
+        """Open the links to the robot, and what takes each cycle: with --record a recorder of both.
 
         Without a robot, return simulated joints at theta (n,).
         """
@@ -172,12 +172,12 @@ def servo(
     duration: Duration = None,
     tolerance: Tolerance = TOLERANCE,
 ) -> int:
-    """Drive the arm by keyboard or gamepad in the browser: on simulated joints, or on a robot by --udp or --serial."""
+    """Drive the arm by keyboard or gamepad in the browser. Joints are simulated without --udp or --serial."""
     arm = source.load()
     robot.require_datagrams(commands, "--commands or --udp")
     require_choice(on_unreachable, ON_UNREACHABLE, "--on-unreachable")
     margins = of_joints(arm, margin, 0.0, "--margin")
-    if np.ptp(margins):
+    if np.ptp(margins):  # the servo has one margin for all joints
         raise InputError(f"--margin is one number for turns and slides, which {arm.name} has both: leave out its unit")
     settings = ServoSettings(position_margin=float(margins[0]), on_unreachable=on_unreachable)
     checked_rate(rate, settings)
@@ -186,6 +186,7 @@ def servo(
     driven = replace(arm, limits=capped(arm, velocity, acceleration))
     scene = avoided(driven, avoid)
     with ExitStack() as stack:
+        # The links open before the page: a robot that does not answer ends the command, and no browser opens for it.
         sink, feedback, keep = robot.joints(driven, x, stack)
         viewer = stack.enter_context(page.viewer(driven, x))
         source_of_commands: Any = viewer.commands
@@ -232,7 +233,7 @@ StartTolerance = Annotated[Any, quantity("rad m", "How far from the start a join
 
 KEYS = "space pauses and resumes, q stops"
 
-AT_ONCE = 64  # The most bytes to read between two cycles.
+AT_ONCE = 64  # The most bytes to read between two cycles: a key that is held down must not delay one.
 
 
 def follow(
@@ -262,6 +263,7 @@ def follow(
     tracked = of_joints(arm, tolerance, TRACKING_TOLERANCE, "--tolerance")
     driven, read = motion_of_file(arm, motion, velocity, acceleration)
     planned = motion_of(usually_limited(driven), read)
+    # The file may begin a rounding beyond a limit, where simulated joints cannot stand.
     at_start = np.clip(planned.waypoints[0], arm.limits.lower, arm.limits.upper)
     x = at_start if theta is None else _inside(arm, theta)
     out, control, interlock = answer.words, stream.FollowControl(), stream.Interlock()
@@ -305,7 +307,7 @@ def obey(typed: Callable[[], str] | None, control: stream.FollowControl, interlo
         if pressed in "qQ":
             control.stop()
         elif pressed == " ":
-            interlock.enable()
+            interlock.enable()  # else a robot that stopped itself would stay at rest
             control.toggle()
 
 

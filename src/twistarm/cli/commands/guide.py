@@ -50,7 +50,7 @@ Lesson = Annotated[str, argument("LESSON", "A lesson by its name.", autocompleti
 
 @guide.callback(invoke_without_command=True)
 def course(context: typer.Context, source: ArmOption = None, output: Folder = None, browser: Browser = True) -> None:
-    """Build the course on your arm, a site in the folder guide_site, and open it in the browser.
+    """Build the course on your arm in the folder guide_site, and open it in the browser.
 
     Every lesson runs on the arm, two at a time, unless nothing has changed. The site opens from disk, offline. With -o
     DIR it is written there and not opened.

@@ -1,4 +1,4 @@
-"""`fk`, `jacobian` and `ik`: poses, and joint values for a target, all of them, or for each target of a CSV file."""
+"""`fk`, `jacobian` and `ik`: poses, and joint values for one target, or for each target of a CSV file."""
 
 from __future__ import annotations
 
@@ -142,6 +142,7 @@ def ik(
     if all_ and (posture or targets):
         raise InputError("--all gives every configuration for the one target of --xyz: leave out --posture, --targets")
     how: dict[str, Any] = {
+        # From ready, so that the same line gives the same answer on every call.
         "theta0": arm.ready if start is None else start.of(arm),
         "scene": avoided(arm, avoid),
         "max_time": max_time,
@@ -210,6 +211,7 @@ def _show_batch(out: Outputs, file: str, lines: list[int], batch: IKBatch) -> No
     by_reason: dict[StopReason, list[int]] = {}
     for line, answer in zip(lines, answers, strict=True):
         by_reason.setdefault(answer.stop, []).append(line)
+    # What is reached has no reason: the lines below list the misses.
     converged = len(by_reason.pop(StopReason.CONVERGED, ()))
     more = " (-o FILE.csv has them all)" if len(answers) > rows.ROWS_SHOWN else ""
     counted = [f"{converged} of {len(answers)} targets of {file} reached{more}"]

@@ -1,4 +1,4 @@
-"""Motions of a file or to typed goals, and `plan`, which writes them to a table and to files."""
+"""Motions of a file or to typed goals. `plan` writes them to a table and to files."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def planned(
     arm: Arm, asked: planning.MotionFile, limits: JointLimits, scene: Scene | None, max_time: float, progress: Progress,
     clearance: float = CLEARANCE,
 ) -> tuple[planning.Trajectory, list[planning.Segment]]:  # fmt: skip
-    """The motion of a motion.toml, or of typed goals in its place, and the segments with what holds for all of them."""
+    """The motion of a motion.toml or of typed goals. Its segments have what holds for all of them."""
     segments = as_segments(
         asked.segments, asked.linear_speed, asked.angular_speed, asked.position_tol, asked.orientation_tol
     )
@@ -204,12 +204,13 @@ def plan(
     limits = with_defaults(arm, given)
     segments: list[planning.Segment] = []
     with progress_bar("planning") as progress:
-        if to and not line and scene is None:
+        if to and not line and scene is None:  # a spline passes them without a stop; moves would stop at each
             how: dict[str, Any] = {"kind": kind or "s_curve", "stop_at_waypoints": stop, "unwrap": unwrap, **efforts}
             how |= {} if smooth is None else {"smooth": smooth}
             found = planning.plan_joint(arm, poses, limits=limits, progress=progress, **how)
         else:
             found, segments = planned(arm, asked, limits, scene, max_time, progress, clearance)
+    # A start that nobody typed is told, because the arm may stand elsewhere.
     origin = asked.start if start is None else start.text
     if origin is None:
         name = arm.ready_name
@@ -268,6 +269,7 @@ def _kept(keep: str | None, tol: float | None, free: bool) -> Keep | None:
         return None
     if not free:
         raise InputError("--keep goes with --avoid, without --line; in a motion.toml, keep stands beside free")
+    # 3° in place of the library's 0.05 rad: a round number in the unit that is typed.
     return AS_AT_START[keep](tol=np.radians(3.0) if tol is None else tol)
 
 

@@ -115,6 +115,7 @@ def view(
     for name, given in served.items():
         if out.files and given is not None:
             raise InputError(f"{name} is for a page that is served: it does not go with -o FILE")
+    # A site is of many arms, and the rest of this function of one, perhaps with another beside it.
     if "site" in kinds:
         if len(out.files) > 1:
             raise InputError("-o FOLDER/ is a site: it goes with no other -o")
@@ -147,6 +148,7 @@ def view(
             },
         )
         return
+    # Both are read before the server starts: a wrong file must not open a page.
     reached = None if reach is None else ReachMap.load(reach).require(arm)
     obstacles = None if scene is None else Scene.load(arm, scene)
     with ExitStack() as stack:
