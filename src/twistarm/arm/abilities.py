@@ -147,7 +147,7 @@ def abilities_of(arm: Arm) -> Abilities:
     """
 
     def common(share: float, half: Half, before: Half, frame: str) -> Array:
-        """The directions of which this share, 0 or 1, lies in every span."""
+        """The directions with this share, 0 or 1, in every span."""
         projectors = [U @ U.T for U in spans(arm, half, before, frame)]
         values, vectors = np.linalg.eigh(np.mean(projectors, axis=0))
         vectors = vectors[:, np.abs(values - share) <= NO_MOTION**2]

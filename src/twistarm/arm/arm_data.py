@@ -331,7 +331,7 @@ class ArmData:
         return theta
 
     def _asked_at(self, theta: ArrayLike) -> Array:
-        """theta (..., n) that kinematics are asked for. Nobody typed the units of an array of many configurations."""
+        """theta (..., n) of a question. An array of many configurations was not typed: its units are not checked."""
         many = isinstance(theta, np.ndarray) and theta.ndim > 1
         return self._theta_of(theta) if many else self.theta_from(theta)
 
@@ -339,7 +339,7 @@ class ArmData:
         self, values: ArrayLike | Mapping[str, float] | Sequence[str], numbers: ArrayLike | None = None,
         name: str = "theta",
     ) -> Array:  # fmt: skip
-        """theta (..., n), checked but for its units."""
+        """theta (..., n), checked, except for its units."""
         if isinstance(values, str):
             return self.configurations[values]
         if numbers is None and not isinstance(values, Mapping):

@@ -84,7 +84,7 @@ class Shapes:
     """Makes shapes of the collision library, and each mesh file's once.
 
     A mesh becomes its convex hull. With `exact` it stays as it is. With `rough` it becomes the hull of its outermost
-    points, which takes no other library; then formats other than STL count as unreadable.
+    points, which takes no other library. Formats other than STL then count as unreadable.
     """
 
     def __init__(self, coal: Any, *, exact: bool = False, rough: bool = False) -> None:

@@ -115,7 +115,7 @@ class Checker:
         return np.where([k in inside for k in chosen], -np.abs(metres), metres)
 
     def enclosed(self, geometry: Any, pairs: Container[int] | None = None) -> Iterator[int]:
-        """Yield those of `pairs`, by default all, of which a body is inside the closed mesh of the other one.
+        """Yield those of `pairs`, by default all, with one body inside the closed mesh of the other.
 
         Bodies are where `geometry` has them. Where their surfaces meet, either answer is possible.
         """

@@ -99,14 +99,14 @@ def crosscheck(
 ) -> CrossCheck:
     """Compare the kinematics of independent engines at random configurations inside the limits.
 
-    Pose, J^s and J^b of the product of exponentials are compared with Pinocchio's model of the description and with
-    the compiled core. An arm made from screws has no model of Pinocchio.
+    Pose, J^s and J^b of the product of exponentials are compared with Pinocchio's model and with the compiled core. An
+    arm made from screws has no model of Pinocchio.
 
-    Further comparisons are J^s = Ad(g) J^b, J^b against fourth-order central differences of Pinocchio's pose, and every
-    link's pose by our walk against Pinocchio. Pinocchio and yourdfpy also read the unrepaired text of the file, or
-    xacro's output without our changes. Both give every link's pose; Pinocchio gives the position limits too. Of an MJCF
-    they read the URDF that MuJoCo's compilation gave. Masses are not compared. A quantity that an engine lacks is "not
-    compared", with the reason.
+    Further comparisons are J^s = Ad(g) J^b, and J^b against fourth-order central differences of Pinocchio's pose. Every
+    link's pose by our walk is compared with Pinocchio. Pinocchio and yourdfpy also read the unrepaired text of the
+    file, or xacro's output without our changes. Both give every link's pose; Pinocchio gives the position limits too.
+    Of an MJCF they read the URDF that MuJoCo's compilation gave. Masses are not compared. A quantity that an engine
+    lacks is "not compared", with the reason.
 
     Errors are absolute, in metres and radians (entries of R). The tolerance is `POSE_TOL`, times the arm's size beyond
     1 m, and larger for the unrepaired text.

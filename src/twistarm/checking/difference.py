@@ -70,8 +70,8 @@ class Difference:
 def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
     """Write the arm as numbers (JSON, SI): what `bake` keeps, and each link's mass, centre and inertia.
 
-    `compare` lists the changes since. Shapes and meshes, named poses, the SRDF, limits of joints beside the chain,
-    damping and friction are not covered, and the file lists them. A digest covers every number, so an edited file is
+    `compare` lists the changes since. The file lists what it does not cover: shapes and meshes, named poses, the SRDF,
+    damping and friction, and limits of joints beside the chain. A digest covers every number, so an edited file is
     refused. The file is written whole or not at all.
 
     Args:
@@ -104,8 +104,8 @@ def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
 
     Returns:
         The `Difference`: names, types, limits, motors, axes, tool, and the mass, centre and inertia of each link.
-        Shapes, meshes, named poses and the SRDF are not compared. Differences below 1 µm, 1e-6 rad or 1e-5 of a mass
-        count as none, because an export rounds that much.
+        Shapes, meshes, named poses and the SRDF are not compared. Differences below 1 µm, 1e-6 rad or 1e-5 of a mass do
+        not count: an export rounds that much.
 
     Raises:
         DescriptionError: `against` cannot be read, or is no golden file, no baked arm and no description.

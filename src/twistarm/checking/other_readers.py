@@ -54,7 +54,7 @@ def as_written(description: Description, values: Mapping[str, Array], base: str)
 
 
 def _undeclared(description: Description) -> str:
-    """The text without an encoding: it is UTF-8 from here on, whatever the file declared."""
+    """The text without an encoding: from here on it is UTF-8."""
     return re.sub(r"^\s*<\?xml[^>]*\?>", "", description.text)
 
 

@@ -133,7 +133,7 @@ def transform_of(row: Array, convention: str) -> Array:
 def table_of_rows(
     rows: Iterable[Mapping[str, Any]], convention: str | None = None, base: Array | None = None
 ) -> DhTable:
-    """The table of rows by column, whose names may have units. A missing number is 0.
+    """The table of rows by column. Names of columns may have units. A missing number is 0.
 
     Fixed rows at the ends belong to base and tool. Raises InputError with the row, and without a convention.
     """

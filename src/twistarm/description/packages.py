@@ -228,7 +228,7 @@ def _home() -> Path:
 
 
 def _is_marked(folder: Path) -> bool:
-    """Whether it looks like a robot's package, whose files messages may quote."""
+    """Whether it looks like a robot's package: messages may quote its files."""
     try:
         entries = list(folder.iterdir())
     except OSError:

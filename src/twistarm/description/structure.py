@@ -1,4 +1,4 @@
-"""Checks of a URDF's elements: a tree with one root, each link defined and reached once, and words that nobody reads.
+"""Checks of a URDF's elements: a tree with one root, each link defined and reached once, and words that are not read.
 
 As in urdfdom, an attribute of a later version of URDF counts from that version on.
 """

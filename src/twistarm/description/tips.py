@@ -252,8 +252,8 @@ def _alike(short: Sequence[Body]) -> Sequence[Body]:
 def _is_jaw(child: Body, body: Body) -> bool:
     """Whether a branch is the only jaw of the body.
 
-    Beside a tool's frame that carries nothing, the only branch is one whatever its name. A branch with a finger's name
-    is one if it is named like a moving jaw, or is on a body that has a tool's frame or a fixed jaw.
+    Beside a tool's frame that carries nothing, the only branch is one by any name. A branch with a finger's name is one
+    if it is named like a moving jaw. It is one too on a body that has a tool's frame or a fixed jaw.
     """
     carrying = {link for child in body.children if child.joint for link in body.inward(child.joint.parent)}
     fixed = [link for link, on in body.links.items() if on]

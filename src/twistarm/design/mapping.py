@@ -138,7 +138,7 @@ def _directions(given: Any) -> Array:
 
 
 def sphere(arm: Arm) -> tuple[Array, float]:
-    """The centre (3,) and radius [m] of a sphere that the tool's origin never leaves, slides without limits by ±1 m."""
+    """The centre (3,) and radius [m] of a sphere that the tool's origin never leaves. Unlimited slides count ±1 m."""
     _, centre, radius = reach_ball(arm, Position([0.0] * 3), arm.sampling_bounds)
     return centre, radius
 

@@ -114,8 +114,8 @@ def load_panel(path: str | os.PathLike[str]) -> Panel:
 
     Lengths are metres and angles radians, or degrees after `degrees = true`. Each `[[task]]` has a name, a kind, xyz in
     the panel's frame, and `travel` or `angle`. `[panel]` places the panel in the world, `[parking]` the arm's base.
-    Raises InputError, with file, task and entry, for an entry that cannot be used, and DescriptionError for a file that
-    cannot be read or is no TOML.
+    Raises InputError, with file, task and entry, for an entry that cannot be used. Raises DescriptionError for a file
+    that cannot be read or is no TOML.
     """
     file = as_path(path)
     content = parse_toml(file, "a panel.toml")

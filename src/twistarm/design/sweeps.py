@@ -48,8 +48,8 @@ class DesignTable:
         A design with NaN in a wish is left out.
 
         Args:
-            most: Columns of which more is better.
-            least: Columns of which less is better.
+            most: Columns where more is better.
+            least: Columns where less is better.
 
         Raises:
             InputError: There is no wish, or no such column.

@@ -132,7 +132,7 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes | Path, *, ov
     On any error it is removed, and the old file stays. A killed process leaves it, under a name that ends with
     `.twistarm.part`. A link is followed. An existing file keeps its permissions. Returns the path.
 
-    Raises InputError if the folder does not exist or is not writable, or if `path` is a folder or a device. A
+    Raises InputError for a folder that does not exist or is not writable, or if `path` is a folder or a device. A
     description (`DESCRIPTIONS`) is replaced only with `over_description`.
     """
     target = writable(path, over_description=over_description)

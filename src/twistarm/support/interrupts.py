@@ -65,7 +65,7 @@ def end_by(sent: Sequence[int]) -> None:
 
 @contextmanager
 def ending_at_once() -> Iterator[None]:
-    """Let Ctrl-C, and what acts like it, end the process at once: Python hears of a signal only between calls of C.
+    """Let Ctrl-C, and what acts like it, end the process at once. Python hears of a signal only between calls of C.
 
     Only a signal that Python handles is changed, and it gets its handler back.
     """

@@ -73,7 +73,7 @@ Value = Quantity | Posture | Argument
 class Remedies:
     """What a reader may do, each remedy a phrase: `another goal, or a larger tol=...`.
 
-    A renderer leaves out the remedies whose arguments its reader cannot set.
+    A renderer leaves out remedies with arguments that its reader cannot set.
     """
 
     phrases: tuple[str, ...]

@@ -41,8 +41,8 @@ DIGITS = 400  # The most digits of an integer; the largest float has 309.
 def parsed(text: str) -> Any:
     """The value of a JSON text.
 
-    Raises ValueError, in one line, for text that is no JSON, a name that is twice in an object, a number beyond the
-    floats, or too deep nesting.
+    Raises ValueError, in one line, for text that is no JSON. So it does for a name that is twice in an object, a
+    number beyond the floats, and too deep nesting.
     """
     try:
         return json.loads(text, parse_int=_integer, parse_constant=_no_constant, object_pairs_hook=_once)

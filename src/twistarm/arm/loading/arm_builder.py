@@ -80,7 +80,7 @@ class ArmBuilder:
     not change. A joint `j` with several coordinates names them `j_rz, j_z` (cylindrical), `j_rz, j_ry, j_rx`
     (spherical) or `j_x, j_y, j_rz` (planar).
 
-    `limits` of a joint are `lower`, `upper` [rad or m], `velocity` [rad/s or m/s] and `effort` [N m or N]; a limit that
+    `limits` of a joint are `lower`, `upper` [rad or m], `velocity` [rad/s or m/s] and `effort` [N m or N]. A limit that
     you leave out is infinite. `build(limits=…)` takes those of each coordinate.
 
     Each method raises InputError for a zero axis, a number that is not finite or swapped limits. A name used twice is

@@ -110,7 +110,7 @@ def to_dh(arm: Arm, convention: str = "standard", parallel: float = PARALLEL) ->
     the normal goes through the frame before. a is never negative. Axes within `parallel` count as parallel, and
     `residual` [m, rad] is the difference of the table from the arm. Source: Craig, §3.4; Paul, §2.8.
 
-    The common normal of two axes at a small angle is far away: axes 10 µrad and 0.3 m apart give a d of 30 km. Where a
+    The common normal of two axes at a small angle is far away. Axes 10 µrad and 0.3 m apart give a d of 30 km. Where a
     description has rounded its angles, a greater `parallel` gives a table of usual size.
 
     Args:
@@ -180,7 +180,7 @@ def dh_csv(table: DhTable) -> str:
 
 
 def _fixed_rows(T: Array, convention: str) -> list[Array]:
-    """Up to three rows (4,) whose product is a transform (4, 4): a way, then the turns Z, X and Z."""
+    """Up to three rows (4,) with a transform (4, 4) as their product: a way, then the turns Z, X and Z."""
     if convention == "modified":  # a modified row is the inverse of a standard one with other signs
         return [-row for row in reversed(_fixed_rows(inverse(T), "standard"))]
     (x, y, z), (first, tilt, last) = T[:3, 3], to_euler("ZXZ", T[:3, :3])

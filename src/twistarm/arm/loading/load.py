@@ -66,7 +66,7 @@ def load_arm(
         source: A URDF, xacro or MJCF file, an arm.toml, a DH table (.csv), a baked arm.json, or a name of
             `available_arms()`.
         base: The base link. By default the root link, or, on a vehicle, the first link of the arm itself.
-        tip: The tip link. By default the tip of the SRDF's only arm group, or the link that is most likely the tool; a
+        tip: The tip link. By default the tip of the SRDF's only arm group, or the link that is most likely the tool. A
             finding names it and the other candidates.
         package_dirs: Folders with packages, in addition to those found around the file.
         xacro_args: Values of xacro arguments, {name: value}.

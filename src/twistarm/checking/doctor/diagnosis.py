@@ -41,8 +41,8 @@ def diagnose(source: str | os.PathLike[str] | Arm, **load: Any) -> tuple[Finding
 
     The doctor adds to the findings of `load_arm`: limits that look like degrees, singular configurations, impossible
     inertias, meshes out of scale, a missing tool frame and idle joints. It also reports what the arm cannot do with its
-    tool, which axes are almost exact, and which closed form of inverse kinematics they miss. The errors of a
-    description that `load_arm` refuses are findings here, and the rest of it is examined as far as it can be read.
+    tool, which axes are almost exact, and which closed form of inverse kinematics they miss. Errors of a description
+    that `load_arm` refuses are findings here, and the rest of it is examined as far as it can be read.
 
     Args:
         source: As in `load_arm`, or an `Arm`.

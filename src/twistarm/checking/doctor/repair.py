@@ -52,7 +52,7 @@ class Repair:
 def repair(description: Description, output: str | os.PathLike[str]) -> Repair:
     """The repaired text of a description, for the file `output`; a xacro source is expanded.
 
-    The copy is read again and must be the same robot: names, types, limits, and every link's pose at random joint
+    The copy is read again and must be the same robot: in names, types, limits, and poses of all links at random joint
     values. Raises InputError otherwise, and for an output that is no .urdf file or is the source.
     """
     target = writable(output, over_description=True)
@@ -173,7 +173,7 @@ def _moved_uri(uri: str, description: Description, folder: Path) -> str:
 def difference(one: Description, other: Description) -> str:
     """The first difference in links, joints, limits, couplings or poses, in words; empty if there is none.
 
-    A turning joint without bounds is one kind, whatever it is called.
+    A turning joint without bounds is one kind, by any name.
     """
     for what in ("links", "joints"):
         if list(getattr(one, what)) != list(getattr(other, what)):

@@ -56,8 +56,8 @@ def expand_xacro(
     include or a YAML load needs it. Includes, YAML and macros of the packages in `ignore_packages` are left out.
     Ctrl-C ends the process meanwhile, because one operation of an expression may take any time.
 
-    Raises DescriptionError with the file, the cause and the remedy, and InputError for an argument that the file does
-    not take.
+    Raises DescriptionError with the file, the cause and the remedy. Raises InputError for an argument that the file
+    does not take.
     """
     given = {
         name: str(value).lower() if isinstance(value, bool) else str(value) for name, value in (arguments or {}).items()

@@ -1,8 +1,8 @@
 """xacro's expressions, examined before Python evaluates them.
 
 An expression may compute. A dot reaches an item of a namespace or of loaded YAML, or a method of a text, a number or a
-list; it never reaches another attribute, because attributes lead from any object to all of Python. There are no
-builtins beyond those that xacro offers.
+list. It never reaches another attribute: attributes lead from any object to all of Python. There are no builtins beyond
+those that xacro offers.
 """
 
 from __future__ import annotations

@@ -262,7 +262,7 @@ def pose(position: ArrayLike, quaternion: ArrayLike) -> Array:
 
 
 def _refused(mjcf: Mjcf, error: ValueError) -> DescriptionError:
-    """MuJoCo's own reason, at the element whose line it names."""
+    """MuJoCo's own reason, at the element of the line that it names."""
     text = " ".join(str(error).split()).removeprefix("XML Error: ").removeprefix("Error: ")
     found = re.search(r",? line (\d+)", text)
     if found is None or mjcf.models:  # the line may be that of an attached model
