@@ -74,7 +74,7 @@ def _search_again(arm: Arm, target: AnyTarget, answer: Record) -> None:
     how = float(answer["position_tol"]), float(answer["orientation_tol"]), int(answer["restarts"]), OTHER_SEED
     again = arm.compiled.solve(target.kind, target.numbers, np.array(answer["theta0"]), *how, None, None)
     if again is not None and again[0] == CONVERGED:
-        answer[...] = np.ndarray((), record_type(arm.n), again[1])
+        answer[...] = np.ndarray((), record_type(arm.n), again[1])  # in place: the caller's result holds this record
 
 
 def _held_values(arm: Arm, method: Method, start: Array) -> Array | None:

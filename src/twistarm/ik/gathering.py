@@ -150,6 +150,7 @@ class Gathering(Task):
 
     def held_values(self, count: int) -> Array:
         """Values (k, h) of the held joints: given ones, theta0's for idle ones, else a grid."""
+        # Fewer values of each joint, evenly, and not the first combinations of many: those would leave parts out.
         while count ** len(self.method.sampled) > MOST_COMBINATIONS:
             count -= 1
         grid = {i: self._theta0_first(i, self._spread(i, count)) for i in self.method.sampled}

@@ -61,6 +61,7 @@ class JointRanges:
         return theta + TURN * (below - above)
 
 
+# Beside the arm and not in it: an Arm is plain data that is compared, copied and pickled.
 _KEPT: WeakKeyDictionary[Arm, JointRanges] = WeakKeyDictionary()
 
 

@@ -160,6 +160,7 @@ class Deadline:
     @property
     def left(self) -> float | None:
         """Seconds left, as a solver's `max_time`: at least a microsecond, None for infinity."""
+        # A solver refuses a time of 0 or less; with a microsecond it ends at once and says why.
         return None if math.isinf(self.moment) else max(1e-6, self.moment - time.monotonic())
 
     def until(self, items: Iterable[T]) -> Iterator[T]:

@@ -99,7 +99,7 @@ class SelfMotions(Task):
         goal[joint] = value
         away = joint_difference(self.arm, curve, goal)[:, joint]
         for k in np.flatnonzero((away[:-1] * away[1:] <= 0.0) & (np.abs(np.diff(away)) < 2.0 * STEP)):
-            share = away[k] / ((away[k] - away[k + 1]) or 1.0)
+            share = away[k] / ((away[k] - away[k + 1]) or 1.0)  # 1.0: the joint stands at the value all the way
             theta = curve[k] + share * joint_difference(self.arm, curve[k + 1], curve[k])
             theta[joint] = curve[k, joint] - away[k]
             theta = self._corrected(theta, joint)
@@ -134,6 +134,7 @@ class SelfMotions(Task):
     def _step(self, x: Array, along: Array, length: float) -> Array | None:
         """The member (n,) one step on in the direction `along` (n,). None where the motion ends."""
         size = float(np.linalg.norm(along))
+        # The shorter step is for bends in which Newton's method would leave the curve.
         for step in (length, 0.25 * length) if size > 1e-9 else ():
             on = self._corrected(x + step / size * along)
             if 0.5 * step <= np.linalg.norm(on - x) <= 1.5 * step and self.converged(on):

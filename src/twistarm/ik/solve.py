@@ -82,6 +82,7 @@ def solve_ik(
 
         require_scene(scene, arm)
     options = position_tol, orientation_tol, restarts, rng, max_time
+    # The plain type first, without a call: short searches take microseconds.
     if (arm if type(arm) is Arm else require_arm(arm)).compiled is not None:
         found = _by_core(arm, target, theta0, posture, options)
     else:

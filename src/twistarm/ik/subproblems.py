@@ -94,7 +94,7 @@ def subproblem_2(xi_1: ArrayLike, xi_2: ArrayLike, p: ArrayLike, q: ArrayLike) -
     """
     axes, start, goal = (_axis(xi_1, "xi_1"), _axis(xi_2, "xi_2")), _point(p, "p"), _point(q, "q")
     seconds, free = _second(*axes, start, goal)
-    values = [(0.0, 0.0)] * (not seconds)
+    values = [(0.0, 0.0)] * (not seconds)  # no value of the second joint helps: any pair shows how far off it is
     for second in seconds:
         first, any_first = nearest_motion(axes[0], start.moved(axes[1].motion(second)), goal)
         values.append((first, second))

@@ -91,6 +91,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
     Source: S. K. Chan & P. D. Lawrence, General inverse kinematics with the error damped pseudoinverse, ICRA 1988.
     """
     ranges, target = problem.ranges, problem.target
+    # Joints that turn freely are wrapped at the end; clipped on the way they would stop at a bound that means nothing.
     lower, upper = np.where(ranges.turns, [[-np.inf], [np.inf]], [ranges.lower, ranges.upper])
     weight = math.sqrt(ROTATION_WEIGHT) * problem.arm.reach
     theta, best, stalls, iterations = np.clip(theta, lower, upper), math.inf, 0, 0

@@ -219,7 +219,7 @@ def _missing(request: StepRequest, lost: Array, joint: str | None, share: float)
     angular = np.linalg.norm(lost[3:]) * request.arm.reach >= np.linalg.norm(lost[:3])
     half, way = (ANGULAR, "turn") if angular else (LINEAR, "move")
     part = lost[list(half)]
-    unit = part / max(float(np.linalg.norm(part)), np.finfo(float).tiny)
+    unit = part / max(float(np.linalg.norm(part)), np.finfo(float).tiny)  # a lost twist may be exactly zero
     twist = request.command if isinstance(request.command, TwistCommand) else None
     frame = BASE if twist is None else twist.frame
     before, held = _prior_components(twist, half)

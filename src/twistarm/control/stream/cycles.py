@@ -270,7 +270,7 @@ class Cycles(ABC, Generic[C]):
         self.state = state
         self._watch.follow(self.state.theta, now)
         rates, elapsed = output.theta_dot, self._elapsed(now)
-        self._stepped = now
+        self._stepped = now  # after `_elapsed`, which counts from the step before
         if self._observer is not None:
             rates = self._observer.rates(before, rates, elapsed, follow=follow)
         return self._setpoint(now, self.state.theta, rates, output)

@@ -150,7 +150,7 @@ class SimulatedJoints:
         if there.all() and not self._rate.any():
             self._theta, self._theta_dot = self._goal.copy(), np.zeros_like(self._rate)
         inside = np.clip(self._theta, self._lower, self._upper)
-        self._theta_dot[inside != self._theta] = 0.0
+        self._theta_dot[inside != self._theta] = 0.0  # a hard stop takes all speed
         self._theta = inside
 
 
@@ -228,6 +228,7 @@ class RateObserver:
             elapsed, self._heard = 0.0, -np.inf
         step = self._u * elapsed
         self._travel = self._travel + step
+        # The last entry moves on with time until SPACING has passed, which bounds the history of a fast loop.
         if len(self._history) > 1 and now - self._history[-2][0] < SPACING:
             self._history.pop()
         self._history.append((now, self._travel))

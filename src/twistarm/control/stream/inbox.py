@@ -72,7 +72,7 @@ class Latest:
         if self.last is None:
             return f"no {what} has arrived"
         age = now - self.last.time
-        if not abs(age) <= timeout:
+        if not abs(age) <= timeout:  # so written, a time that is NaN is too old as well
             return f"the last {what} is {age:.3g} s old (timeout {timeout:g} s)"
         if self._rival is not None and abs(now - self._rival.time) <= timeout:
             return f"two senders of a {what}, {self._rival.sender} and {self.last.sender}: stop one of them"

@@ -192,7 +192,7 @@ def values_by_name(known: Collection[str], names: Sequence[str], values: Sequenc
     if len(set(ours)) != len(ours):
         twice = [name for name in dict.fromkeys(ours) if ours.count(name) > 1]
         raise InputError(f"a joint state names each joint once; twice: {listed(twice)}")
-    given = dict(zip(names, values, strict=False))
+    given = dict(zip(names, values, strict=False))  # lengths may differ in a message without any name of ours
     for name in ours:
         if not isfinite(given[name]):
             raise InputError(f"the joint state of {name} must be finite; got {given[name]}")

@@ -136,6 +136,7 @@ class MotionClock(NamedTuple):
         if change:
             bounds = Enclosure.of(leg, self.time, self.time + max(self.rate, self.rate + change) * dt)
             change *= bounds.largest_share(self.rate, change, dt, leg.acceleration)
+        # The target itself where it is reached: a sum would leave a rate of 1e-17, which is not at rest.
         rate = target if change == target - self.rate else self.rate + change
         return MotionClock(min(self.time + 0.5 * (self.rate + rate) * dt, leg.motion.duration), rate)
 

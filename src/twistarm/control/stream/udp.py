@@ -246,6 +246,7 @@ class Verifier:
         if len(parts) != 3 or len(session) != 16 or not parts[0].isdigit() or len(parts[0]) > 20:
             raise InputError("it is not signed")
         digits, mac, text = parts
+        # In constant time: how long a comparison takes would tell a forger how much of a signature is right.
         if not hmac.compare_digest(mac, _mac(self._key, session, digits, text)):
             raise InputError("its signature is wrong: the keys differ, or it was forged")
         counter, now = int(digits), self._now()

@@ -178,6 +178,7 @@ class Chain:
 
     def surplus(self, held: tuple[int, ...] = ()) -> int:
         """How many joints there are beyond those held and the motions that they make. That many more are held."""
+        # The largest rank of three draws: one alone may be singular by chance.
         rng, left = np.random.default_rng(0), self.left(held)
         return len(left) - max(_rank(self._jacobian(rng)[:, left]) for _ in range(3))
 

@@ -118,6 +118,7 @@ def _rank(fitted: FittedFamily, reach: float) -> tuple[object, ...]:
     off = fitted.off_share(reach)
     family = fitted.family
     size = family.last - family.first
+    # Rounded, so that of families that are missed by nearly the same the larger group comes first.
     return off > EXACT, round(off, 6) if off > EXACT else 0.0, -size, family.kind != SPHERICAL, family.order
 
 

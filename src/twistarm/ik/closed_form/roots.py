@@ -78,7 +78,7 @@ class Task:
             error, J = self.rows(theta)
             if np.abs(error).max(initial=0.0) <= enough:
                 break
-            J[:, list(held)] = 0.0
+            J[:, list(held)] = 0.0  # the step of least length then leaves these joints alone
             U, size, Vt = np.linalg.svd(J, full_matrices=False)
             there = size > singular * size.max(initial=0.0)
             theta = theta - np.clip((U.T @ error)[there] / size[there], -LONGEST_STEP, LONGEST_STEP) @ Vt[there]
@@ -134,6 +134,7 @@ class Task:
         reach the target there too.
         """
         lower, upper = self.arm.limits.lower, self.arm.limits.upper
+        # A copy within the first slack beyond a limit may miss the target there. Then only the second slack counts.
         for slack in (ROUNDED_LIMIT, LEAST_ROUNDED):
             moved = _nearest_copy(self.arm, theta, near, slack)
             clipped = np.clip(moved, lower, upper)
