@@ -42,12 +42,17 @@ def family_arm(name, noise=0.0, rng=None, half_turns=1.0):
     return arm_from_screws(xi, home, joints=names, limits=limits, name=name)
 
 
+def twist_motion(xi, x):
+    """e^{ξ̂x} (4, 4) by SciPy's matrix exponential."""
+    vx, vy, vz, wx, wy, wz = xi
+    return expm(x * np.array([[0, -wz, wy, vx], [wz, 0, -wx, vy], [-wy, wx, 0, vz], [0, 0, 0, 0]]))
+
+
 def pose_of(arm, theta):
-    """g_st (4, 4) by SciPy's matrix exponentials of the arm's twists."""
+    """g_st (4, 4) by the motions of the arm's twists."""
     g = np.eye(4)
-    for (vx, vy, vz, wx, wy, wz), x in zip(arm.screws.T, arm.coupling.A @ theta + arm.coupling.b, strict=True):
-        hat = np.array([[0, -wz, wy, vx], [wz, 0, -wx, vy], [-wy, wx, 0, vz], [0, 0, 0, 0]])
-        g = g @ expm(x * hat)
+    for xi, x in zip(arm.screws.T, arm.coupling.A @ theta + arm.coupling.b, strict=True):
+        g = g @ twist_motion(xi, x)
     return g @ arm.home
 
 

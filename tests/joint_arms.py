@@ -51,16 +51,21 @@ def random_chain(kinds, seed):
 # three ways to write it -----------------------------------------------------------------------------------------
 
 
+def screws_of(j, length=1.0):
+    """The screws (6, k) of one joint. Its axis or normal may have any length."""
+    axis = length * j.axis
+    return {
+        "revolute": lambda: joints.revolute(axis, j.point),
+        "prismatic": lambda: joints.prismatic(axis),
+        "helical": lambda: joints.helical(axis, j.point, j.pitch),
+        "cylindrical": lambda: joints.cylindrical(axis, j.point),
+        "spherical": lambda: joints.spherical(j.point, j.R),
+        "planar": lambda: joints.planar(axis, j.point, j.R[:, 0]),
+    }[j.kind]()
+
+
 def by_hand(chain, home, folder=None) -> Arm:
-    columns = {
-        "revolute": lambda j: joints.revolute(j.axis, j.point),
-        "prismatic": lambda j: joints.prismatic(j.axis),
-        "helical": lambda j: joints.helical(j.axis, j.point, j.pitch),
-        "cylindrical": lambda j: joints.cylindrical(j.axis, j.point),
-        "spherical": lambda j: joints.spherical(j.point, j.R),
-        "planar": lambda j: joints.planar(j.axis, j.point, j.R[:, 0]),
-    }
-    return arm_from_screws(np.hstack([columns[j.kind](j) for j in chain]), home)
+    return arm_from_screws(np.hstack([screws_of(j) for j in chain]), home)
 
 
 def by_builder(chain, home, folder=None) -> Arm:

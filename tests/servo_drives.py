@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from twistarm import JointLimits, arm_from_screws, joints
+from twistarm import Actuators, JointLimits, arm_from_screws, joints
 from twistarm.control.servo import JogCommand, PoseCommand, ServoState, TwistCommand, servo_step
 
 DT = 0.01
@@ -32,6 +34,19 @@ def random_arm(rng, n, unlimited=False):
     lower, upper = -rng.uniform(0.2, 3.0, n), rng.uniform(0.2, 3.0, n)
     limits = JointLimits(lower, upper, rng.uniform(0.5, 3.0, n), rng.uniform(1.0, 20.0, n), most, most)
     return arm_from_screws(np.hstack(screws), home, limits=limits, name=f"random{n}")
+
+
+WRIST = np.array([[0.0, 0.0, 0.0, 2.0, 2.0], [0.0, 0.0, 0.0, 2.0, -2.0]])
+"""Two motors of a differential wrist, on an arm of five joints."""
+
+
+def with_motors(arm, G, position=np.inf, velocity=np.inf, acceleration=np.inf):
+    """The arm with motors x = G theta, all with these limits."""
+    k = len(G)
+    bounds = (np.full(k, value) for value in (-position, position, velocity, acceleration, np.inf, np.inf))
+    names, unit = tuple(f"motor_{i}" for i in range(k)), ("rad",) * k
+    motors = Actuators(names, arm.joint_names, G, np.zeros(k), unit, np.full(k, np.nan), JointLimits(*bounds))
+    return replace(arm, actuators=motors)
 
 
 def random_twist(rng):

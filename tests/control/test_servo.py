@@ -9,8 +9,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from catalogue import load
-from servo_drives import DT, LEVEL, TRACKING, driven, pose, up_to_speed
-from twistarm import Actuators, JointLimits, arm_from_screws, joints
+from family_arms import twist_motion
+from servo_drives import DT, LEVEL, TRACKING, WRIST, driven, pose, up_to_speed, with_motors
+from twistarm import arm_from_screws, joints
 from twistarm.control.servo import JogCommand, PoseCommand, ServoSettings, ServoState, TwistCommand, servo_step
 
 # A posture that is not singular, where the arm's ready is.
@@ -32,16 +33,11 @@ def test_a_base_twist_moves_the_origin_straight_and_turns_about_base_axes(name):
 @pytest.mark.parametrize("name", ["rover_arm_6dof", "ur5", "panda"])
 def test_a_tool_twist_is_the_body_twist(name):
     """Under a constant body twist V the tool goes from g to g exp(V t), MLS §2.4.2."""
-    from scipy.linalg import expm
-
     arm, V, time = load(name), np.array([0.02, -0.01, 0.03, 0.1, -0.05, 0.08]), 50 * DT
     state = up_to_speed(arm, TwistCommand(V))
     before = pose(arm, state)
     state, _ = driven(arm, state, TwistCommand(V), 50)
-    hat = np.zeros((4, 4))
-    hat[:3, :3] = np.array([[0, -V[5], V[4]], [V[5], 0, -V[3]], [-V[4], V[3], 0]])
-    hat[:3, 3] = V[:3]
-    meant = before @ expm(hat * time)
+    meant = before @ twist_motion(V, time)
     after = pose(arm, state)
     assert np.linalg.norm(after[:3, 3] - meant[:3, 3]) <= TRACKING * np.linalg.norm(V[:3]) * time
     assert np.abs(after[:3, :3] - meant[:3, :3]).max() <= TRACKING * np.linalg.norm(V[3:]) * time
@@ -93,43 +89,22 @@ def test_a_slide_is_measured_in_the_length():
     """The same arm in metres and in millimetres moves alike: a slide's rate counts as much as a turn of that length."""
     states = []
     for scale in (1.0, 1000.0):
-        screws = np.hstack(
-            [
-                joints.prismatic([1, 0, 0]),
-                joints.revolute([0, 0, 1], [0, 0, 0]),
-                joints.revolute([0, 0, 1], [scale, 0, 0]),
-            ]
-        )
-        home = np.eye(4)
-        home[0, 3] = 1.7 * scale
-        arm = arm_from_screws(screws, home, name="scaled")
+        elbow = joints.revolute([0, 0, 1], [scale, 0, 0])
+        screws = np.hstack([joints.prismatic([1, 0, 0]), joints.revolute([0, 0, 1], [0, 0, 0]), elbow])
+        arm = arm_from_screws(screws, np.eye(4) + 1.7 * scale * np.eye(4, k=3), name="scaled")
         twist = [0.05 * scale, 0.03 * scale, 0, 0, 0, 0.1]
         state, _ = driven(arm, ServoState.at(arm, [0.1 * scale, 0.3, 0.8]), TwistCommand(twist, "base"), 50)
         states.append(state.theta / [scale, 1, 1])
     np.testing.assert_allclose(states[0], states[1], atol=1e-6)
 
 
-def test_nothing_asked_nothing_moves():
-    arm = load("so101")
-    for command in (TwistCommand(np.zeros(6)), JogCommand(np.zeros(arm.n)), TwistCommand(np.zeros(6), hold="position")):
-        state, output = driven(arm, ServoState.at(arm, arm.ready), command, 1000)
-        assert np.array_equal(state.theta, arm.ready)
-        assert output.status == "OK"
-
-
 def test_a_motor_at_its_position_limit_is_named():
     """A differential wrist: rolling on drives the left motor to its end, which halts the roll and is said."""
-    arm = load("rover_arm")
-    G = np.zeros((2, 5))
-    G[:, 3:] = [[2.0, 2.0], [2.0, -2.0]]
-    most = np.full(2, np.inf)
-    limits = JointLimits(np.full(2, -4.0), np.full(2, 4.0), most, np.full(2, 20.0), most, most)
-    motors = Actuators(("left", "right"), arm.joint_names, G, np.zeros(2), ("rad",) * 2, np.full(2, np.nan), limits)
-    wired = replace(arm, actuators=motors)
+    wired = with_motors(load("rover_arm"), WRIST, position=4.0, acceleration=20.0)
     state, output = driven(wired, ServoState.at(wired, np.zeros(5)), JogCommand([0, 0, 0, 0, 0.5]), 800)
     assert output.status == "HALTED_LIMIT"
-    assert output.joint in ("left", "right")
-    assert np.abs(G @ state.theta).max() == pytest.approx(4.0, abs=1e-3)
+    assert output.joint in ("motor_0", "motor_1")
+    assert np.abs(WRIST @ state.theta).max() == pytest.approx(4.0, abs=1e-3)
     _, output = driven(wired, state, JogCommand([0, 0, 0, 0, -0.5]), 20)
     assert output.status == "OK"
 

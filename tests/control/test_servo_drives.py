@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from catalogue import load
-from servo_drives import broken, drive, next_command, random_arm, travelled
-from twistarm import Actuators, JointLimits, arm_from_screws, joints
+from servo_drives import broken, drive, next_command, random_arm, travelled, with_motors
+from twistarm import arm_from_screws, joints
 from twistarm.control.servo import JogCommand, ServoState, TwistCommand, servo_step
 
 QUICK, WHOLE = 15, 1000
@@ -79,11 +79,7 @@ def test_motors_keep_theirs():
     arm = random_arm(rng, 5)
     G = np.diag([20.0, 30.0, 30.0, 10.0, 10.0])
     G[3, 4], G[4, 3] = 10.0, -10.0
-    most = np.full(5, np.inf)
-    limits = JointLimits(-most, most, np.full(5, 12.0), np.full(5, 60.0), most, most)
-    names = tuple(f"motor_{i}" for i in range(5))
-    motors = Actuators(names, arm.joint_names, G, np.zeros(5), ("rad",) * 5, np.full(5, np.nan), limits)
-    object.__setattr__(arm, "actuators", motors)
+    arm = with_motors(arm, G, velocity=12.0, acceleration=60.0)
     state, command, busy = ServoState.at(arm, arm.ready), None, 0
     for k in range(2000):
         if k % 40 == 0:

@@ -131,8 +131,7 @@ def test_a_margin_wider_than_the_range_leaves_its_middle(margin):
 def test_the_fastest_command_that_is_taken_leaves_numbers_finite(reach):
     """Arms of a millimetre and of a kilometre, 10⁴ m/s and 10⁴ rad/s: no NaN, no limit exceeded."""
     screws = np.hstack([joints.revolute([0, 0, 1], [k * reach / 3, 0, 0]) for k in range(3)])
-    home = np.eye(4)
-    home[0, 3] = reach
+    home = np.eye(4) + reach * np.eye(4, k=3)
     arm = arm_from_screws(screws, home, limits={"velocity": 1.0, "acceleration": 2.0}, name="scaled")
     for command in (TwistCommand(np.full(6, 1e4)), JogCommand(np.full(3, -1e4)), PoseCommand(np.eye(4))):
         state = ServoState.at(arm, [0.1, 0.4, -0.2])

@@ -8,6 +8,7 @@ from benchmarks.servo import REVERSALS, STEADY, TURNING, case, held, judged, nam
 
 from twistarm.control.servo import ServoState, TwistCommand, servo_step
 
+SLOW = pytest.mark.slow
 # Twists of an arm: of every kind, from random starts, at limits, at stretched and at singular postures.
 QUICK, WHOLE = 8, 160
 # And whether accelerations are limited.
@@ -15,7 +16,14 @@ ARMS = [("four_joints", True), ("scara", False), ("rover_arm", False), ("so101",
 LATER = 16.0  # Seconds: what still shakes then is a cycle, and not the end of a motion.
 
 
-def check(name, accelerating, count, later=None):
+HELD_TWISTS = [
+    *(pytest.param(name, accelerating, QUICK, None) for name, accelerating in ARMS),
+    *(pytest.param(name, accelerating, WHOLE, LATER, marks=SLOW) for name in names() for accelerating in (True, False)),
+]
+
+
+@pytest.mark.parametrize(("name", "accelerating", "count", "later"), HELD_TWISTS)
+def test_no_held_twist_ends_in_shaking(name, accelerating, count, later):
     arm, rng = servo_arm(name, accelerating), random(name, "quiet", 0)
     for number in range(count):
         drawn = case(arm, rng, number)
@@ -27,18 +35,6 @@ def check(name, accelerating, count, later=None):
         assert verdict.unsteady <= STEADY, (number, verdict, drawn)
 
 
-@pytest.mark.parametrize(("name", "accelerating"), ARMS)
-def test_no_held_twist_ends_in_shaking(name, accelerating):
-    check(name, accelerating, QUICK)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("accelerating", [True, False])
-@pytest.mark.parametrize("name", names())
-def test_no_held_twist_of_many_ends_in_shaking(name, accelerating):
-    check(name, accelerating, WHOLE, LATER)
-
-
 def test_an_arm_with_a_limit_close_on_both_ways_out_rests():
     """Stretched, with joint 5 and joint 3 some milliradians from a limit: one way out ends at each of them."""
     arm, theta = servo_arm("elbow", False), np.array([-1.50614, 2.32529, -3.14107, -3.1413, 3.13774, -0.88804])
@@ -48,19 +44,33 @@ def test_an_arm_with_a_limit_close_on_both_ways_out_rests():
 def holding(rng, twist, frame, hold):
     """The twist; a turn at a held position; or a random twist with four components held."""
     if hold == "position":
-        twist = 0.4 * np.r_[0, 0, 0, unit(rng.normal(size=3))]
+        axis = rng.normal(size=3)
+        twist = 0.4 * np.r_[0, 0, 0, axis / np.linalg.norm(axis)]
     if hold == "mixed":
         hold = rng.permutation([True, True, False] * 2).tolist()
         twist = np.where(hold, 0.0, rng.normal(size=6)) * np.repeat([0.1, 0.4], 3)
     return TwistCommand(twist, frame, hold)
 
 
-def unit(vector):
-    return vector / np.linalg.norm(vector)
+SHAKY = ("rover_arm", "rover_arm_6dof", "so101", "ur5", "panda", "slide_and_pitches")
+UNEVEN = [
+    *(pytest.param(name, True, None, 8, 0) for name in ("rover_arm", "so101", "slide_and_pitches")),
+    # Stretched arms that turn about a held position lose its direction within a few steps.
+    *(pytest.param(name, True, "position", 12, 0) for name in ("rover_arm_6dof", "ur5")),
+    # Among many holds are those in which a joint at its limit takes a held direction away.
+    *(
+        pytest.param(name, accelerating, hold, 60, most, marks=SLOW)
+        for hold, most in ((None, 0), ("position", 2), ("mixed", 2))
+        for name in SHAKY
+        for accelerating in (True, False)
+    ),
+]
+"""Arms, whether accelerations are limited, what is held, how many twists, and how many of them may shake."""
 
 
-def jittered(name, accelerating, count, hold=None):
-    """How many of so many held twists end in joints that turn round, at steps of 2 to 30 ms."""
+@pytest.mark.parametrize(("name", "accelerating", "hold", "count", "most"), UNEVEN)
+def test_held_twists_do_not_shake_at_uneven_steps(name, accelerating, hold, count, most):
+    """No joint turns round again and again, at steps of 2 to 30 ms."""
     arm, rng, shaking = servo_arm(name, accelerating), random(name, "jittered", 0), 0
     for number in range(count):
         drawn = case(arm, rng, number)
@@ -72,34 +82,7 @@ def jittered(name, accelerating, count, hold=None):
             if judged_from < 0.0:
                 rates.append(state.theta_dot)
         shaking += sign_changes(np.array(rates), TURNING) / -judged_from >= REVERSALS
-    return shaking
-
-
-@pytest.mark.parametrize("name", ["rover_arm", "so101", "slide_and_pitches"])
-def test_no_held_twist_shakes_at_uneven_steps(name):
-    assert jittered(name, True, 8) == 0
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("accelerating", [True, False])
-@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "so101", "ur5", "panda", "slide_and_pitches"])
-def test_no_held_twist_of_many_shakes_at_uneven_steps(name, accelerating):
-    assert jittered(name, accelerating, 60) == 0
-
-
-@pytest.mark.parametrize("name", ["rover_arm_6dof", "ur5"])
-def test_no_held_position_shakes_at_uneven_steps(name):
-    """Stretched arms that turn about a held position lose its direction within a few steps."""
-    assert jittered(name, True, 12, "position") == 0
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("accelerating", [True, False])
-@pytest.mark.parametrize("hold", ["position", "mixed"])
-@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "so101", "ur5", "panda", "slide_and_pitches"])
-def test_few_holds_of_many_shake_at_uneven_steps(name, hold, accelerating):
-    """Among them those in which a joint at its limit takes a held direction away."""
-    assert jittered(name, accelerating, 60, hold) <= 2
+    assert shaking <= most
 
 
 @pytest.mark.parametrize(

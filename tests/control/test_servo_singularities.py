@@ -136,8 +136,7 @@ def test_an_arm_leaves_to_the_side_where_it_has_room(side):
     free = np.full(2, np.inf)
     ends = np.sort(side * np.array([[0.15, 0.15], [-2.0, -2.0]]), axis=0)
     screws = np.hstack([joints.revolute([0, 0, 1], [0, 0, 0]), joints.revolute([0, 0, 1], [0.5, 0, 0])])
-    home = np.eye(4)
-    home[0, 3] = 0.9
+    home = np.eye(4) + 0.9 * np.eye(4, k=3)
     limits = JointLimits(np.array([-3.0, ends[0, 1]]), np.array([3.0, ends[1, 1]]), free, np.full(2, 5.0), free, free)
     arm = arm_from_screws(screws, home, limits=limits, name="two links")
     state, _ = driven(arm, ServoState.at(arm, np.zeros(2)), TwistCommand([-0.1, 0, 0, 0, 0, 0], "base"), 300)

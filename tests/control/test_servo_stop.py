@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from benchmarks.servo import MADE, case, random, scaled_jacobian, servo_arm
-from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
+from family_arms import pose_of
 from twistarm.control.servo import ServoSettings, ServoState, TwistCommand, servo_step
 
 ARMS = ("four_joints", "slide_and_pitches", "rover_arm", "ur5", "panda")
@@ -32,12 +32,7 @@ def walk(arm, theta, twist, seconds):
 
 def pose(arm, theta):
     """Of the tool, without twistarm's kinematics: by Pinocchio, or by matrix exponentials of the joints' screws."""
-    if arm.name not in MADE:
-        return arm.by_pinocchio(theta)[0]
-    g = np.eye(4)
-    for (*v, x, y, z), angle in zip(arm.screws.T, theta, strict=True):
-        g = g @ expm(angle * np.array([[0, -z, y, v[0]], [z, 0, -x, v[1]], [-y, x, 0, v[2]], [0, 0, 0, 0]]))
-    return g @ arm.home
+    return pose_of(arm, theta) if arm.name in MADE else arm.by_pinocchio(theta)[0]
 
 
 def beside(arm, start, g, twist):

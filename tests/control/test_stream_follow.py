@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from rate_plant import RateDrives
+from servo_drives import WRIST, with_motors
 from stream_stand_ins import PERIOD, FakeClock, Robot
-from twistarm import Actuators, JointLimits, load_arm, plan_joint
+from twistarm import load_arm, plan_joint
 from twistarm.control.stream import Ending, FollowControl, FollowOptions, Interlock, Measured, SimulatedJoints, follow
 from twistarm.support.errors import InputError, LimitError
 
@@ -303,11 +304,8 @@ def test_a_motion_too_fast_for_the_arm_is_slowed_and_joints_may_be_in_any_order(
 
 def test_the_motors_limits_hold_as_well(rover, motion, clock):
     """A differential wrist of which the plan, made for joints alone, asks too much."""
-    G, most = np.zeros((2, 5)), np.full(2, np.inf)
-    G[:, 3:] = [[2.0, 2.0], [2.0, -2.0]]
-    limits = JointLimits(-most, most, np.full(2, 3.0), np.full(2, 4.0), most, most)
-    motors = Actuators(("left", "right"), rover.joint_names, G, np.zeros(2), ("rad",) * 2, np.full(2, np.nan), limits)
-    wired, control, robot = replace(rover, actuators=motors), FollowControl(), Robot(rover.ready, clock)
+    wired = with_motors(rover, WRIST, velocity=3.0, acceleration=4.0)
+    control, robot = FollowControl(), Robot(rover.ready, clock)
 
     def operate(cycle):
         if cycle.setpoint.number % 60 == 30 or (control.paused and cycle.rate == 0.0):
@@ -317,8 +315,8 @@ def test_the_motors_limits_hold_as_well(rover, motion, clock):
     assert report.ok
     assert report.speed < 0.9
     _, _, rates, accelerations = told(robot)
-    assert np.abs(rates @ G.T).max() <= 3.0 * EXACT
-    assert 3.5 < np.abs(accelerations @ G.T).max() <= 4.0 * EXACT
+    assert np.abs(rates @ WRIST.T).max() <= 3.0 * EXACT
+    assert 3.5 < np.abs(accelerations @ WRIST.T).max() <= 4.0 * EXACT
     assert max(shares(rover, robot)) <= EXACT
 
 

@@ -265,8 +265,7 @@ def test_arms_of_many_joints_are_said_to_come_nearer_perhaps():
     for i in range(17):
         axis = [[0, 0, 1], [0, 1, 0]][i % 2]
         builder = builder.revolute(f"j{i}", axis, [0.2 * i, 0, 0], lower=-0.5, upper=0.5)
-    home = np.eye(4)
-    home[0, 3] = 3.4
+    home = np.eye(4) + 3.4 * np.eye(4, k=3)
     arm = builder.tool(home).build()
     missed = solve_ik(arm, Position([0.0, -6.0, 0.0]))
     assert not missed.converged

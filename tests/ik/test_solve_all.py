@@ -118,8 +118,7 @@ def test_a_family_met_outside_the_limits_is_followed_inside():
 def test_a_folded_scara_turns_about_the_point_it_reaches():
     """Links of one length folded: the tool stands on the first axis, and any turn about that will do."""
     axes = [["R", [0, 0, 1], [0.3 * i, 0, 0]] for i in range(3)] + [["P", [0, 0, -1], [0, 0, 0]]]
-    home = np.eye(4)
-    home[0, 3] = 0.6
+    home = np.eye(4) + 0.6 * np.eye(4, k=3)
     bounds = {f"joint{i + 1}": bound for i, bound in enumerate([np.pi, np.pi, np.pi, 1.0])}
     limits = {"lower": {name: -bound for name, bound in bounds.items()}, "upper": bounds}
     arm, rng = twistarm.arm_from_screws(screws_of(axes), home, limits=limits), np.random.default_rng(3)

@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 import pytest
-from scipy.linalg import expm
 
+from family_arms import twist_motion
 from twistarm.ik.subproblems import subproblem_1, subproblem_2, subproblem_3, subproblem_4
 from twistarm.support.errors import InputError
 
@@ -18,15 +18,8 @@ PROBLEMS = 12
 Z_TURN, Z_SLIDE = np.array([0.0, 0, 0, 0, 0, 1]), np.array([0.0, 0, 1, 0, 0, 0])
 
 
-def motion(xi, x):
-    """e^{ξ̂x} (4, 4) by SciPy's matrix exponential."""
-    v, w = np.split(np.asarray(xi), 2)
-    hat = np.array([[0, -w[2], w[1], v[0]], [w[2], 0, -w[0], v[1]], [-w[1], w[0], 0, v[2]], [0, 0, 0, 0]])
-    return expm(x * hat)
-
-
 def moved(xi, x, p):
-    return (motion(xi, x) @ [*p, 1.0])[:3]
+    return (twist_motion(xi, x) @ [*p, 1.0])[:3]
 
 
 def random_twist(rng, slides=False):

@@ -3,79 +3,29 @@
 from __future__ import annotations
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from joint_arms import KINDS, by_hand, random_chain
+from joint_arms import DEGREES, KINDS, Joint, Reference, by_hand, random_chain, screws_of
 from strategies import close, directions, rotations, vectors
 from twistarm import joints, poe
 from twistarm.theory.lower_pairs import lower_pairs
 
 
-def motion(joint, x):
-    """The joint's motion at x, from rest."""
-    return poe.fk(joint, np.eye(4), x)
-
-
-def pinocchio_motion(joint_model, placement, q):
-    """The same from Pinocchio, for a joint placed at `placement` in the space frame."""
-    model = pin.Model()
-    model.addJoint(0, joint_model, placement, "joint")
-    data = model.createData()
-    pin.forwardKinematics(model, data, np.asarray(q, dtype=float))
-    return (data.oMi[1] * placement.inverse()).homogeneous
-
-
-def frame(R, point):
-    return pin.SE3(np.asarray(R), np.asarray(point, dtype=float))
-
-
-any_x = vectors(size=3, scale=2.0)
-
-
-@given(directions(), vectors(), any_x)
-def test_revolute(axis, point, x):
-    expected = pinocchio_motion(pin.JointModelRevoluteUnaligned(axis), frame(np.eye(3), point), x[:1])
-    close(motion(joints.revolute(3.0 * axis, point), x[:1]), expected)
-
-
-@given(directions(), any_x)
-def test_prismatic(axis, x):
-    expected = pinocchio_motion(pin.JointModelPrismaticUnaligned(axis), pin.SE3.Identity(), x[:1])
-    close(motion(joints.prismatic(0.2 * axis), x[:1]), expected)
-
-
-@given(directions(), vectors(), any_x, st.sampled_from([-0.3, 0.0, 1e-3, 0.005 / (2 * np.pi), 2.0]))
-def test_helical(axis, point, x, pitch):
-    expected = pinocchio_motion(pin.JointModelHelicalUnaligned(axis, pitch), frame(np.eye(3), point), x[:1])
-    close(motion(joints.helical(5.0 * axis, point, pitch), x[:1]), expected)
-
-
-@given(rotations(), vectors(), any_x)
-def test_cylindrical(R, point, x):
-    model = pin.JointModelComposite(2)
-    model.addJoint(pin.JointModelRZ())
-    model.addJoint(pin.JointModelPZ())
-    joint = joints.cylindrical(R[:, 2], point)
-    close(motion(joint, x[:2]), pinocchio_motion(model, frame(R, point), x[:2]))
-    close(motion(joint, x[:2]), motion(joint[:, ::-1], x[1::-1]))
-
-
-@given(rotations(), vectors(), any_x)
-def test_spherical(R, point, x):
-    expected = pinocchio_motion(pin.JointModelSphericalZYX(), frame(R, point), x)
-    g = motion(joints.spherical(point, R), x)
-    close(g, expected)
-    close(g @ [*point, 1.0], [*point, 1.0])
-
-
-@given(rotations(), vectors(), any_x)
-def test_planar(R, point, x):
-    q = [x[0], x[1], np.cos(x[2]), np.sin(x[2])]
-    expected = pinocchio_motion(pin.JointModelPlanar(), frame(R, point), q)
-    close(motion(joints.planar(R[:, 2], point, x_axis=R[:, 0]), x), expected)
+@pytest.mark.parametrize("kind", KINDS)
+@given(rotations(), vectors(), vectors(scale=2.0), st.sampled_from([-0.3, 0.0, 1e-3, 0.005 / (2 * np.pi), 2.0]))
+def test_a_joint_moves_as_in_pinocchio(kind, R, point, x, pitch):
+    """A ball also keeps its centre, and the slide and the turn of a cylindrical joint commute."""
+    joint, x = Joint(kind, R, point, pitch), x[: DEGREES[kind]]
+    for length in (0.2, 5.0):
+        columns = screws_of(joint, length)
+        g = poe.fk(columns, np.eye(4), x)
+        close(g, Reference([joint], np.eye(4))(x)[0])
+    if kind == "spherical":
+        close(g @ [*point, 1.0], [*point, 1.0])
+    if kind == "cylindrical":
+        close(poe.fk(columns[:, ::-1], np.eye(4), x[::-1]), g)
 
 
 @pytest.mark.parametrize(

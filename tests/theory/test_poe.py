@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import pinocchio as pin
 import pytest
-from scipy.spatial.transform import Rotation
 
+from joint_arms import Reference, random_chain, screws_of
 from strategies import BATCHES, EPS, close
 from twistarm import joints, poe, screws
 
@@ -18,50 +17,12 @@ KINDS = ("revolute", "prismatic", "helical")
 
 
 class Chain:
-    """A random chain of joints about oblique axes: its Pinocchio model, and screws and home by geometry."""
+    """A random chain of joints about oblique axes: screws and home, and Pinocchio's model of it."""
 
     def __init__(self, kinds, seed):
-        rng = np.random.default_rng(seed)
-        self.model, self.m = pin.Model(), len(kinds)
-        columns, g, parent = [], np.eye(4), 0
-        for i, kind in enumerate(kinds):
-            step = random_pose(rng)
-            g = g @ step
-            axis = Rotation.random(random_state=seed + i).as_matrix()[:, 0]
-            pitch = rng.normal()
-            joint = {
-                "revolute": lambda a=axis: pin.JointModelRevoluteUnaligned(a),
-                "prismatic": lambda a=axis: pin.JointModelPrismaticUnaligned(a),
-                "helical": lambda a=axis, h=pitch: pin.JointModelHelicalUnaligned(a, h),
-            }[kind]()
-            parent = self.model.addJoint(parent, joint, pin.SE3(step), f"joint_{i}")
-            w, q = g[:3, :3] @ axis, g[:3, 3]
-            columns.append({
-                "revolute": [*np.cross(q, w), *w],
-                "prismatic": [*w, 0, 0, 0],
-                "helical": [*(np.cross(q, w) + pitch * w), *w],
-            }[kind])  # fmt: skip
-        tool = random_pose(rng)
-        self.home = g @ tool
-        self.tool = self.model.addFrame(pin.Frame("tool", parent, 0, pin.SE3(tool), pin.FrameType.OP_FRAME))
-        self.data = self.model.createData()
-        self.screws = np.array(columns).T
-        self.x = rng.uniform(-3, 3, size=self.m)
-        self.rate = rng.normal(size=self.m)
-
-    def fk(self, x):
-        pin.framesForwardKinematics(self.model, self.data, x)
-        return self.data.oMf[self.tool].homogeneous
-
-    def jacobian(self, x, frame):
-        return pin.computeFrameJacobian(self.model, self.data, x, self.tool, frame).reshape(6, -1)
-
-
-def random_pose(rng):
-    g = np.eye(4)
-    g[:3, :3] = Rotation.from_rotvec(rng.normal(size=3)).as_matrix()
-    g[:3, 3] = rng.normal(size=3)
-    return g
+        chain, self.home = random_chain(kinds, seed)
+        self.screws, self.m = np.hstack([screws_of(joint) for joint in chain]), len(kinds)
+        self.pinocchio, self.x = Reference(chain, self.home), np.random.default_rng(seed).uniform(-3, 3, self.m)
 
 
 CHAINS = [
@@ -73,13 +34,12 @@ CHAINS = [
 @pytest.mark.parametrize("chain", CHAINS)
 def test_forward_kinematics_agrees_with_pinocchio(chain):
     close(poe.fk(chain.screws, chain.home, np.zeros(chain.m)), chain.home, BATCH)
-    close(poe.fk(chain.screws, chain.home, chain.x), chain.fk(chain.x), PINOCCHIO)
+    close(poe.fk(chain.screws, chain.home, chain.x), chain.pinocchio(chain.x)[0], PINOCCHIO)
 
 
 @pytest.mark.parametrize("chain", CHAINS)
 def test_jacobians_agree_with_pinocchio(chain):
-    spatial = chain.jacobian(chain.x, pin.ReferenceFrame.WORLD)
-    body = chain.jacobian(chain.x, pin.ReferenceFrame.LOCAL)
+    _, spatial, body = chain.pinocchio(chain.x)
     close(poe.spatial_jacobian(chain.screws, chain.x), spatial, 10 * PINOCCHIO)
     close(poe.body_jacobian(chain.screws, chain.home, chain.x), body, 10 * PINOCCHIO)
 
@@ -114,7 +74,7 @@ def test_a_batch_is_its_configurations_one_by_one(batch):
 def test_a_screw_of_any_length_is_a_rescaled_joint():
     chain = CHAINS[-1]
     gear = np.array([2.0, -0.5, 10.0, 1e-3, 1.0, 3.0, 0.1, 7.0, 1e3])
-    close(poe.fk(chain.screws * gear, chain.home, chain.x / gear), chain.fk(chain.x), PINOCCHIO)
+    close(poe.fk(chain.screws * gear, chain.home, chain.x / gear), chain.pinocchio(chain.x)[0], PINOCCHIO)
 
 
 def test_a_chain_without_joints_stands_still():
