@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -147,12 +147,10 @@ def solve_ik_all_batch(
     as_flag(include_turns, "include_turns")
     count = as_whole(redundancy_samples, "redundancy_samples", 1, 1000)
 
-    def solve_single(target: TargetLike, start: ArrayLike) -> AllSolutions:
-        return solve_ik_all(
-            arm, target, start, fixed_joints=fixed_joints, redundancy_samples=count, include_turns=include_turns,
-            position_tol=position_tol, orientation_tol=orientation_tol,
-        )  # fmt: skip
-
+    solve_single = partial(
+        solve_ik_all, arm, fixed_joints=fixed_joints, redundancy_samples=count, include_turns=include_turns,
+        position_tol=position_tol, orientation_tol=orientation_tol,
+    )  # fmt: skip
     if isinstance(targets, np.ndarray) and fixed_joints is None and not include_turns:
         # Poses that are plainly right go straight to the core, which looks at each of them much faster.
         method = method_for(arm, Pose(np.eye(4)))

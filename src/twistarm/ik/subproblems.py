@@ -167,7 +167,7 @@ def _distance(a: Point, b: Point) -> float:
 
 
 def _second(first: JointAxis, second: JointAxis, start: Point, goal: Point) -> tuple[list[float], bool]:
-    """Values of the second joint that give a point what the first joint cannot. Whether every value does."""
+    """Values of the second joint that give a point what the first cannot, and whether all of them do."""
     constant, *parts = along(second, lambda g: _kept(first, start.moved(g)))
     matrix, e = np.stack(parts, axis=1), _kept(first, goal) - constant
     if second.slides:

@@ -351,7 +351,7 @@ def _left_to_right(order: str, angles: ArrayLike) -> tuple[tuple[int, int, int],
 
 
 def _euler_axes(order: str) -> tuple[tuple[int, int, int], bool]:
-    """The axes of the factors of R from left to right. Whether that is the order's list backwards."""
+    """The axes of the factors of R from left to right, and whether the order lists them backwards."""
     if not isinstance(order, str) or order not in EULER_ORDERS:
         raise InputError(
             f"no Euler order {quote(order)}: give three letters of XYZ (about the moving axes) or xyz (about the "

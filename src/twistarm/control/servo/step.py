@@ -215,7 +215,7 @@ FIRST_ROWS, MOST_ROUNDS, OTHERS_SHARE = 8, 4, 0.1
 def avoid_collisions(
     solve: Solve, rest: Callable[[], CoreStep], start: ArrayLike, dt: float, bounds: ServoBounds, scene: Scene
 ) -> tuple[CoreStep, Contact | None]:
-    """The answer of a step from `start` (n,) that brings no pair nearer than its margin. The pair that holds it.
+    """The answer of a step from `start` (n,) that brings no pair nearer than its margin, and the pair in the way.
 
     `solve` steps with rows (k, n + 2) of near pairs or None, `rest` steps toward rest. A pair that is nearer than its
     margin already comes no nearer. Near pairs are measured after the step, and after a straight stop from there. A pair

@@ -387,9 +387,10 @@ def drive(
 
 
 def come_to_rest(cycles: Cycles[C], metronome: Metronome, clock: Clock) -> bool:
-    """Brake cycle by cycle, then send zero rates, also when Ctrl-C shortens the braking. Whether the arm is at rest.
+    """Brake cycle by cycle, then send zero rates. Returns whether the arm is at rest.
 
-    A clock that jumps ahead does not shorten the braking: the needed cycles run in any case.
+    Ctrl-C shortens the braking, and the zero rates follow at once. A clock that jumps ahead does not shorten the
+    braking: the needed cycles run in any case.
 
     Args:
         cycles: The loop.
