@@ -109,7 +109,7 @@ def test_a_motor_at_its_position_limit_is_named():
     assert output.status == "OK"
 
 
-def test_at_two_limits_at_once_the_rest_goes_where_it_is_told():
+def test_at_two_limits_at_once_the_rest_goes_where_it_is_commanded():
     """The slide at its end while the twist is too fast for the shoulder: what is left is x and z about as asked.
 
     What a joint at its end takes from a level damps the rest of it: 13 % here, at 1 m/s, and less the slower it is.

@@ -117,7 +117,7 @@ def toward_an_obstacle(arm, scene, rng, plane):
 
 
 @pytest.mark.parametrize("name", ["ur5", "rover_arm", "panda"])
-def test_held_twists_toward_obstacles_stay_apart_and_do_not_shake(name):
+def test_held_twists_toward_obstacles_keep_the_margin_and_do_not_shake(name):
     arm, rng, held = servo_arm(name), np.random.default_rng(0), 0
     scene = Scene(arm, margin=MARGIN)
     for plane in (True, False, False):
@@ -150,7 +150,7 @@ def test_bodies_that_are_far_change_nothing(slides):
     assert np.array_equal([with_scene.theta, with_scene.theta_dot], [without.theta, without.theta_dot])
 
 
-def test_a_stream_keeps_apart_and_refuses_the_scene_of_another_arm(slides):
+def test_a_stream_keeps_the_margin_and_refuses_the_scene_of_another_arm(slides):
     arm, scene = slides
     robot, other = Robot([0.5, 0.0], clock := FakeClock()), load_arm("ur5")
     assert run(

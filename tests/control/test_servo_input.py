@@ -128,7 +128,7 @@ def test_a_margin_wider_than_the_range_leaves_its_middle(margin):
 
 
 @pytest.mark.parametrize("reach", [1e-3, 1.0, 1e3])
-def test_the_fastest_command_that_is_taken_leaves_numbers_finite(reach):
+def test_the_fastest_command_that_is_accepted_leaves_numbers_finite(reach):
     """Arms of a millimetre and of a kilometre, 10⁴ m/s and 10⁴ rad/s: no NaN, no limit exceeded."""
     screws = np.hstack([joints.revolute([0, 0, 1], [k * reach / 3, 0, 0]) for k in range(3)])
     home = np.eye(4) + reach * np.eye(4, k=3)

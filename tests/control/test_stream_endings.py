@@ -252,7 +252,7 @@ def test_in_velocity_mode_the_setpoint_stays_put_for_a_timeout_at_rest(rover, cl
     assert not np.array_equal(after[0], still[0])  # else it would not be seen
 
 
-def test_in_velocity_mode_an_arm_that_is_told_to_stand_is_not_read_back(rover, clock, stream):
+def test_in_velocity_mode_an_arm_that_is_commanded_to_rest_is_not_read_back(rover, clock, stream):
     source = Says(lambda now: jog(rover, wrist_roll=0.5 if now < 101.0 else 0.0))
     robot = Creeping(rover.ready, clock)
     stream(source, robot, duration=3.0, velocity_mode=True, feedback_timeout=WAIT)

@@ -1,4 +1,4 @@
-"""A trajectory followed on a robot: limits and path held by differences of what the robot was told, every way out."""
+"""A trajectory followed on a robot: limits and path held by differences of the commanded positions, every way out."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ def motion(rover):
     return plan_joint(rover, way, kind="time_optimal", stop_at_waypoints=True)
 
 
-def told(robot):
-    """Times, positions, and the rates and accelerations between them, of what the robot was told."""
-    kept = np.append(np.diff(robot.times) > 0, True)  # the last word is said at the moment of the one before
+def commanded(robot):
+    """Times, positions, and the rates and accelerations between them, of what was commanded."""
+    kept = np.append(np.diff(robot.times) > 0, True)  # the last setpoint has the time of the one before
     t, theta = robot.times[kept], np.array([setpoint.theta for setpoint in robot.setpoints])[kept]
     rates = np.diff(theta, axis=0) / np.diff(t)[:, None]
     middle = 0.5 * (t[1:] + t[:-1])
@@ -35,8 +35,8 @@ def told(robot):
 
 
 def shares(arm, robot):
-    """The largest velocity and acceleration told, as shares of the limits."""
-    _, _, rates, accelerations = told(robot)
+    """The largest commanded velocity and acceleration, as shares of the limits."""
+    _, _, rates, accelerations = commanded(robot)
     return (np.abs(rates) / arm.limits.velocity).max(), (np.abs(accelerations) / arm.limits.acceleration).max()
 
 
@@ -66,7 +66,7 @@ def test_it_is_followed_as_it_was_planned(rover, motion, robot, clock):
     seen = []
     report = followed(rover, motion, robot, clock, on_cycle=seen.append)
     assert (report.ok, report.stream.ending, report.at) == (True, Ending.ARRIVED, motion.duration)
-    t, theta, _, _ = told(robot)
+    t, theta, _, _ = commanded(robot)
     np.testing.assert_allclose(theta, motion(t + PERIOD - t[0]), atol=1e-12)
     assert max(shares(rover, robot)) <= EXACT
     assert [cycle.at for cycle in seen] == sorted(cycle.at for cycle in seen)
@@ -94,7 +94,7 @@ def test_however_it_is_paused_and_slowed_the_limits_hold_and_it_stays_on_its_pat
         report = followed(arm, motion, robot, clock, speed=speed, control=control, on_cycle=operate)
         assert report.ok
         assert max(shares(arm, robot)) <= EXACT
-        theta = told(robot)[1]
+        theta = commanded(robot)[1]
         assert off_path(motion, theta) <= motion.peak(1).max() * motion.duration / 4000
         np.testing.assert_allclose(robot.theta, motion.waypoints[-1], atol=1e-12)
     assert len(waited) > 10
@@ -110,7 +110,7 @@ def test_cycles_late_by_parts_of_a_period_or_missed_make_no_setpoint_leap(rover,
     report = followed(rover, motion, robot, clock)
     assert report.ok
     assert report.stream.missed > 20
-    t, theta, _, _ = told(robot)
+    t, theta, _, _ = commanded(robot)
     np.testing.assert_allclose(theta, motion(np.minimum(t + PERIOD - t[0], motion.duration)), atol=1e-9)
     assert np.diff(t).min() < 0.2 * PERIOD
     assert max(shares(rover, robot)) <= EXACT
@@ -126,7 +126,7 @@ def test_a_stop_ends_it_on_its_path(rover, motion, robot, clock):
     assert max(shares(rover, robot)) <= EXACT
 
 
-def test_an_arm_elsewhere_is_not_moved_and_it_is_said_where_each_joint_is(rover, motion, clock):
+def test_an_arm_elsewhere_is_not_moved_and_its_joints_are_named(rover, motion, clock):
     robot = Robot(rover.ready + [0.0, 0.05, 0.0, -0.2, 0.0], clock)
     report = followed(rover, motion, robot, clock)
     assert (report.stream.ending, report.ok, robot.setpoints) == (Ending.ELSEWHERE, False, [])
@@ -140,8 +140,8 @@ def test_an_approach_begins_where_the_arm_is_measured_without_a_jump(rover, moti
     robot, seen = Robot(theta, clock), []
     report = followed(rover, motion, robot, clock, approach=max(np.abs(away)) > 0.01, on_cycle=seen.append)
     assert report.ok
-    told_theta = told(robot)[1]
-    first = np.vstack([theta, theta, told_theta])  # it stood there before
+    commanded_theta = commanded(robot)[1]
+    first = np.vstack([theta, theta, commanded_theta])  # it stood there before
     assert (np.abs(np.diff(first, 2, axis=0)) <= rover.limits.acceleration * PERIOD**2 * EXACT).all()
     assert max(shares(rover, robot)) <= EXACT
     assert seen[0].at < 0.0
@@ -201,7 +201,7 @@ def test_nan_slows_it_to_rest_on_its_path_and_it_goes_on(rover, motion, robot, c
     assert report.ok
     assert report.stream.blind == pytest.approx(1.0, abs=2 * PERIOD)
     assert "must be finite" in report.stream.blind_reason
-    t, theta, rates, _ = told(robot)
+    t, theta, rates, _ = commanded(robot)
     assert not rates[(t[:-1] > 101.2) & (t[:-1] < 101.45)].any()
     assert max(shares(rover, robot)) <= EXACT
     assert off_path(motion, theta) < 1e-3
@@ -262,7 +262,7 @@ def test_ctrl_c_and_a_callbacks_error_end_it_at_rest_on_its_path(rover, motion, 
         assert (report.stream.ending, report.ok) == (Ending.INTERRUPTED, False)
     assert not robot.rates[-1].any()
     assert max(shares(rover, robot)) <= EXACT
-    assert off_path(motion, told(robot)[1]) < 1e-3
+    assert off_path(motion, commanded(robot)[1]) < 1e-3
 
 
 def test_an_interlock_pauses_until_it_is_resumed_and_an_emergency_stop_ends_it(rover, motion, robot, clock):
@@ -314,7 +314,7 @@ def test_the_motors_limits_hold_as_well(rover, motion, clock):
     report = followed(wired, motion, robot, clock, control=control, on_cycle=operate)
     assert report.ok
     assert report.speed < 0.9
-    _, _, rates, accelerations = told(robot)
+    _, _, rates, accelerations = commanded(robot)
     assert np.abs(rates @ WRIST.T).max() <= 3.0 * EXACT
     assert 3.5 < np.abs(accelerations @ WRIST.T).max() <= 4.0 * EXACT
     assert max(shares(rover, robot)) <= EXACT
@@ -328,14 +328,14 @@ def test_drives_that_take_rates_alone_arrive(rover, motion):
     np.testing.assert_allclose(drives.read(clock.now()).theta, motion.waypoints[-1], atol=0.012)
 
 
-def test_labels_are_told_once_as_they_are_passed_whatever_its_pace(rover, motion, robot, clock):
-    labels, told_at = ((0.0, "open"), (0.5, "close"), (0.5, "light"), (motion.duration, "done")), []
+def test_labels_are_reported_once_as_they_are_passed_whatever_its_pace(rover, motion, robot, clock):
+    labels, passed = ((0.0, "open"), (0.5, "close"), (0.5, "light"), (motion.duration, "done")), []
     followed(
         rover, replace(motion, labels=labels), robot, clock, speed=0.5,
-        on_cycle=lambda cycle: told_at.extend((label, cycle.at) for label in cycle.labels),
+        on_cycle=lambda cycle: passed.extend((label, cycle.at) for label in cycle.labels),
     )  # fmt: skip
-    assert [label for label, _ in told_at] == ["open", "close", "light", "done"]
-    assert all(time <= at < time + PERIOD for (time, _), (_, at) in zip(labels, told_at, strict=True))
+    assert [label for label, _ in passed] == ["open", "close", "light", "done"]
+    assert all(time <= at < time + PERIOD for (time, _), (_, at) in zip(labels, passed, strict=True))
 
 
 def test_a_motion_to_where_the_arm_stands_is_done_at_once(rover, robot, clock):

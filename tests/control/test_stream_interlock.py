@@ -146,7 +146,7 @@ def test_a_word_that_waited_too_long_stops_and_does_not_enable(rover, send):
 def test_a_robot_in_emergency_stop_stops_the_stream_for_good(rover, robot, stream, send):
     with UdpFeedback(rover) as feedback:
 
-        class Told:
+        class Reporting:
             interlock = Interlock()
 
             def read(self, now):
@@ -156,7 +156,7 @@ def test_a_robot_in_emergency_stop_stops_the_stream_for_good(rover, robot, strea
                 send(feedback, state)
                 return feedback.read(now)
 
-        report = stream(Says(jog(rover, elbow=-0.4)), feedback=Told(), duration=1.5)
+        report = stream(Says(jog(rover, elbow=-0.4)), feedback=Reporting(), duration=1.5)
     assert robot.rates[40].any()
     assert not robot.rates[-50:].any()
     assert report.interlock == "emergency stop"

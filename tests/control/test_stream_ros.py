@@ -30,7 +30,7 @@ def test_positions_that_are_not_finite_are_refused(rover):
         ros.positions_of(rover, msg.JointState(name=names, position=[0.0, np.nan, 0.0, 0.0, 0.0]))
 
 
-def test_a_frame_is_the_base_s_the_tool_s_or_unsaid(rover):
+def test_a_frame_is_the_base_s_the_tool_s_or_the_default(rover):
     assert ros.frame_of(rover, rover.base, "neither") == "base"
     assert ros.frame_of(rover, rover.tip, "neither") == "tool"
     assert ros.frame_of(rover, "", "tool") == "tool"

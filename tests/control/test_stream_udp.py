@@ -199,7 +199,7 @@ def test_the_client_moves_the_arm(rover):
     assert rover.fk(joints.theta)[2, 3] > rover.fk(rover.ready)[2, 3] + 0.005
 
 
-def test_what_another_program_signs_is_taken():
+def test_what_another_program_signs_is_accepted():
     names = {}
     exec(compile(SIGNED, "docs/streaming.md", "exec"), names)
     key = names["key"]
@@ -313,7 +313,7 @@ def test_forgeries_are_refused(clock, pair):
     assert verifier.verified(signed)
 
 
-def test_strangers_move_nothing_stop_nothing_and_are_told_of(rover, client):
+def test_strangers_move_nothing_stop_nothing_and_are_counted(rover, client):
     """The signed command holds while unsigned ones, an emergency stop among them, are left out."""
     with UdpSource(rover, key=KEY) as source:
         source.read(0.0)

@@ -145,7 +145,7 @@ def test_what_somebody_wrote_into_a_target_is_refused_too(kind: str) -> None:
             call()
 
 
-def test_millimetres_and_degrees_are_told() -> None:
+def test_millimetres_and_degrees_are_reported() -> None:
     far = Position(1000.0 * G[:3, 3])
     assert "millimetres" in solve_ik(ARM, far).explain()
     with pytest.raises(NotConvergedError, match="millimetres"):
@@ -163,7 +163,7 @@ def test_millimetres_and_degrees_are_told() -> None:
         np.testing.assert_allclose(turning.fk(np.array([0.3 + 6 * np.pi])), turning.fk([0.3]), atol=1e-12)
 
 
-def test_a_move_in_millimetres_is_told() -> None:
+def test_a_move_in_millimetres_is_reported() -> None:
     for move in (LineMove.by([0.0, 0.0, 50.0]), JointMove(MILLIMETRES)):
         with pytest.raises((PathError, NotConvergedError), match="from the base looks like millimetres"):
             plan(load("scara"), move)

@@ -260,7 +260,7 @@ def test_what_is_hardly_missed_names_the_tolerance_and_what_widens_it():
     assert "--orientation-tol" in words(solve_ik(planar, aside, orientation_tol=turned / 5).explain())
 
 
-def test_arms_of_many_joints_are_said_to_come_nearer_perhaps():
+def test_arms_of_many_joints_may_come_nearer_and_say_so():
     builder = ArmBuilder("snake")
     for i in range(17):
         axis = [[0, 0, 1], [0, 1, 0]][i % 2]

@@ -39,7 +39,7 @@ def test_what_can_be_reached_is_reached(name, kind):
 
 
 @pytest.mark.parametrize("name", ["rover_arm", "ur5", "panda"])
-def test_out_of_reach_the_best_found_is_told_as_it_is(name):
+def test_out_of_reach_the_best_found_is_reported_with_its_errors(name):
     arm = load(name)
     target = Position([3.0 * arm.reach, 0.5, 0.4])
     best = textbook_ik(arm, target)
@@ -51,7 +51,7 @@ def test_out_of_reach_the_best_found_is_told_as_it_is(name):
     )
 
 
-def test_a_near_start_stays_near_and_another_branch_is_told():
+def test_a_near_start_stays_near_and_another_branch_is_noted():
     arm, rng = load("ur5"), np.random.default_rng(3)
     for theta in arm.random_theta(rng, 20):
         theta0 = joint_ranges(arm).inside(theta + rng.uniform(-0.01, 0.01, arm.n))
@@ -74,7 +74,7 @@ def test_no_search_begins_when_the_time_is_up():
     assert textbook_ik(arm, arm.fk(arm.ready), max_time=1e-9).converged
 
 
-def test_what_needs_the_core_is_told(bare):
+def test_what_needs_the_core_is_noted(bare):
     solution = solve_ik(bare, Position([3.0, 0.0, 0.5]))
     assert solution.stop is StopReason.EXHAUSTED
     assert solution.method == "damped least squares"

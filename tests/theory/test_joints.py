@@ -88,7 +88,7 @@ def test_what_joints_makes_is_found_again(seed: int) -> None:
         ((joints.prismatic(X), joints.prismatic(Z), joints.revolute(Z, X)), ["prismatic", "cylindrical"]),
     ],
 )
-def test_near_misses_stay_apart(columns: tuple[np.ndarray, ...], expected: list[str]) -> None:
+def test_near_misses_are_no_pairs(columns: tuple[np.ndarray, ...], expected: list[str]) -> None:
     assert kinds(*columns) == expected
 
 

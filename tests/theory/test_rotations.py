@@ -274,7 +274,7 @@ def test_a_rotation_is_its_own_nearest_whatever_it_is_multiplied_by(R, factor):
 
 
 @pytest.mark.parametrize("A", [np.zeros((3, 3)), np.diag([1.0, 0, 0]), np.diag([1.0, 1, -1]), -np.eye(3)])
-def test_where_many_rotations_are_equally_near_none_is_taken(A):
+def test_where_many_rotations_are_equally_near_none_is_chosen(A):
     with pytest.raises(InputError, match="no one nearest rotation"):
         rotations.nearest(A)
     for matrix in (np.diag([2.0, 1.0, 0.0]), np.diag([1.0, 1.0, -0.5])):  # flat, and a mirror that is uneven
