@@ -108,7 +108,7 @@ MANY: list[tuple[Any, dict[str, Any], str]] = [
     ([], {"threads": 0}, "threads must be a whole number, at least 1, at most 256"),
     ([], {"threads": 2.0}, "threads must be a whole number"),
     ([], {"progress": 3}, "progress must be a function of (fraction)"),
-    ([], {"position_tol": -1}, "position_tol [m] must be one number, at least 1e-12"),
+    ([], {"position_tol": -1}, "position_tol [m] must be a finite number, 1e-12 or more"),
 ]
 
 

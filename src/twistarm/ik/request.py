@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm
-from ..support.checks import Array, as_floats, as_seed, as_whole, frozen
+from ..support.checks import Array, as_number, as_positive, as_seed, as_whole, frozen
 from ..support.errors import InputError, listed, quote
 from .task_space import Tolerances
 
@@ -85,7 +85,7 @@ def checked(
         ),
         restarts=searches,
         seed=as_seed(rng),
-        max_time=_seconds(max_time),
+        max_time=math.inf if max_time is None else as_positive(max_time, "max_time [s]"),
     )
 
 
@@ -99,13 +99,15 @@ def _start(arm: Arm, theta0: ArrayLike | None, count: int | None) -> Array:
             f"theta0 holds {given[far]:g} for {arm.joint_names[far[-1]]}, beyond {FARTHEST_START:g} rad or m: "
             "whole turns that far lose the digits of the answer"
         )
+    return _of_batch(arm, given, "theta0 must be one configuration of shape", count)
+
+
+def _of_batch(arm: Arm, given: Array, must: str, count: int | None) -> Array:
+    """One configuration (n,) or, in a batch, one for each target (count, n), read-only."""
     if given.ndim == 1 or (count is not None and given.shape == (count, arm.n)):
         return frozen(given)
-    raise InputError(f"theta0 must be one configuration of shape ({arm.n},){_or_batch(arm, count)}; got {given.shape}")
-
-
-def _or_batch(arm: Arm, count: int | None) -> str:
-    return "" if count is None else f" or one for each target ({count}, {arm.n})"
+    batch = "" if count is None else f" or one for each target ({count}, {arm.n})"
+    raise InputError(f"{must} ({arm.n},){batch}; got {given.shape}")
 
 
 def _posture(arm: Arm, posture: ArrayLike | str | None, start: Array, count: int | None) -> Array | None:
@@ -117,28 +119,12 @@ def _posture(arm: Arm, posture: ArrayLike | str | None, start: Array, count: int
         names = listed((*POSTURES, *arm.configurations))
         raise InputError(f"posture must be one of {names} or a configuration ({arm.n},); got {quote(posture)}")
     given = start if known is start else arm.theta_from(known, name="posture")
-    if given.ndim == 1 or (count is not None and given.shape == (count, arm.n)):
-        return frozen(given)
-    raise InputError(
-        f"posture must be 'theta0', 'middle' or one configuration ({arm.n},){_or_batch(arm, count)}; got {given.shape}"
-    )
+    return _of_batch(arm, given, "posture must be 'theta0', 'middle' or one configuration", count)
 
 
 def as_tolerance(value: float, name: str) -> float:
     """A tolerance. InputError for a value that is not a number, or is too small."""
-    number = as_floats(value, name)
-    if number.ndim or not number >= LEAST_TOLERANCE:
-        raise InputError(f"{name} must be one number, at least {LEAST_TOLERANCE:g}; got {quote(value)}")
-    return float(number)
-
-
-def _seconds(value: float | None) -> float:
-    if value is None:
-        return math.inf
-    number = as_floats(value, "max_time [s]")
-    if number.ndim or not number > 0:
-        raise InputError(f"max_time must be a positive number of seconds, or None for no limit; got {quote(value)}")
-    return float(number)
+    return as_number(value, name, LEAST_TOLERANCE)
 
 
 @dataclass(frozen=True)
