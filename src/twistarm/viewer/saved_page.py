@@ -131,6 +131,7 @@ def _joined(objects: Sequence[bytes]) -> bytes:
 
 
 def _packed(data: bytes, zipped: bool = True) -> str:
+    # Without its time stamp gzip gives the same text for the same arm.
     return base64.b64encode(gzip.compress(data, mtime=0) if zipped else data).decode("ascii")
 
 
@@ -167,6 +168,7 @@ def _frame(name: str, height: float, content: str) -> str:
     return f'<iframe title="{escape(name)} · twistarm" height="{pixels}" style="{STYLE}" {content}></iframe>'
 
 
+STYLESHEET = r'<link rel="stylesheet" href="(.*)">'
 # How the page's modules export: a definition at the start of a line.
 EXPORT = r"^export ((?:async )?function|class|const) ([\w$]+)"
 # State of the page that saved it: camera and choices. share.js writes it in place of the braces.
@@ -241,7 +243,7 @@ def beside(snapshot: SceneSnapshot) -> tuple[str, dict[str, str]]:
 
 def _page(name: str, data: Mapping[str, Any], policy: str, meshcat: str, program: str) -> str:
     """index.html with inlined style and data, and the scripts as elements."""
-    page = re.sub(r'<link rel="stylesheet" href="(.*)">', _style, page_text("index.html"))
+    page = re.sub(STYLESHEET, lambda link: f"<style>\n{page_text(link[1])}</style>", page_text("index.html"))
     # A "<" in JSON can only stand in a string; escaped, no name can close the script.
     literal = encode(data).replace("<", "\\u003c")
     for old, new in (
@@ -258,10 +260,6 @@ def _page(name: str, data: Mapping[str, Any], policy: str, meshcat: str, program
     ):
         page = page.replace(old, new, 1)
     return page
-
-
-def _style(link: re.Match[str]) -> str:
-    return f"<style>\n{page_text(link[1])}</style>"
 
 
 def _program() -> str:

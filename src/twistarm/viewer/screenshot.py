@@ -119,7 +119,7 @@ def _run(browser: str, page: Path, made: Path, *options: str, place: str = "") -
     process = subprocess.Popen(
         (browser, *FLAGS, BUDGET, profile, *options, f"{page.as_uri()}{place}"),
         stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        env={**os.environ, **own}, start_new_session=True,
+        env={**os.environ, **own}, start_new_session=True,  # a group, which killpg ends with all its children
     )  # fmt: skip
     try:
         end = f"ended with code {process.wait(TIMEOUT)}"

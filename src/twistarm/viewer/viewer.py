@@ -97,6 +97,7 @@ class Viewer(Closeable):
     @property
     def url(self) -> str:
         """The page's address with its secret token, new at each start. With it, anyone can move the view."""
+        # Not every browser opens the address that means all interfaces.
         name = {"": "127.0.0.1", "0.0.0.0": "127.0.0.1", "::": "::1"}.get(self._host, self._host)
         authority = f"{f'[{name}]' if ':' in name else name}:{self._server.port}"
         return f"http://{authority}/{self._server.token}/"

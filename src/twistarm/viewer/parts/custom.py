@@ -180,7 +180,7 @@ class Control(Generic[V]):
         try:
             self._call(*([value] if self.ends else []))
             self.error = ""
-        except (Exception, SystemExit) as error:
+        except (Exception, SystemExit) as error:  # a callback that calls exit() must not end the thread
             at = "".join(
                 f" ({Path(frame.filename).name}, line {frame.lineno})" for frame in extract_tb(error.__traceback__)[1:2]
             )

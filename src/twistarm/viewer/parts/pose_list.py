@@ -73,7 +73,7 @@ class PoseList:
         pose = self._pose(number)
         others = [other for other in self.poses if other is not pose]
         poses = [*others[:place], pose, *others[place:]]
-        for later in poses[1:]:
+        for later in poses[1:]:  # the first alone may be outside, as a measured start is
             self._require_inside(later.name, later.theta)
         self._keep(poses, "reorder the poses")
 

@@ -175,7 +175,7 @@ class Program(Part):
         self._through, self._request = _moves(poses), request
         before = show.playback or Playback(planned)
         show.load(planned, before.speed, before.loop)
-        show.draw_path(NO_PATH)
+        show.draw_path(NO_PATH)  # the path that shows again once another motion is loaded
         show.draw_path(path, lambda: show.playback is not None and show.playback.trajectory is planned)
 
 

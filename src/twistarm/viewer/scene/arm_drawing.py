@@ -88,7 +88,7 @@ class Drawing:
         with self._turn:  # one reads at a time
             with self._lock:
                 meshes = self._meshes
-            piece = next(meshes, None)
+            piece = next(meshes, None)  # without the lock, because reading a mesh may take seconds
             with self._lock:
                 restarted = meshes is not self._meshes
                 if piece is not None and not restarted:

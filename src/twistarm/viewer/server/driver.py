@@ -186,8 +186,9 @@ class Drive:
         self.thread = threading.Thread(target=self._run, name="twistarm drive", daemon=True)
         self._arm, self._scene, self._commands, self._post, self._ended = stage.arm, stage.scene, commands, post, ended
         limits = stage.arm.limits
+        # Sliders may pass a limit by LIMIT_TOL, which simulated joints refuse.
         self._joints = SimulatedJoints(stage.arm, np.clip(stage.theta, limits.lower, limits.upper))
-        self._showing = threading.Lock()
+        self._showing = threading.Lock()  # `drop` waits until a cycle is shown, so none comes after it
         self._sent: tuple[bytes, object] = (b"", None)
 
     def end(self) -> None:

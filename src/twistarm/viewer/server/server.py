@@ -64,7 +64,7 @@ class Server:
         self.host, self.token = host, token_urlsafe(16)
         self.commands = PageCommands(stage.arm)
         self.clients: dict[Client, None] = {}
-        self._sockets = bind(host, port)
+        self._sockets = bind(host, port)  # before the thread: the caller gets the error of a port in use
         self.port = int(self._sockets[0].getsockname()[1])
         self.notice: Message = {"type": "notice", "words": "", "wrong": False}
         self._lock = threading.Lock()
@@ -119,8 +119,8 @@ class Server:
         A fast caller pays for a frame 60 times a second, and otherwise for a lock.
         """
         with self._lock:
-            first = not self._changes
-            self._changes.pop(key, None)
+            first = not self._changes  # else the loop is awake already
+            self._changes.pop(key, None)  # so that the latest change is applied last
             self._changes[key] = change
         if first and self._thread.is_alive():
             with suppress(RuntimeError):  # the loop may have been closed meanwhile
@@ -173,6 +173,7 @@ class Server:
 
     async def _main(self) -> None:
         self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
+        # Pages send through their sockets only, so no request has a body.
         listener = HTTPServer(
             self._application(self), idle_connection_timeout=IDLE_TIME, max_header_size=LARGEST_HEAD, max_body_size=0
         )
