@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Collection, Sequence
+from itertools import takewhile
 from typing import Any
 
 import typer
@@ -13,6 +14,8 @@ from typer.models import OptionInfo
 
 from ..support.errors import InputError
 from .numbers import NUMBERS, Typed, is_part
+
+MAIN_OPTIONS = ("--theta", "--to", "--xyz")  # The first that a command has is likely meant by numbers without one.
 
 
 class Shared(OptionInfo):
@@ -96,31 +99,55 @@ class Command(_Options, TyperCommand):
     """A command with options of several numbers without quotes: `--theta 0.1 -30 60`, `--xyz 0.8 -0.1 0.7`."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Join such numbers to one word for Click."""
+        """Join such numbers to one word for Click, and say which option words belong to that Click would misread."""
         several = [name for option in self.params if option.metavar in NUMBERS for name in option.opts]
         words = joined(args, several)
-        _refuse_repeated(words, self.params)
-        return super().parse_args(ctx, words)
+        if not ctx.resilient_parsing:
+            ctx.allow_extra_args = True
+            _refuse_misread(ctx, words, several)
+        extra: list[str] = super().parse_args(ctx, [*words])
+        if extra and not ctx.resilient_parsing:
+            _refuse_extra(ctx, words, len(words) - 1 - words[::-1].index(extra[0]), several)
+        return extra
 
 
-def _refuse_repeated(words: Sequence[str], params: Sequence[Any]) -> None:
-    """InputError for an option of one value that is typed twice: Click would take the last."""
-    options = {name: param for param in params if param.param_type_name == "option" for name in param.opts}
+def _refuse_misread(ctx: Any, words: Sequence[str], several: Sequence[str]) -> None:
+    """Refuse an option of one value that is typed twice, of which Click takes the last; -theta; -30 behind no option.
+
+    Click takes the last two for options of one letter.
+    """
+    options = {name: param for param in ctx.command.get_params(ctx) for name in param.opts if name.startswith("-")}
     typed: dict[str, str] = {}
-    rest = iter(words)
-    for word in rest:
+    rest = iter(enumerate(words))
+    for i, word in rest:
         name, equals, _ = word.partition("=")
         if word == "--":
             return
-        if name not in options or getattr(options[name], "is_flag", False):
-            continue
-        if not equals:
-            next(rest, None)  # its value, which may look like an option
-        of = options[name]
-        if of.name in typed and not of.multiple:
-            alias = f", once as {typed[of.name]}" if typed[of.name] != name else ""
-            raise InputError(f"{name} takes one value, and it is typed twice{alias}: leave one of them out")
-        typed[of.name] = name
+        if name in options and not options[name].is_flag:
+            if not equals:
+                next(rest, None)  # its value, which may look like an option
+            of = options[name]
+            if of.name in typed and not of.multiple:
+                alias = f", once as {typed[of.name]}" if typed[of.name] != name else ""
+                raise InputError(f"{name} takes one value, and it is typed twice{alias}: leave one of them out")
+            typed[of.name] = name
+        elif f"-{name}" in options:
+            ctx.fail(f"no option {word}: did you mean -{word}?")
+        elif word.startswith("-") and is_part(word):
+            _refuse_extra(ctx, words, i, several)
+
+
+def _refuse_extra(ctx: Any, words: Sequence[str], i: int, several: Sequence[str]) -> None:
+    """Refuse word i, which is no argument, with the numbers around it, and name the option that takes them."""
+    numbers = [*takewhile(is_part, words[i::-1])][:0:-1] + [*takewhile(is_part, words[i:])]
+    takes = [param.metavar for param in ctx.command.params if param.param_type_name == "argument"]
+    refused, write = repr(" ".join(numbers) or words[i]) + " is no", ""
+    before = [word.partition("=")[0] for word in words[max(i - 2, 0) : i]]
+    if option := next((word for word in before if word in several), ""):
+        refused = f"{words[i]!r} is neither a number for {option} nor an"
+    elif numbers and (option := next((name for name in MAIN_OPTIONS if name in several), "")):
+        write = f"; write {option} {' '.join(numbers)}"
+    ctx.fail(f"{refused} argument: {ctx.info_name} takes {' '.join(takes) or 'none'}{write}")
 
 
 def joined(words: Sequence[str], options: Collection[str]) -> list[str]:
@@ -130,7 +157,8 @@ def joined(words: Sequence[str], options: Collection[str]) -> list[str]:
     for i, word in enumerate(words):
         if word == "--":
             return [*made, *words[i:]]
-        if goes_on and _is_part(word):
+        # A word between numbers is a wrong one of them: who reads the option says so.
+        if goes_on and (_is_part(word) or (not word.startswith("-") and _is_part(" ".join(words[i + 1 : i + 2])))):
             made[-1] += f" {word}"
             continue
         option, _, value = word.partition("=")

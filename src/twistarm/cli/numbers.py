@@ -14,7 +14,7 @@ from typer import Argument, Option
 
 from ..arm.arm import Arm
 from ..support.checks import Array
-from ..support.errors import InputError, listed
+from ..support.errors import InputError, closest, listed
 from ..support.units import UNITS, parse
 from .output import note, warn
 from .tables import outside
@@ -81,11 +81,11 @@ def parse_numbers(text: str, units: str, option: str, radians: bool = False) -> 
     values = [typed_number(*pair, radians=radians) for pair in zip(typed, quantities, strict=False)]
     wrong = [written.strip() for written, value in zip(typed, values, strict=False) if not np.isfinite(value)]
     if len(typed) != len(quantities) or wrong:
-        zeros = " ".join("0" for _ in quantities)
+        example = " ".join("100"[: len(quantities)] + "0" * (len(quantities) - 3))
         why = f"; {wrong[0]!r} is not such a number" if wrong else ""
         such = SUCH_AS[quantities[0]]
         raise InputError(
-            f"{option} takes {len(quantities)} numbers such as {such}, as in {option} {zeros}; got {text!r}{why}"
+            f"{option} takes {len(quantities)} numbers such as {such}, as in {option} {example}; got {text!r}{why}"
         )
     return np.array(values)
 
@@ -183,9 +183,10 @@ class JointValues:
         """theta (n,) of the arm. Omitted joints are as in `rest`, a name and its theta, by default the pose ready."""
         if self.text.strip() in arm.configurations:
             return arm.theta_from(self.text.strip())
+        wrong = next((word for word in self.text.split() if "=" not in word and not is_part(word)), self.text)
         neither = (
-            f"{self.text!r} is neither joint values ({arm.n} numbers, or joint=value …) "
-            f"nor one of the poses {listed(arm.configurations)}"
+            f"{self.option} takes joint values ({arm.n} numbers, or joint=value …) or one of the poses "
+            f"{listed(arm.configurations)}; {wrong!r} is none of them{closest(wrong, arm.configurations)}"
         )
         if "=" not in self.text:
             if not is_part("".join(self.text.split())):
