@@ -58,7 +58,7 @@ def test_info_tells_what_was_loaded(capsys: Capture) -> None:
         "velocity": 0.5, "acceleration": content["joints"][0]["acceleration"], "jerk": None, "effort": 0,
     }  # fmt: skip
     assert content["joints"][4]["lower"] is None
-    assert (content["base"], content["tip"]) == ("base_link", "tool0")
+    assert (content["base"], content["tip"], content["tool_axis"]) == ("base_link", "tool0", [0.0, 0.0, 1.0])
 
 
 def test_arms_lists_the_catalogue(capsys: Capture) -> None:
@@ -259,6 +259,8 @@ BAD = (
     (IK + "--all --fixed-joint elbow=500", "500°"),
     (IK + "--all --posture middle", "--posture"),
     ("plan rover_arm", "--to"),
+    ("guide print rotation", "closest: '2_1_1_rotation_matrices', '2_1_2_exponential_rotations' ("),
+    (PLAN + "--avoid none.toml", "error: none.toml: cannot"),
     ("plan rover_arm --to '0.7 0 0 0 0'", "slide"),
     ("plan rover_arm motion.toml --line --stop", "--line, --stop"),
     ("plan rover_arm motion.toml --direction '0 0 1'", "--xyz"),

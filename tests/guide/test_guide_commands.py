@@ -38,7 +38,8 @@ def test_the_files_to_fill_in_are_written_and_never_overwritten(written: Path, c
     (written / f"{LESSONS[1]}.py").unlink()
     assert run(["guide", "exercises", "-o", str(written)]) == 0
     assert mine.read_text() == RIGHT
-    assert (written / f"{LESSONS[1]}.py").is_file()
+    file = written / f"{LESSONS[1]}.py"
+    assert f"guide check {file}\n" in file.read_text()
     assert "1 files written; 34 existing files kept" in capsys.readouterr().out
 
 

@@ -199,7 +199,7 @@ class Scene(Obstacles):
         place = self._description.place()
         kinds = {kind: listed(names) for kind, names in in_words(self._links).items()}
         if bare := [name for name in self._description.links if name not in {body.name for body in self._links}]:
-            kinds["no collision shape, so never in collision"] = listed(bare)  # frames without a body
+            kinds["no collision shape, so not checked"] = listed(bare)  # frames without a body
         own = [f"{kind}: {names}" for kind, names in kinds.items() if "collision shape" in kind]
         found = [finding("collision-shapes", place, what, "check them in the view, layer Collision") for what in own]
         if others := [f"{kind}: {names}" for kind, names in kinds.items() if "collision shape" not in kind]:

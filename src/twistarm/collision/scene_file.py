@@ -118,8 +118,9 @@ def read_scene(path: Path, links: Iterable[str] = ()) -> SceneFile:
 
 
 def _toml(path: Path) -> SceneFile:
+    read = parse_toml(path, "a scene.toml")
     with inside(path):
-        content = fields(parse_toml(path, "a scene.toml"), "", {}, TOP)
+        content = fields(read, "", {}, TOP)
     angle = np.pi / 180.0 if content.get("degrees") else 1.0
     entries = [Entry("ground", "plane", (), np.eye(4))] if content.get("ground") else []
     for kind in (*SIZES, *FILES):

@@ -190,7 +190,7 @@ def require_free(scene: Scene, arm: Arm, motion: Trajectory) -> None:
     """Raise PathError if a motion through waypoints collides; a start in collision may be left."""
     hit = first_collision(require_scene(scene, arm).leaving(motion.waypoints[0]), motion)
     if hit is not None:
-        place = f"the way from waypoint {hit.leg} to {hit.leg + 1} (counted from 0)"
+        place = f"the way from waypoint {hit.leg} to {hit.leg + 1} (0 is the start)"
         raise PathError(
             f"{hit}; add waypoints round it", theta=hit.theta, reason="collision", segment=hit.leg, place=place
         )

@@ -165,7 +165,7 @@ def plan_joint(
     inside = PathBounds(bounds, arm.actuators, torques=effort)
     if effort is not None:
         for i, point in enumerate(points):
-            effort.require_held(point, f"waypoint {i} (counted from 0)")
+            effort.require_held(point, f"waypoint {i} (0 is the start)")
     breakpoints, coefficients = np.zeros(2), points[None]
     if times is None:
         knots, owner, merged = distinct(points)

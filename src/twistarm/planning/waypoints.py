@@ -62,7 +62,7 @@ def as_waypoints(arm: Arm, waypoints: Waypoints, tolerances: Tolerances, unwrap:
     for i, waypoint in enumerate(waypoints):
         theta = _configuration(arm, waypoint, i, points[-1] if points else arm.ready, tolerances)
         if points and (unwrap or len(notes) < MOST_NAMED):
-            theta, shorter = unwrapped(arm, theta, points[-1], f"waypoint {i} (counted from 0)", unwrap)
+            theta, shorter = unwrapped(arm, theta, points[-1], f"waypoint {i} (0 is the start)", unwrap)
             notes += shorter
         points.append(theta)
     if not points:
@@ -77,7 +77,7 @@ def _configuration(arm: Arm, waypoint: Any, index: int, near: Array, tolerances:
     if isinstance(waypoint, TARGETS) or _is_pose(waypoint):
         solution = solve_ik(arm, waypoint, near, **tolerances.keywords, posture="theta0")
         if not solution.converged:
-            why = joined(": ", [f"waypoint {index} (counted from 0)", in_one_line(solution)])
+            why = joined(": ", [f"waypoint {index} (0 is the start)", in_one_line(solution)])
             raise NotConvergedError(why, solution)
         return np.array(solution.theta)
     theta = arm.theta_from(waypoint, name=f"waypoint {index}")
@@ -142,7 +142,7 @@ def distinct(points: Array) -> tuple[Array, Array, list[str]]:
     kept[-1] = len(points) - 1
     merged = [str(i) for i in range(1, len(points)) if owner[i] == owner[i - 1]]
     which = ", ".join(merged[:MOST_NAMED]) + (", …" if len(merged) > MOST_NAMED else "")
-    notes = [f"merged with the waypoint before, which is at the same place: {which} (counted from 0)"] if merged else []
+    notes = [f"merged with the waypoint before, which is at the same place: {which} (0 is the start)"] if merged else []
     return points[kept], np.array(owner), notes
 
 

@@ -136,7 +136,7 @@ def on_limits(
     (i, j), beyond, side = farthest_outside(waypoints, limits)
     if beyond > GIVEN_TOL:
         remedy = "move the waypoint"
-        where = what or f"waypoint {i} (counted from 0)"
+        where = what or f"waypoint {i} (0 is the start)"
         raise _beyond(waypoints[i], j, side, limits, names, units, where, remedy)
     return np.clip(waypoints, limits.lower, limits.upper)
 
@@ -187,7 +187,9 @@ def _beyond(
             beyond=Quantity(abs(float(theta[j] - limit)), units[j]),
             side=side,
             limit=Quantity(limit, units[j]),
-            remedies=Remedies((remedy, Text("change the limit by {limits}", limits=Argument("limits")))),
+            remedies=Remedies(
+                (remedy, Text("correct the limit by {limits} if the robot goes farther", limits=Argument("limits")))
+            ),
             hint=Text(" ({hint})", hint=hint) if hint else "",
         )
     )

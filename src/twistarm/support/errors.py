@@ -129,12 +129,13 @@ def unknown_name(kind: str, given: Any, names: Iterable[str], *, within: str, li
 
 
 def closest(given: Any, names: Iterable[str]) -> str:
-    """`; closest: 'a', 'b'`, or nothing where no name is similar."""
+    """`; closest: 'a', 'b'`: names that contain the word, or else similar ones; nothing where there are none."""
     if not isinstance(given, str) or len(given) > LONGEST_COMPARED:
         return ""
     candidates = [name for name in names if len(name) <= LONGEST_COMPARED]
     folded = {name.casefold(): name for name in candidates}
-    matches = get_close_matches(given.casefold(), folded, n=3, cutoff=0.5)
+    word = given.casefold()
+    matches = [name for name in folded if len(word) > 2 and word in name][:3] or get_close_matches(word, folded, 3, 0.5)
     return "; closest: " + ", ".join(_quoted(folded[m]) for m in matches) if matches else ""
 
 

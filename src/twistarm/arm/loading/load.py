@@ -264,7 +264,8 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
     why, near = why_no_file(path), ""
     if why != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
         if why == FOLDER:
-            remedy = f"give a file in it: {listed(_descriptions_in(path)) or 'none is a description'}"
+            files = listed(_descriptions_in(path))
+            remedy = f"give a file in it: {files}" if files else "no description is in it: give another folder's file"
             raise refusal("file-unreadable", Place(text[:200]), why, remedy)
         with suppress(OSError, ValueError):
             near = closest(path.name, [sibling.name for sibling in path.parent.iterdir()])

@@ -123,8 +123,8 @@ def toml_table(header: str, values: Mapping[str, float]) -> str:
 def summary(arm: Arm, able: Abilities) -> str:
     """One line: the directions of motion, of six, and how they split."""
     spare = arm.n - able.rank
-    turns = "its orientation follows from its position" if not able.turning else f"{able.turning} of 3 rotations there"
-    text = f"moves its tool in {able.rank} of 6 directions: {able.position} of 3 for the position, {turns}"
+    turns = f"turns it in place about {able.turning} of 3" if able.turning else "its position fixes its orientation"
+    text = f"moves its tool along {able.position} of 3 axes, {turns}"
     return f"{text}; {plural(spare, 'joint')} to spare" if spare else text
 
 

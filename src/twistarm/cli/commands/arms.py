@@ -22,6 +22,7 @@ from ...description.companions.arm_file import MOTOR_LIMITS
 from ...ik import closed_form_of
 from ...limits.actuators import Actuators
 from ...planning.motion_file import draft_motion_file
+from ...support.directions import direction_in_words
 from ...support.errors import InputError, without_places
 from ...support.messages import Argument
 from ..numbers import argument, switch
@@ -55,7 +56,7 @@ def show_arm(out: Outputs, arm: Arm) -> None:
     """Everything about the arm."""
     why_not, report = arm.why_not_compiled, closed_form_of(arm)
     data = {
-        **entries(arm, "name base tip n joint_names reach screws home ready"),
+        **entries(arm, "name base tip tool_axis n joint_names reach screws home ready"),
         "source": without_places(arm.source, Path(arm.source)),
         "named_states": dict(arm.named_states),
         "disabled_collisions": arm.disabled_collisions,
@@ -70,13 +71,14 @@ def show_arm(out: Outputs, arm: Arm) -> None:
     }
     freedom = "1 degree" if arm.n == 1 else f"{arm.n} degrees"
     head = f"{arm.name}: {freedom} of freedom from {arm.base} to {arm.tip}, reach {arm.reach:.3f} m ({arm.source})"
+    axis = f"the tool points along {direction_in_words(arm.tool_axis, 'tool')}, unless --axis names another"
     proof = arm.proof and (
         f"proof at load: screws and Pinocchio agree within {arm.proof.pose_error:.1e} (pose) and "
         f"{arm.proof.jacobian_error:.1e} (Jacobian) at {arm.proof.samples} random configurations"
     )
     article = "an" if report.target[0] in "AEIO" else "a"
     parts = [
-        head, "", joints_table(arm), "", _poses(arm), "", proof,
+        head, axis, "", joints_table(arm), "", _poses(arm), "", proof,
         f"engine: {engine_of(arm)}" + (f"; no compiled core: {why_not}" if why_not else ""),
         f"all configurations of {article} {report.target} (ik --all): {report}",
         *([] if arm.actuators is None else _motors(arm, arm.actuators)),

@@ -149,7 +149,11 @@ def comparisons(result: CrossCheck) -> tuple[Table | str, ...]:
     compared = [i for i, row in enumerate(rows) if not row.not_compared]
     left_out = [row for row in rows if row.not_compared]
     lines = (f"not compared: {row.quantity} ({', '.join(row.engines)}): {row.not_compared}" for row in left_out)
-    return Table("", columns, "comparisons", rows=compared), *lines
+    legend = (
+        "engines: poe = product of exponentials, core = the same compiled, walk and tree = our reader, "
+        "as written = of the file before repairs"
+    )
+    return Table("", columns, "comparisons", rows=compared), legend, *lines
 
 
 Golden = Annotated[Outputs, answers("output force", {"json": (".json",)})]
@@ -167,6 +171,14 @@ def freeze(source: ArmArgument, out: Golden) -> None:
 
 Margin = Annotated[float, quantity("m", "Distance below which a pair collides.", zero=True)]
 Srdf = Annotated[Outputs, answers("output force rad json", {"srdf": (".srdf",)}, over_description=True)]
+
+MEANINGS = {
+    "Adjacent": " (neighbours)",
+    "Default": " (collide at zero or ready)",
+    "Always": " (collide nearly everywhere)",
+    "Never": " (collided in no random configuration)",
+}
+"""The reasons of MoveIt's setup assistant in words."""
 
 
 def collisions(
@@ -186,7 +198,7 @@ def collisions(
     lines = [f"{arm.name}: {len(allowed)} pairs of links are not checked"]
     for reason in dict.fromkeys(made.allowed.values()):
         pairs = [" – ".join(pair) for pair, why in made.allowed.items() if why == reason]
-        lines.append(f"{reason}: {', '.join(pairs)}")
+        lines.append(f"{reason}{MEANINGS.get(reason, '')}: {', '.join(pairs)}")
     lines.append(f"collides in {100.0 * found.share:.1f} % of {found.samples} random configurations")
     columns = [
         Column("links", [pair.links for pair in found.pairs]),

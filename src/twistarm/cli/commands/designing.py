@@ -86,6 +86,7 @@ def payload(
     out.show(
         data,
         _needs_table(found, needs, mass),
+        "effort: greatest of all configurations; weakest in: share of them where this row limits the payload",
         *_sentences(found, by[worst], out.radians),
         files={"csv": lambda: _csv(found, x, by)},
     )
@@ -102,7 +103,7 @@ def _sentences(found: Payload, by: str, radians: bool) -> tuple[str, ...]:
     if least == 0.0:
         return f"{by} cannot hold the arm itself {at}:", typed
     median = f" (median {number(float(np.median(found.mass)), 2)} kg)" if found.mass.size > 1 else ""
-    return f"payload {number(least, 2)} kg at {found.arm.tip}{median}; {by} limits it {at}:", typed
+    return f"payload {number(least, 2)} kg at {found.arm.tip}{median}; {by} is the first to limit it, {at}:", typed
 
 
 def _needs_table(found: Payload, needs: Needs, mass: float) -> Table:
@@ -115,8 +116,8 @@ def _needs_table(found: Payload, needs: Needs, mass: float) -> Table:
         Column("unit", ["N" if unit == "m" else "N m" for unit in drives]),
         Column("effort", needs.effort, digits=3),
         Column("limit", found.limits, digits=3),
-        Column("share", needs.share, text=used),
-        Column("limits in", limiting, text=[f"{x:.0%}" for x in limiting]),
+        Column("of limit", needs.share, text=used, key="share"),
+        Column("weakest in", limiting, text=[f"{x:.0%}" for x in limiting]),
     ]
     if needs.speed.any():
         columns += [Column("speed /s", needs.speed, digits=3, key="speed"), Column("power", needs.power, "W", digits=1)]
@@ -159,7 +160,9 @@ def designs(
             note(f"{design.name}: {why}")
     columns = [Column(design.name, [number(getattr(design, name), 3) for name in NUMBERS.values()]) for design in found]
     records = [plain(design) | joints_table(design.arm).entries() for design in found]
-    out.show({"designs": records}, Table("", [Column("", list(NUMBERS)), *columns]))
+    missing = {"motion [s]": not targets and "--xyz", "panel, share done": panel is None and "--panel"}
+    heads = [f"{name} (needs {missing[name]})" if missing.get(name) else name for name in NUMBERS]
+    out.show({"designs": records}, Table("", [Column("", heads), *columns]))
 
 
 def reach(
@@ -196,7 +199,9 @@ def reach(
     out.show(
         {"arm": arm, "frame": found.frame, "voxel": voxel, "directions": found.directions}
         | {name: value for name, (value, _) in figures.items()},
-        Table(f"{arm.name}: reach in the frame {found.frame}, cubes of {voxel:g} m", columns),
+        Table(
+            f"{arm.name}: reach in the frame {found.frame}, cubes of {voxel:g} m; --directions {directions}", columns
+        ),
         *([] if found.counts.any() else [nothing]),
         written=[name for _, name in out.files],
     )

@@ -31,16 +31,16 @@ Array = NDArray[np.float64]
 '''
 
 
-def python_text(lesson: str) -> str:
-    """The Python file of a lesson, its functions to be filled in."""
-    head = HEAD.format(lesson=lesson, file=HERE / f"{lesson}.py")
+def python_text(lesson: str, folder: Path = HERE) -> str:
+    """The Python file of a lesson in the folder, its functions to be filled in."""
+    head = HEAD.format(lesson=lesson, file=folder / f"{lesson}.py")
     return "\n\n".join([head, *(exercise.template for exercise in exercises_of(lesson))])
 
 
-def exercise_files(arm: Arm) -> Iterator[tuple[str, str]]:
-    """Name and text of every file. Those for Octave and MATLAB hold instances of the arm."""
+def exercise_files(arm: Arm, folder: Path) -> Iterator[tuple[str, str]]:
+    """Name and text of every file in the folder. Those for Octave and MATLAB hold instances of the arm."""
     for lesson in LESSONS:
-        yield f"{lesson}.py", python_text(lesson)
+        yield f"{lesson}.py", python_text(lesson, folder)
     for name, text in octave_files(arm):
         yield f"octave/{name}", text
 
@@ -65,7 +65,7 @@ def write_exercises(folder: Path, arm: Arm) -> tuple[list[str], list[str]]:
         (folder / "octave").mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot make the folder {folder}: {error.strerror or error}") from error
-    for name, text in exercise_files(arm):
+    for name, text in exercise_files(arm, folder):
         if (folder / name).exists() or (folder / name).is_symlink():
             stayed.append(name)
         else:
