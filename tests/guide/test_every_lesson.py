@@ -21,6 +21,8 @@ from twistarm.guide.teaching import output
 from twistarm.guide.teaching.reader import VARIABLE, arm
 
 CLAIMS = Path(__file__).with_name("claims")
+REFERENCES = {"pin": pin, "expm": expm, "Rotation": Rotation}
+"""What claims compare with, beside the names of their lesson."""
 
 
 def claims_on(lesson: str) -> dict[str, Any]:
@@ -50,7 +52,7 @@ def run(lesson: str, scenes: Path | None) -> list[str]:
             if cell.code:
                 exec(compile("\n" * (cell.line - 1) + cell.source, str(lesson_file(lesson)), "exec"), names)
             elif titles := re.findall(r"^## (.*)$", cell.source, flags=re.MULTILINE):
-                exec(claims.pop(title, ""), dict(names))
+                exec(claims.pop(title, ""), {**names, **REFERENCES})
                 title = titles[-1]
     assert not claims, "each belongs to a section"
     return texts

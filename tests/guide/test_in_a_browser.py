@@ -68,10 +68,9 @@ def watched(page: Any) -> list[str]:
     """What goes wrong in a page, and what it asks for that is no file beside it."""
     seen: list[str] = []
     page.on("pageerror", lambda error: seen.append(str(error)))
-    page.on("console", lambda said: seen.append(said.text) if said.type == "error" else None)
-    page.on(
-        "request", lambda asked: None if asked.url.startswith(("file:", "data:", "blob:")) else seen.append(asked.url)
-    )
+    page.on("console", lambda message: seen.append(message.text) if message.type == "error" else None)
+    local = ("file:", "data:", "blob:")
+    page.on("request", lambda request: None if request.url.startswith(local) else seen.append(request.url))
     return seen
 
 
@@ -100,10 +99,25 @@ def test_every_page_reads_without_a_fault(course: Built, arms: Path, browser: An
     context.close()
 
 
-def test_the_scene_is_drawn_from_disk(built: Built, browser: Any) -> None:
-    page = browser.new_page()
-    seen = watched(page)
-    page.goto((built.folder / f"{LESSON}.html").as_uri())
+@pytest.fixture
+def opened(browser: Any) -> Iterator[Callable[..., Any]]:
+    """A function that opens a file as a page. No page may have an error or ask elsewhere."""
+    pages = []
+
+    def open_page(file: Path, **options: Any) -> Any:
+        page = browser.new_page(**options)
+        pages.append((page, watched(page)))
+        page.goto(file.as_uri())
+        return page
+
+    yield open_page
+    for page, seen in pages:
+        assert seen == []
+        page.close()
+
+
+def test_the_scene_is_drawn_from_disk(built: Built, opened: Any) -> None:
+    page = opened(built.folder / f"{LESSON}.html")
     frame, inside = page.locator("iframe"), page.frame_locator("iframe")
     assert frame.get_attribute("src") is None, "it waits for its reader"
     frame.scroll_into_view_if_needed()
@@ -112,17 +126,13 @@ def test_the_scene_is_drawn_from_disk(built: Built, browser: Any) -> None:
     assert not inside.get_by_role("heading", name="rover_arm").is_visible(), "folded"
     inside.get_by_label("Panel", exact=True).check()
     assert inside.get_by_role("heading", name="rover_arm").is_visible()
-    assert seen == []
-    page.close()
 
 
-def test_a_scene_shows_its_quantity_before_anybody_moves_it(browser: Any, tmp_path: Path) -> None:
+def test_a_scene_shows_its_quantity_before_anybody_moves_it(opened: Any, tmp_path: Path) -> None:
     arm, theta = load_arm("elbow"), [0.4, -0.7, 1.3, 0.5, 0.8, -0.3]
     (tmp_path / "scenes").mkdir()
-    for quantity, told in {
-        "configurations": "1 of 8",
-        "ellipsoid": f"{arm.manipulability(theta).condition:.4g}",
-    }.items():
+    condition = f"{arm.manipulability(theta).condition:.4g}"
+    for quantity, value in {"configurations": "1 of 8", "ellipsoid": condition}.items():
         shown: list[output.Shown] = []
         with output.installed(shown.append):
             output.scene(arm, theta, quantity=quantity)
@@ -130,10 +140,7 @@ def test_a_scene_shows_its_quantity_before_anybody_moves_it(browser: Any, tmp_pa
         (tmp_path / "scene.html").write_text(
             f"<meta charset=utf-8>{shown[0].html(tmp_path / 'scenes')}{script}", "utf-8"
         )
-        page = browser.new_page()
-        page.goto((tmp_path / "scene.html").as_uri())
-        page.frame_locator("iframe").get_by_text(told, exact=True).wait_for(timeout=60_000)
-        page.close()
+        opened(tmp_path / "scene.html").frame_locator("iframe").get_by_text(value, exact=True).wait_for(timeout=60_000)
     with pytest.raises(InputError, match="speed"):
         output.scene(arm, quantity="speed")
 
@@ -145,28 +152,24 @@ def test_frames_in_view_start_one_after_the_other(browser: Any, tmp_path: Path) 
     (tmp_path / "two.html").write_text(
         f'<iframe data-src="a.html"></iframe><iframe data-src="b.html"></iframe><script>{script}</script>'
     )
-    page, asked = browser.new_page(), []
-    page.route(re.compile(r"/[ab]\.html$"), lambda route: asked.append(route))
+    page, requests = browser.new_page(), []
+    page.route(re.compile(r"/[ab]\.html$"), lambda route: requests.append(route))
     page.goto((tmp_path / "two.html").as_uri(), wait_until="commit")
     page.wait_for_timeout(500)
-    assert [route.request.url[-6:] for route in asked] == ["a.html"]
-    asked[0].continue_()
+    assert [route.request.url[-6:] for route in requests] == ["a.html"]
+    requests[0].continue_()
     page.wait_for_timeout(500)
-    assert [route.request.url[-6:] for route in asked] == ["a.html", "b.html"]
-    asked[1].continue_()
+    assert [route.request.url[-6:] for route in requests] == ["a.html", "b.html"]
+    requests[1].continue_()
     page.close()
 
 
-def test_the_site_of_arms_leads_to_a_page_of_each(arms: Path, browser: Any) -> None:
-    page = browser.new_page()
-    seen = watched(page)
-    page.goto(arms.as_uri())
+def test_the_site_of_arms_leads_to_a_page_of_each(arms: Path, opened: Any) -> None:
+    page = opened(arms)
     assert page.evaluate("[...document.images].every((each) => each.complete && each.naturalWidth > 0)")
     page.get_by_role("link", name="scara").click()
     page.locator("body[data-drawn]").wait_for(timeout=60_000)
     assert page.get_by_role("heading", name="scara").is_visible()
-    assert seen == []
-    page.close()
 
 
 BOXES = """(figure) => [...figure.querySelectorAll("path")].map((path) => {
@@ -175,10 +178,8 @@ BOXES = """(figure) => [...figure.querySelectorAll("path")].map((path) => {
 })"""
 
 
-def test_a_figure_is_turned_zoomed_and_left_alone(built: Built, browser: Any) -> None:
-    page = browser.new_page()
-    seen = watched(page)
-    page.goto((built.folder / f"{LESSON}.html").as_uri())
+def test_a_figure_is_turned_zoomed_and_left_alone(built: Built, opened: Any) -> None:
+    page = opened(built.folder / f"{LESSON}.html")
     figure = page.locator("figure > .turns").first
     figure.scroll_into_view_if_needed()
     looks, first = [figure.inner_html()], figure.evaluate(BOXES)
@@ -208,8 +209,6 @@ def test_a_figure_is_turned_zoomed_and_left_alone(built: Built, browser: Any) ->
     assert changes(lambda: page.keyboard.press("0"))
     assert np.allclose(figure.evaluate(BOXES), first, atol=0.2), "as it was drawn"
     assert page.locator("figure > .turns").count() == page.locator("figure > .picture:has([data-eye])").count()
-    assert seen == []
-    page.close()
 
 
 @pytest.mark.parametrize("motion", ["no-preference", "reduce"])
@@ -226,39 +225,29 @@ def test_a_slider_plays_and_stops_where_the_reader_takes_it(motion: Any, bench: 
     assert float(turn.input_value()) == stopped
 
 
-def test_without_scripts_questions_answers_and_drawings_are_there(built: Built, browser: Any) -> None:
-    context = browser.new_context(java_script_enabled=False)
-    page = context.new_page()
-    page.goto((built.folder / f"{LESSON}.html").as_uri())
+def test_without_scripts_questions_answers_and_drawings_are_there(built: Built, opened: Any) -> None:
+    page = opened(built.folder / f"{LESSON}.html", java_script_enabled=False)
     assert page.locator(".slider .picture svg").first.is_visible()
     assert page.locator(".scene .still svg").first.is_visible()
     assert not page.locator("iframe").is_visible()
     page.locator(".prediction summary").first.click()
     assert page.locator(".prediction details div").first.is_visible()
-    context.close()
 
 
 @pytest.fixture
-def bench(browser: Any, tmp_path: Path) -> Iterator[Any]:
+def bench(opened: Any, tmp_path: Path) -> Callable[..., Any]:
     """A function that opens a slider and gives its page."""
-    pages = []
 
-    def opened(name: str, **numbers: Any) -> Any:
+    def open_slider(name: str, **numbers: Any) -> Any:
         shown: list[output.Shown] = []
         with output.installed(shown.append):
             slider(name, "?", "!", **numbers)
         scripts = "".join(f"<script>{site_file(name).decode()}</script>" for name in SCRIPTS)
         file = tmp_path / "slider.html"
         file.write_text(f"<meta charset=utf-8>{shown[0].html(None)}{scripts}", "utf-8")
-        page = browser.new_page()
-        pages.append((page, watched(page)))
-        page.goto(file.as_uri())
-        return page
+        return opened(file)
 
-    yield opened
-    for page, seen in pages:
-        assert seen == []
-        page.close()
+    return open_slider
 
 
 def numbers(page: Any) -> list[float]:

@@ -1,6 +1,4 @@
 # ## Your tool in four numbers
-from scipy.spatial.transform import Rotation
-
 by_scipy = np.roll(Rotation.from_matrix(R).as_quat(), 1)  # SciPy puts the scalar last
 assert np.allclose(abs(Q @ by_scipy), 1)
 assert np.allclose(Q, [np.cos(angle / 2), *(axis * np.sin(angle / 2))])

@@ -8,9 +8,6 @@ rates = np.gradient(orbit, times, axis=0)[1:-1]
 assert np.abs(rates - np.cross(omega, orbit[1:-1])).max() < 1e-3
 
 # ## The series becomes Rodrigues' formula
-from scipy.linalg import expm
-from scipy.spatial.transform import Rotation
-
 angle = 2.1
 assert np.allclose(rodrigues(omega, angle), Rotation.from_rotvec(omega * angle).as_matrix())
 assert np.allclose(rodrigues(omega, angle), expm(rotations.skew(omega) * angle))
@@ -25,8 +22,6 @@ for shaft, unit in zip(shafts.T, np.eye(turning.n), strict=True):
         assert np.allclose(rotations.skew(shaft) @ shaft, 0)
 
 # ## The way back: the logarithm
-from scipy.spatial.transform import Rotation
-
 assert np.allclose(rotations.exp(w) @ start, end)
 assert np.isclose(turn, np.linalg.norm(Rotation.from_matrix(change).as_rotvec()))
 if 0.01 < turn < np.pi - 0.01:  # where the formula above may be used
@@ -37,7 +32,5 @@ assert by_cosine[tiny] == 0
 assert np.abs(by_log / sizes - 1).max() < 1e-6
 
 # ## In use: which way is down?
-from scipy.spatial.transform import Rotation
-
 assert np.allclose(R @ g_t, g_s)
 assert np.allclose(g_t, Rotation.from_matrix(R).inv().apply(g_s))

@@ -3,10 +3,8 @@ assert np.allclose((g_st @ point)[:3], g_st[:3, :3] @ point[:3] + g_st[:3, 3])
 assert np.isclose(np.linalg.norm(g_st @ vector), np.linalg.norm(vector))
 
 # ## Frames in a row
-import pinocchio
-
 assert np.allclose(g_sf[:3, 3], (g_st @ point)[:3])
-assert np.allclose(g_sf, (pinocchio.SE3(g_st) * pinocchio.SE3(g_tf)).homogeneous)
+assert np.allclose(g_sf, (pin.SE3(g_st) * pin.SE3(g_tf)).homogeneous)
 assert np.allclose(arm.with_tool(g_tf, "screwdriver").fk(theta), g_sf)
 
 # ## The way back

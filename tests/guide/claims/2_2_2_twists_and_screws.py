@@ -12,9 +12,6 @@ for xi in arm.screws.T:
         assert np.allclose(screws.to_screw(xi).point, np.cross(w, v) / (w @ w))
 
 # ## The exponential
-import pinocchio as pin
-from scipy.linalg import expm
-
 for xi in [*kinds.values(), *arm.screws.T]:
     assert np.allclose(exponential(xi, 0.7), expm(screws.hat(xi) * 0.7))
     assert np.allclose(exponential(xi, 0.7), pin.exp6(xi * 0.7).homogeneous)
@@ -23,8 +20,6 @@ if np.count_nonzero(arm.coupling.A[:, 0]) == 1 == arm.coupling.A[0, 0]:
     assert np.allclose(moved, arm.fk(step * np.eye(arm.n)[0]))
 
 # ## Back again: the logarithm, and Chasles' theorem
-import pinocchio as pin
-
 assert np.allclose(xi, screws.log(end @ screws.inverse(start)))
 assert np.allclose(path[-1], end)
 assert np.allclose(screws.exp(pin.log6(pin.SE3(end @ screws.inverse(start))).vector) @ start, end)

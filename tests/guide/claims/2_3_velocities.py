@@ -5,8 +5,6 @@ assert np.allclose(g[:3, :3] @ V_b[:3], g_dot[:3, 3], atol=1e-6)
 assert np.allclose(V_s[:3] + np.cross(V_s[3:], g[:3, 3]), g_dot[:3, 3], atol=1e-6)
 
 # ## The Adjoint
-import pinocchio as pin
-
 Ad = np.block([[R, screws.hat(p) @ R], [np.zeros((3, 3)), R]])
 assert np.allclose(Ad, pin.SE3(g).action)  # Pinocchio's order is (v, ω) too
 assert np.allclose(Ad @ V_b, V_s, atol=1e-6)
@@ -18,8 +16,6 @@ assert np.allclose(other, screws.adjoint(screws.inverse(g_tn)) @ V_b, atol=1e-6)
 assert np.allclose(total, V_s, atol=1e-6)
 
 # ## Wrenches
-import pinocchio as pin
-
 assert np.allclose(F_s, [*(R @ F_t[:3]), *np.cross(p, R @ F_t[:3])])
 assert np.isclose(F_s @ V_s, F_t @ V_b, atol=1e-5)
 assert np.allclose(pin.SE3(g).act(pin.Force(F_t)).vector, F_s)

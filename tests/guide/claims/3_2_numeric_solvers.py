@@ -8,8 +8,6 @@ for i, step in enumerate(h * np.eye(arm.n)):
     assert np.allclose(column, arm.body_jacobian(arm.ready)[:, i], atol=1e-5)
 
 # ## The error twist
-import pinocchio as pin
-
 way = pin.log6(pin.SE3(np.linalg.solve(arm.fk(start), g_d))).vector
 assert np.allclose(gap, way, atol=1e-9)
 assert abs(predicted - 1000 * l2 * np.radians(1.0)) < 1e-9  # the elbow's circle

@@ -62,7 +62,7 @@ def index_page(titles: Titles, arm: Arm, failed: Iterable[str]) -> str:
     failures = "".join(f'<p class="failed" role="note">{escape(words)}</p>' for words in failed)
     joints = f"{arm.n} joint{'s' * (arm.n != 1)}"
     body = (
-        f"<h1>The kinematics of robot arms</h1>{failures}"
+        f"<h1>The guide</h1>{failures}"
         f"{block(_filled('index.md', arm=arm.name.replace('`', ''), joints=joints))}{parts}"
         f"{block(_filled('exercises.md', here=str(HERE), first=LESSONS[0]))}"
         f"{table(('Section', 'What is in it', 'Lesson'), rows, 'Sections of the guide')}"

@@ -115,6 +115,7 @@ def plain(value: Any, depth: int = 0) -> Any:
         if value.dtype.kind not in "biuf":
             raise TypeError(f"a value of type array of {value.dtype}")
         return np.array(_bounded(value, value.shape), float)
+    # A list may contain itself, and no answer is nested more deeply.
     if isinstance(value, (list, tuple)) and depth < 5:
         parts = [plain(part, depth + 1) for part in _bounded(value, (len(value),))]
         alike = parts and not any(part is None or isinstance(part, list) for part in parts)

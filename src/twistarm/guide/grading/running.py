@@ -76,6 +76,7 @@ def run_function(function: Callable[..., Any], name: str, rows: Rows, seconds: f
 
 def _in_a_copy(work: Callable[[], Any], seconds: float) -> tuple[Any, str]:
     """The result of the work in a copy of this process, and its output. A failed copy's result says how it ended."""
+    # A fork takes the reader's function as it is: one of a notebook cannot be pickled or imported anew.
     context = multiprocessing.get_context("fork")
     receiver, sender = context.Pipe(duplex=False)
     with TemporaryFile("w+", encoding="utf-8", errors="replace") as printed:
@@ -83,7 +84,7 @@ def _in_a_copy(work: Callable[[], Any], seconds: float) -> tuple[Any, str]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # of threads: the copy uses nothing that they hold
             copy.start()
-        sender.close()
+        sender.close()  # else the receiver would not see the end of a copy that died
         try:
             late = f"was not done after {seconds:g} s: does a loop or a recursion never end?"
             result = receiver.recv() if receiver.poll(seconds) else late
@@ -154,6 +155,7 @@ def _answers(function: Callable[..., Any], rows: Rows, file: str) -> list[Return
 def _load(source: str, name: str, folder: Path) -> tuple[Run, Functions]:
     """A reader's file and the functions that it defines; none if it cannot be run."""
     try:
+        # The reader's file has no `from __future__` unless it says so; ours has.
         code = compile(source, name, "exec", dont_inherit=True)
     except SyntaxError as error:
         message, text = str(error.msg), (error.text or "")[:200].rstrip("\n")
@@ -166,7 +168,7 @@ def _load(source: str, name: str, folder: Path) -> tuple[Run, Functions]:
     os.chdir(folder)
     sys.path.append(str(folder))
     module = types.ModuleType("exercises_of_the_reader")
-    sys.modules[module.__name__] = module
+    sys.modules[module.__name__] = module  # dataclasses look their module up there
     module.__file__ = name
     try:
         exec(code, vars(module))

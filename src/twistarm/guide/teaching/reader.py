@@ -97,6 +97,7 @@ def check(function: Callable[..., Any]) -> grading.Report:
         InputError: It is no function.
         UnknownNameError: There is no exercise of its name; the closest one is named.
     """
+    # A file that grades itself would start a copy in each copy, without end.
     if os.environ.get(grading.IN_SANDBOX):
         return grading.Report(getattr(function, "__name__", ""))
     report = _ShownReport(**vars(grading.check(function, arm())))

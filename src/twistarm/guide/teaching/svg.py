@@ -30,6 +30,7 @@ def of(figure: Any) -> str:
     # A style element in it would be one of the whole page.
     text = re.sub(r"<(metadata|style).*?</\1>", "", text[text.index("<svg") :].strip(), flags=re.DOTALL)
     head, _, text = text.partition(">")
+    # matplotlib writes points, and a page shows pixels: 96/72 of them.
     width, height = (float(re.search(rf' {side}="([\d.]+)pt"', head)[1]) for side in ("width", "height"))  # type: ignore[index]
     head = (
         f'<svg viewBox="0 0 {width:g} {height:g}" style="width:{width * 1.34:.0f}px" aria-hidden="true" '
