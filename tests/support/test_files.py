@@ -58,7 +58,7 @@ def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch, f
 
 @pytest.mark.parametrize(
     ("path", "culprit"),
-    [("missing/a.txt", "missing"), (".", ""), ("/dev/zero", "/dev/zero"), (None, "None"), ("a\0b", "a")],
+    [("missing/a.txt", "missing"), (".", "folder"), ("/dev/zero", "/dev/zero"), (None, "None"), ("a\0b", "a")],
 )
 def test_what_cannot_be_written_is_named(here, path, culprit):
     with pytest.raises(InputError, match=culprit):
