@@ -262,6 +262,7 @@ BAD = (
     ("guide print rotation", "closest: '2_1_1_rotation_matrices', '2_1_2_exponential_rotations' ("),
     (PLAN + "--avoid none.toml", "error: none.toml: cannot"),
     ("plan rover_arm --to '0.7 0 0 0 0'", "slide"),
+    ("plan rr_planar --to zero --counts -o m.csv", "[actuators.NAME]"),
     ("plan rover_arm motion.toml --line --stop", "--line, --stop"),
     ("plan rover_arm motion.toml --direction '0 0 1'", "--xyz"),
     (PLAN + "--kind banana", "'banana'"),

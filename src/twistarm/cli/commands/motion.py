@@ -183,6 +183,8 @@ def plan(
     kept = _kept(keep, keep_tol, avoid is not None and not line and motion is None)
     if counts and not all(FORMATS[kind].counts for kind, _ in out.files):
         raise InputError("--counts goes with *.csv and *.h: a JointTrajectory is in rad and m")
+    if counts and arm.actuators is None:
+        raise InputError(f"--counts is about motors: describe those of {arm.name} as [actuators.NAME] in its arm.toml")
     if offset is not None and mass is None:
         raise InputError("--offset is where the mass of --mass is: give both")
     poses = [arm.ready if start is None else start.of(arm)]
