@@ -136,11 +136,12 @@ def test_a_port_or_host_that_is_none(arm: Arm, name: str, value: Any, allowed: s
         Viewer(arm, open_browser=False, **{name: value})
 
 
-def test_closing_leaves_nothing(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_closing_leaves_nothing(arm: Arm, viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
     def no_process(*arguments: Any, **options: Any) -> None:
         raise AssertionError("the viewer starts no process, Meshcat's server least of all")
 
     monkeypatch.setattr(subprocess, "Popen", no_process)
+    visit(viewer)  # which begins the thread that looks up names for these pages
     threads = set(threading.enumerate())
     viewer = Viewer(arm, open_browser=False)
     port = port_of(viewer)

@@ -168,7 +168,8 @@ class Program(Part):
         if isinstance(planned, PathError):
             show.draw_path(path, lambda: same(cause, self._cause(show)))
             end = _ends(poses)[-1 if planned.segment is None else planned.segment].name
-            raise InputError(f"on the way to '{end}' {page_words(planned.detail)}")
+            more = ", or choose another move for it" if planned.reason == "not kept" else ""
+            raise InputError(f"on the way to '{end}' {page_words(planned.detail)}{more}")
         if show.driven:
             raise InputError("the motion is not loaded: a servo drives the arm; end it, then plan again")
         self._motion = planned
