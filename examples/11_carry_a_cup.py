@@ -10,7 +10,7 @@ UP = np.array([0.0, 0.0, 1.0])
 TABLE, EDGE = 0.32, 0.06  # m: the height of the table's top, and of the rim round it
 
 # The gripper points forward and holds the cup upright: its axis is the one of the tool that points up at the start.
-arm = load_arm("rover_arm_6dof", limits={"acceleration": 3.0})
+arm = load_arm("rover_arm_6dof")
 scene = Scene(arm, margin=0.005)
 scene.add_box("table", (0.3, 0.5, 0.04), (0.85, 0.35, TABLE - 0.02))
 scene.add_box("edge", (0.3, 0.02, EDGE), (0.85, 0.11, TABLE + EDGE / 2))

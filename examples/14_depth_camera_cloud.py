@@ -6,7 +6,7 @@ import numpy as np
 
 from twistarm import FreeMove, Scene, load_arm, plan
 
-arm = load_arm("rover_arm_6dof", limits={"acceleration": 3.0})
+arm = load_arm("rover_arm_6dof")
 aside = np.array([0.7, 0.0, 0.0, 0.0, 0.0, 0.0])
 start, goal = arm.ready - aside, arm.ready + aside
 

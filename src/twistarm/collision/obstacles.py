@@ -151,7 +151,7 @@ class Obstacles:
     ) -> None:
         """Add a point cloud: every voxel that holds a point is an obstacle, whole.
 
-        Voxels are cubes along the axes of the cloud's frame. Two bodies that overlap have the depth of one voxel.
+        Voxels are cubes along the axes of the cloud's frame. An overlap has the depth of one of its voxels.
 
         Args:
             name: A name that no link and no obstacle has.
@@ -159,7 +159,7 @@ class Obstacles:
             voxel: Side of the voxels [m].
             pose: Pose (4, 4) or position (3,) of the cloud's frame in the base frame; by default its origin.
             without_arm: Leave out points within 20 mm of the arm's shapes at `theta`.
-            theta: The configuration (n,) in which the arm stood; by default its ready pose.
+            theta: The configuration (n,) in which the arm stood; by default its ready one.
         """
         place = _as_place(pose)
         given: Path | Array = as_path(points) if isinstance(points, (str, os.PathLike)) else _as_points(points)

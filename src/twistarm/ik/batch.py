@@ -139,7 +139,7 @@ def solve_ik_batch(
     Args:
         arm: The arm.
         targets: Poses (N, 4, 4), or a sequence of `Pose`, `Position`, `Approach`, `TolerancedPose` and poses (4, 4).
-        theta0: Start (n,) or (N, n) [rad, m], or the name of a pose.
+        theta0: Start (n,) or (N, n) [rad, m], or the name of one.
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].
         restarts: Greatest number of searches for each target.

@@ -62,7 +62,7 @@ def solve_ik(
     Args:
         arm: The arm.
         target: `Pose`, `Position`, `Approach`, `TolerancedPose`, or a pose (4, 4).
-        theta0: Start (n,) [rad, m], {joint: value} or a pose's name; by default `arm.ready`.
+        theta0: Start (n,) [rad, m], {joint: value} or the name of one; by default `arm.ready`.
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].
         restarts: Greatest number of searches.

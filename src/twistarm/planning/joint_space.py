@@ -97,9 +97,9 @@ def plan_joint(
       0.1 s to its acceleration limit.
     - `time_optimal`: some velocity or acceleration is always at its limit. Jerk is not limited.
 
-    The path is the best of several splines: C² cubic or C⁴ quintic. The motion stops at a waypoint where that is
-    sooner done. It goes straight to and from such stops that follow one another. With `stop_at_waypoints` it stops at
-    all. An `s_curve` then gives each joint a separate profile, and all arrive together.
+    The path is the best of several splines: C² cubic or C⁴ quintic. The motion stops at a waypoint where that takes
+    less time. Between two such stops in a row it is straight. With `stop_at_waypoints` it stops at all. An `s_curve`
+    then gives each joint a separate profile, and all arrive together.
 
     At given `times` the motion is a spline in time, and the limits are checked:
 
@@ -119,7 +119,7 @@ def plan_joint(
 
     Args:
         arm: The arm.
-        waypoints: One or more arrays (n,) [rad, m], mappings {joint: value}, pose names (`arm.configurations`) or
+        waypoints: One or more arrays (n,) [rad, m], mappings {joint: value}, names of `arm.configurations` or
             targets.
         kind: "s_curve" or "time_optimal", and at given times "cubic" or "quintic".
         limits: By default those of the arm; a `JointLimits`, or changes such as {"velocity": 1.0, "acceleration":

@@ -172,7 +172,7 @@ def save_png(
     Args:
         arm: The arm.
         path: The file to write, which ends in .png.
-        theta: The configuration to show (n,) [rad, m]. By default the trajectory's start, else the ready pose.
+        theta: The configuration to show (n,) [rad, m]. By default the trajectory's start, else `arm.ready`.
         size: (width, height) [pixels].
         trajectory: A motion, to draw the path of its tool, or None.
     """

@@ -154,7 +154,7 @@ def _picture(snapshot: SceneSnapshot) -> bytes:
 
 
 def _drawing(arm: Arm) -> str:
-    """The arm at its ready pose as a line through its joints, for an index without pictures."""
+    """The arm in its ready configuration as a line through its joints, for an index without pictures."""
     points = np.array([np.zeros(3), *anchors(arm, arm.ready), arm.fk(arm.ready)[:3, 3]]) @ AXES.T
     extent = np.ptp(points, axis=0)
     at = np.array(PICTURE) / 2 + (points - points.min(axis=0) - extent / 2) * 300 / max(extent.max(), 1e-9)

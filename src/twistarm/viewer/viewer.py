@@ -42,7 +42,7 @@ MOVED = "the program moves the arm: Drive was switched off"
 
 
 class Viewer(Closeable):
-    """A view of `arm` at `theta` (default: the ready pose), served to the browser until `close`.
+    """A view of `arm` at `theta` (by default `arm.ready`), served to the browser until `close`.
 
     host: the interface. Any other host opens the view to a network. The token is still required.
 
