@@ -378,6 +378,7 @@ BAD = {
     "beyond a limit": (beyond, {}, LimitError, "rover_arm"),
     "no speed": (lambda m: m, {"speed": 0.0}, InputError, "speed"),
     "too fast": (lambda m: m, {"speed": 1.5}, InputError, "speed"),
+    "a start in degrees": (lambda m: m, {"start_tolerance": 5}, InputError, "286°"),
     "no start": (lambda m: m, {"start_tolerance": -1}, InputError, "start_tolerance"),
     "no control": (lambda m: m, {"control": "space"}, InputError, "control"),
 }

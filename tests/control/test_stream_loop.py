@@ -229,7 +229,7 @@ def test_options_that_cannot_be(stream, name, value):
 
 
 def test_settings_may_change_while_it_runs(rover, clock, robot, stream):
-    free, narrow = ServoSettings(), ServoSettings(position_margin=10.0)  # leaves the middle of each joint's range
+    free, narrow = ServoSettings(), ServoSettings(position_margin=1.5)  # leaves the middle of each joint's range
     elbow, change = rover.joint_names.index("elbow"), clock.now() + 1.0
     stream(Says(jog(rover, elbow=0.4)), settings=lambda: free if clock.now() < change else narrow)
     rates = robot.rates[:, elbow]

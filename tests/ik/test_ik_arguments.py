@@ -83,6 +83,7 @@ LONE: list[tuple[Any, dict[str, Any], str]] = [
     (G, {"theta0": np.zeros((2, 7))}, "theta0 must be one configuration"),
     (G, {"theta0": with_one(ARM.ready, 1e17)}, "theta0 holds 1e+17 for panda_joint7, beyond 1e+06 rad or m"),
     (G, {"position_tol": 0}, "position_tol [m]"),
+    (G, {"orientation_tol": 3.0}, "orientation_tol=3 is 172°: give at most 1.571 rad"),
     (G, {"restarts": 2.5}, "restarts must be a whole number"),
     (G, {"max_time": 0}, "max_time"),
     (G, {"rng": -1}, "rng must be a seed"),
@@ -107,6 +108,7 @@ MANY: list[tuple[Any, dict[str, Any], str]] = [
     ([G], {"theta0": with_one(ARM.ready, 1e17)}, "theta0 holds 1e+17 for panda_joint7, beyond 1e+06 rad or m"),
     ([], {"threads": 0}, "threads must be a whole number, at least 1, at most 256"),
     ([], {"threads": 2.0}, "threads must be a whole number"),
+    (G[None], {"orientation_tol": 3.0}, "172°"),
     ([], {"progress": 3}, "progress must be a function of (fraction)"),
     ([], {"position_tol": -1}, "position_tol [m] must be a finite number, 1e-12 or more"),
 ]

@@ -162,6 +162,7 @@ REFUSED = (
     (lambda: TolerancedPose(np.eye(4), np.zeros(5)), "six numbers"),
     (lambda: TolerancedPose(np.eye(4), [0, 0, 0, 0, 0, -0.1]), "negative"),
     (lambda: TolerancedPose(np.eye(4), [0, 0, 0, 0, 0, np.nan]), "NaN"),
+    (lambda: TolerancedPose(np.eye(4), [0, 0, 0, 5, 5, 5]), "286°"),
     (lambda: TolerancedPose(np.eye(4), [np.inf] * 3 + [4.0] * 3), "free"),
     (lambda: TolerancedPose(np.eye(4), np.zeros(6), frame="world"), "frame"),
     (lambda: as_target("forward"), "target must be a Pose"),

@@ -133,7 +133,7 @@ def test_a_proof_finds_what_samples_miss() -> None:
         ({}, "what to keep"),
         ({"direction": [0.0, 0.0, 0.0]}, "direction"),
         ({"direction": DOWN, "tol": 0.0}, "tol"),
-        ({"direction": DOWN, "tol": 5.0}, "half a turn"),
+        ({"direction": DOWN, "tol": 5.0}, "286°"),
         ({"direction": DOWN, "tol": np.nan}, "tol"),
         ({"tool_axis": DOWN, "box": [[0, 0, 0], [1, 1, 1]]}, "tool_axis"),
         ({"direction": True, "tool_axis": True}, "direction or tool_axis"),

@@ -326,6 +326,7 @@ def test_what_cannot_be_planned_is_refused(segments, options, error, words):
 
 def test_segments_refuse_what_makes_no_sense():
     for make, words in (
+        (lambda: LineMove(moved([0, 0, 0.1]), orientation_tol=3), "172°"),
         (lambda: LineMove(moved([0, 0, 0.1]), velocity_scaling=2.0), "share of the joints' velocity limits"),
         (lambda: LineMove(moved([0, 0, 0.1]), blend=-1.0), "blend"),
         (lambda: LineMove(moved([0, 0, 0.1]), label="a\nb"), "one line of text"),

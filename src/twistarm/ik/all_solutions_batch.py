@@ -18,7 +18,7 @@ from .answer import ConfigurationsBatch
 from .batch import MAX_THREADS, targets_for
 from .closed_form.methods import Method, method_for
 from .reached import reachable
-from .request import checked
+from .request import checked, in_radians
 from .solve_all import DEFAULT_SAMPLES, ROUNDING, checked_fixed_joints, solve_ik_all
 from .targets import AnyTarget, Approach, Pose, TargetLike
 from .task_space import ORIENTATION_TOL, POSITION_TOL, Tolerances
@@ -154,7 +154,12 @@ def solve_ik_all_batch(
     if isinstance(targets, np.ndarray) and fixed_joints is None and not include_turns:
         # Poses that are plainly right go straight to the core, which looks at each of them much faster.
         method = method_for(arm, Pose(np.eye(4)))
-        plain = method.core is not None and not method.sampled and type(position_tol) is type(orientation_tol) is float
+        plain = (
+            method.core is not None
+            and not method.sampled
+            and type(position_tol) is float
+            and in_radians(orientation_tol)
+        )
         start = arm.ready if theta0 is None else theta0
         tolerances = Tolerances(position_tol, orientation_tol)
         found = _by_core(arm, method, targets, start, tolerances, threads, solve_single) if plain else None

@@ -18,7 +18,7 @@ from ..support.errors import InputError, quote
 from .answer import CONVERGED, NOT_FINISHED, STOPS, Record, StopReason, record_type
 from .certainty import decide
 from .ranges import joint_ranges
-from .request import Deadline, Options, Request, checked, named
+from .request import Deadline, Options, Request, checked, in_radians, named
 from .solution import IKResult
 from .solve import collision_free
 from .targets import AnyTarget, Pose, TargetLike, checked_target, shape_hint, target_for, target_of
@@ -165,7 +165,7 @@ def solve_ik_batch(
         deadline = Deadline.after(None if max_time is None else as_positive(max_time, "max_time"))
     require_arm(arm).require_core("solve_ik_batch")
     options, batch = (position_tol, orientation_tol, restarts, rng, max_time), None
-    if isinstance(targets, np.ndarray):
+    if isinstance(targets, np.ndarray) and in_radians(orientation_tol):
         batch = _of_poses(arm, targets, theta0, posture, options, threads, progress)
     if batch is None:
         goals = targets_for(arm, targets)

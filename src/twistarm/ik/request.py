@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm
-from ..support.checks import Array, as_number, as_positive, as_seed, as_whole, frozen
+from ..support.checks import LARGEST_ANGLE_TOL, Array, as_number, as_positive, as_seed, as_whole, frozen, require_radians
 from ..support.errors import InputError, listed, quote
 from .task_space import Tolerances
 
@@ -80,9 +80,7 @@ def checked(
     return Request(
         theta0=start,
         posture=_posture(arm, posture, start, count),
-        tolerances=Tolerances(
-            as_tolerance(position_tol, "position_tol [m]"), as_tolerance(orientation_tol, "orientation_tol [rad]")
-        ),
+        tolerances=Tolerances(as_tolerance(position_tol, "position_tol [m]"), as_orientation_tol(orientation_tol)),
         restarts=searches,
         seed=as_seed(rng),
         max_time=math.inf if max_time is None else as_positive(max_time, "max_time [s]"),
@@ -125,6 +123,16 @@ def _posture(arm: Arm, posture: ArrayLike | str | None, start: Array, count: int
 def as_tolerance(value: float, name: str) -> float:
     """A tolerance. InputError for a value that is not a number, or is too small."""
     return as_number(value, name, LEAST_TOLERANCE)
+
+
+def as_orientation_tol(value: float, name: str = "orientation_tol [rad]") -> float:
+    """The same for a rotation. InputError also for a value that must be in degrees."""
+    return require_radians(as_tolerance(value, name), name.removesuffix(" [rad]"))
+
+
+def in_radians(orientation_tol: object) -> bool:
+    """Whether the core may take this tolerance, which it does not compare with `LARGEST_ANGLE_TOL`."""
+    return type(orientation_tol) is float and orientation_tol <= LARGEST_ANGLE_TOL
 
 
 @dataclass(frozen=True)

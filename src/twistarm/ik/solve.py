@@ -14,7 +14,7 @@ from . import textbook
 from .answer import CONVERGED, record_type
 from .certainty import decide
 from .ranges import joint_ranges
-from .request import Deadline, Options, checked, named
+from .request import Deadline, Options, checked, in_radians, named
 from .solution import IKResult
 from .targets import Pose, TargetLike, checked_target, target_for
 from .task_space import ORIENTATION_TOL, POSITION_TOL
@@ -103,7 +103,7 @@ def _by_core(arm: Arm, target: TargetLike, theta0: Any, posture: Any, options: O
     kind, numbers = (Pose.kind, target) if given is None else (given.kind, given.numbers)
     start = arm.ready if theta0 is None else named(arm, theta0)
     preferred = None if posture is None else named(arm, posture, start)
-    answer = arm.compiled.solve(kind, numbers, start, *options, preferred)
+    answer = arm.compiled.solve(kind, numbers, start, *options, preferred) if in_radians(options[1]) else None
     if answer is None:
         # The core takes plain arrays and numbers in their ranges. The checks convert the others, or say what is wrong.
         request = checked(arm, theta0, posture, *options)

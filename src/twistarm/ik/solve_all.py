@@ -20,7 +20,7 @@ from .closed_form.methods import Method, closest_miss_of, known_method, method_f
 from .closed_form.roots import Root
 from .gathering import Gathering, Members
 from .ranges import locked_joints
-from .request import Deadline, checked
+from .request import Deadline, checked, in_radians
 from .targets import AnyTarget, Approach, Pose, TargetLike, checked_target, target_for
 from .task_space import ORIENTATION_TOL, POSITION_TOL, Tolerances
 
@@ -189,7 +189,7 @@ def _at_once(
     method = known_method(arm, like, given.axis.tobytes() if isinstance(given, Approach) else None)
     if method is None or method.core is None or method.sampled:
         return None
-    if not (type(position_tol) is type(orientation_tol) is float):
+    if type(position_tol) is not float or not in_radians(orientation_tol):
         return None
     start, tolerances = arm.ready if theta0 is None else theta0, Tolerances(position_tol, orientation_tol)
     exact = tolerances.at_most(ROUNDING)

@@ -32,6 +32,7 @@ from ..support.checks import (
     frozen,
     require_choice,
     require_one,
+    require_radians,
 )
 from ..support.directions import direction_in_words, metres, numbers
 from ..support.display import Brief
@@ -261,7 +262,7 @@ class TolerancedPose(Brief):
     """The pose g within `tolerance`, six numbers (x, y, z [m], rx, ry, rz [rad]).
 
     The error is (p − p_g, log(R R_gᵀ)) in base axes. frame="target" turns it into the target's axes. A tolerance of 0
-    means the solver's tolerance. inf, or ≥ π for a rotation, leaves the component free. Position and orientation error
+    means the solver's tolerance. inf, or π for a rotation, leaves the component free. Position and orientation error
     are the norms of the excess over the tolerances. InputError for a negative tolerance, an unknown frame, or six free
     components.
     """
@@ -278,6 +279,9 @@ class TolerancedPose(Brief):
         numbers = engine.asked("task", as_given(g), as_given(tolerance), base_axes)
         if numbers is None:
             numbers = frozen([*_one_pose(g, "pose g").flat, *_as_tolerance(tolerance), base_axes])
+        for i, angle in enumerate(numbers[19:22].tolist(), 3):
+            if angle < math.inf:
+                require_radians(angle, f"tolerance[{i}]", math.pi)
         object.__setattr__(self, "g", numbers[:16].reshape(4, 4))
         object.__setattr__(self, "tolerance", numbers[16:22])
         object.__setattr__(self, "frame", frame)

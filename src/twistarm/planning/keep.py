@@ -13,18 +13,17 @@ from numpy.typing import NDArray
 
 from ..arm.arm import Arm
 from ..ik.targets import AnyTarget, Approach, Pose, Position, one_direction, one_vector
-from ..support.checks import Array, Matrix, Row, as_positive, as_reals, as_rotation, frozen
+from ..support.checks import Array, Matrix, Row, as_positive, as_reals, as_rotation, frozen, require_radians
 from ..support.directions import numbers
 from ..support.display import Brief
 from ..support.errors import InputError, quote
-from ..support.messages import Argument, Quantity, Text, joined
+from ..support.messages import Quantity, Text, joined
 from ..theory.rotations import skew
 from .configurations import shortest
 from .piecewise import bernstein, shifted
 
 Flags = NDArray[np.bool_]
 
-LARGEST_TOL = np.pi  # A tolerance of half a turn keeps nothing.
 ROUNDING = 1e-9  # How far [rad, m] beyond its tolerances a pose still counts as kept.
 STEPS = 12  # Gauss-Newton steps of a projection. Two or three are usual.
 DAMPING = 1e-6  # Of a step, beside squared rows of the Jacobian.
@@ -48,7 +47,7 @@ class Keep(Brief):
 
     orientation: a rotation R (3, 3), tool to base; the angle to it is at most `tol`. True: that of the start.
 
-    tol: the largest angle [rad], 0.05 by default.
+    tol: the largest angle [rad], 0.05 by default, at most π/2.
 
     box: least and greatest (x, y, z) of the tool's origin, (2, 3) [m] in base axes; ±inf where a side is open.
 
@@ -75,9 +74,7 @@ class Keep(Brief):
         if self.tool_axis is True and self.direction is True:
             raise InputError("give direction or tool_axis: one follows from the other at the start")
         checked: dict[str, Any] = {name: as_positive(getattr(self, name), name) for name in ("tol", "position_tol")}
-        if checked["tol"] >= LARGEST_TOL:
-            what, tol = "{tol} is half a turn or more: give a smaller angle", Quantity(self.tol, "rad", 3)
-            raise InputError(Text(what, tol=Argument("tol", tol)))
+        require_radians(checked["tol"], "tol")
         for name, check in (("direction", one_direction), ("tool_axis", one_direction), ("orientation", as_rotation)):
             value = getattr(self, name)
             checked[name] = value if value is None or value is True else frozen(check(value, name))

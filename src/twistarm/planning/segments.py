@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..ik.request import as_tolerance
+from ..ik.request import as_orientation_tol, as_tolerance
 from ..ik.targets import KINDS, AnyTarget, Pose, one_direction, one_vector
 from ..support.checks import Array, Row, as_flag, as_floats, as_number, as_positive, frozen, require, require_choice
 from ..support.display import Brief
@@ -27,7 +27,7 @@ OPTIONAL = {
     "linear_speed": as_positive,
     "angular_speed": as_positive,
     "position_tol": as_tolerance,
-    "orientation_tol": as_tolerance,
+    "orientation_tol": as_orientation_tol,
 }
 """Options of a move that may be None, and their checks."""
 

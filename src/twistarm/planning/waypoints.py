@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm
 from ..ik.ranges import joint_ranges
-from ..ik.request import as_tolerance
+from ..ik.request import as_orientation_tol, as_tolerance
 from ..ik.solution import in_one_line
 from ..ik.solve import solve_ik
 from ..ik.targets import KINDS as TARGETS
@@ -46,7 +46,7 @@ def as_tolerances(position_tol: float | None, orientation_tol: float | None) -> 
     """Return the tolerances of a motion's targets, the usual ones for None."""
     return Tolerances(
         USUAL.position if position_tol is None else as_tolerance(position_tol, "position_tol [m]"),
-        USUAL.orientation if orientation_tol is None else as_tolerance(orientation_tol, "orientation_tol [rad]"),
+        USUAL.orientation if orientation_tol is None else as_orientation_tol(orientation_tol),
     )
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
-from math import inf, nan
+from math import degrees, inf, nan, pi
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import QUOTED, InputError, RoundedPoseWarning, closest, one_line, quote, warn
+from .messages import Argument, Quantity, Text
 
 Array = NDArray[np.float64]
 
@@ -29,6 +30,7 @@ NO_NUMBERS = {"c": "complex numbers", "U": "text", "S": "text"}  # Kinds of NumP
 LARGEST = 1e300  # Numbers beyond are no quantity of this world, and sums of them overflow.
 LARGEST_WHOLE = 2**53 - 1  # Up to here every reader's numbers are whole.
 LONGEST_NUMBER = 400  # Characters of a written number.
+LARGEST_ANGLE_TOL = 0.5 * pi  # Of a tolerance [rad]. More is no tolerance, but an angle in degrees.
 LARGEST_ARRAY = 10**9  # More along one axis is a mistake.
 # How far a matrix may be from a rotation: as far as three printed decimals bring it. Farther, it is a mistake.
 ORTHONORMAL_TOL = 1e-3
@@ -118,6 +120,15 @@ def as_positive(value: Any, name: str, most: float = LARGEST, unit: str = "") ->
     if real <= 0.0:
         raise InputError(f"{name} must be above 0; got {quote(value)}")
     return real
+
+
+def require_radians(number: float, name: str, most: float = LARGEST_ANGLE_TOL) -> float:
+    """`number`, a tolerance [rad], or InputError where it is beyond `most`, as degrees are."""
+    if number > most:
+        given, allowed = Argument(name, Quantity(number, "rad", 4)), Quantity(most, "rad", 4)
+        turn = f"{degrees(number):.3g}°"
+        raise InputError(Text("{given} is {turn}: give at most {allowed}", given=given, turn=turn, allowed=allowed))
+    return number
 
 
 def as_whole(value: Any, name: str, least: int = 0, most: int = LARGEST_WHOLE) -> int:

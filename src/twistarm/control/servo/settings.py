@@ -12,7 +12,7 @@ from ...arm import engine
 from ...arm.abilities import NO_MOTION
 from ...arm.arm import Arm
 from ...limits.actuators import MotionLimits
-from ...support.checks import Array, as_number, as_positive, frozen, require_choice
+from ...support.checks import Array, as_number, as_positive, frozen, require_choice, require_radians
 from ...support.errors import InputError
 
 SLIDE, STOP = "slide", "stop"
@@ -55,7 +55,8 @@ class ServoSettings:
         if self.singularity_threshold <= NO_MOTION:
             raise InputError(f"singularity_threshold must be more than {NO_MOTION:g}, which counts as no motion at all")
         require_choice(self.on_unreachable, ON_UNREACHABLE, "on_unreachable")
-        object.__setattr__(self, "position_margin", as_number(self.position_margin, "position_margin", 0.0))
+        margin = require_radians(as_number(self.position_margin, "position_margin", 0.0), "position_margin")
+        object.__setattr__(self, "position_margin", margin)
 
 
 @dataclass(frozen=True, eq=False)

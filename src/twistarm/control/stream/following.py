@@ -20,7 +20,7 @@ from ...support.messages import Quantity, Text, joined
 from ..servo import ServoOutput, ServoReason, ServoSettings, ServoState
 from .cycles import Cycle, Cycles, StreamError, drive
 from .motion_clock import SLOPE, LimitedMotion, MotionClock, motion_of, way_there, why_elsewhere
-from .protocols import EMERGENCY_STOP, LONGEST_REASON, Clock, Feedback, LoopOptions, Setpoint, Sink, one_or_each
+from .protocols import EMERGENCY_STOP, LONGEST_REASON, Clock, Feedback, LoopOptions, Setpoint, Sink, joint_tolerances
 from .report import MOVED, Ending, StreamReport
 
 # Allowed distance of a joint from the command [rad, m]. Nobody corrects it by hand, unlike with a servo.
@@ -153,7 +153,7 @@ class Following(Cycles[FollowCycle]):
         self._leg = self._main = LimitedMotion.of(self._commanded_arm, self.motion)
         self.speed, self.approach = options.speed, options.approach
         self.largest_error, self.largest_lag = np.zeros(self.arm.n), np.zeros(self.arm.n)
-        self._near = one_or_each(options.start_tolerance, self.arm.n, "start_tolerance")
+        self._near = joint_tolerances(options.start_tolerance, self.arm, "start_tolerance")
         self._clock = MotionClock(0.0, 0.0)
         self._joins = 0.0  # the motion's time where the way to it ends [s]
         self._astray = False

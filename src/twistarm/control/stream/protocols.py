@@ -14,7 +14,8 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...support.checks import Array, as_flag, as_floats, as_positive, as_reals, require, require_choice
+from ...arm.arm import Arm
+from ...support.checks import Array, as_flag, as_floats, as_positive, as_reals, require, require_choice, require_radians
 from ...support.display import Brief
 from ...support.errors import InputError, TwistarmError, one_line, quote
 from ..servo import AnyCommand, ServoOutput, ServoState
@@ -238,6 +239,13 @@ def one_or_each(given: ArrayLike, n: int, name: str) -> Array:
     if values.shape not in ((), (n,)) or not (values > 0.0).all():
         raise InputError(f"{name} must be one positive number or {n}; got {quote(given)}")
     return np.broadcast_to(values, (n,))
+
+
+def joint_tolerances(given: ArrayLike, arm: Arm, name: str) -> Array:
+    """The same for tolerances of an arm's joints. InputError also for degrees of a joint that turns."""
+    values = one_or_each(given, arm.n, name)
+    require_radians(float(values[np.array(arm.units) == "rad"].max(initial=0.0)), name)
+    return values
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from ...support.display import short_repr
 from ...support.errors import InputError
 from ...support.messages import Quantity, Text, joined
 from ..servo import ServoReason
-from .protocols import TOLERANCE, Measured, one_or_each
+from .protocols import TOLERANCE, Measured, joint_tolerances
 
 
 class Ending(Enum):
@@ -173,7 +173,7 @@ class FeedbackWatch:
     def __init__(self, arm: Arm, timeout: float, tolerance: ArrayLike) -> None:
         self._arm = arm
         self._timeout = timeout
-        self._tolerance = one_or_each(tolerance, arm.n, "tolerance")
+        self._tolerance = joint_tolerances(tolerance, arm, "tolerance")
         self._heard = inf
         self._arrived = self.returned = False
         self._since = -inf
