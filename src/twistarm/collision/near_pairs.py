@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from math import inf
 from typing import Any
 
@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arm import engine
-from ..arm.bodies import Body
 from ..arm.checker import TOLERANCE, Checker
 from ..arm.pinocchio_model import PinocchioModel
 from ..support.checks import Array
@@ -33,15 +32,8 @@ class NearPairs(Checker):
     pairs `exact`, spheres against spheres, capsules, boxes and half-spaces, it is just that.
     """
 
-    def __init__(
-        self,
-        model: PinocchioModel,
-        bodies: Sequence[Body],
-        pairs: Sequence[tuple[int, int]],
-        margins: Sequence[float],
-        most: Array,
-    ) -> None:
-        super().__init__(model, bodies, pairs, margins)
+    def __init__(self, model: PinocchioModel, checker: Checker, most: Array) -> None:
+        super().__init__(model, checker.bodies, checker.pairs, checker.margins)
         parts = [getattr(body.shape, "parts", None) or [body.shape] for body in self.bodies]
         self._shapes = shapes = [part for of_body in parts for part in of_body]
         counts = np.array([len(of_body) for of_body in parts], dtype=int)
@@ -61,7 +53,9 @@ class NearPairs(Checker):
         self.least = np.array(self.margins)[self._owner]
         self._looked = self.least + LOOK
         self._cover(most)
-        self._slides = bool((pair_speeds(model, bodies, pairs, 2.0 * most + 1.0)[self._owner] > self.speeds).any())
+        self._slides = bool(
+            (pair_speeds(model, self.bodies, self.pairs, 2.0 * most + 1.0)[self._owner] > self.speeds).any()
+        )
         self._last = 0  # the nearest pair of the last question, likely that of the next
         objects = [self._geometry.geometryObjects[i] for i in body_of.tolist()]
         kinds = np.array([type(shape).__name__ for shape in shapes], dtype=str)

@@ -7,35 +7,28 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
-from itertools import combinations
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
-from ..arm.bodies import Body, Pair, Shapes, in_words, sorted_pair
-from ..arm.checker import Checker
-from ..arm.pinocchio_model import import_pinocchio
+from ..arm.bodies import Body, Pair, in_words
 from ..description.findings import Finding, Place, finding
-from ..support.checks import Array, Given, as_floats, as_number, as_whole, require, require_callback, require_mapping
+from ..support.checks import Array, Given, as_floats, as_whole, require
 from ..support.errors import InputError, TwistarmError, listed
 from ..support.files import as_path, writable, write_whole
-from .allowed_pairs import allowed_pairs
 from .answers import Collision, Contact, Distance
-from .near_pairs import NearPairs
-from .obstacles import Obstacles
+from .checkers import Checkers
 from .scene_file import Entry, SceneFile, read_scene, scene_text, with_points_in_files
-from .swept import FINE, Sweep, pair_speeds, shifted
-
-T = TypeVar("T")
+from .swept import FINE, shifted
 
 FAR = 2.0  # A cloud whose nearest point is so many times the arm's reach away is in another unit or frame.
 NEARLY = 1e-3, 0.05  # How much less than the clearance found a motion may have: so much [m], or this part of it.
 
 
-class Scene(Obstacles):
+class Scene(Checkers):
     """The shapes of an arm's robot and of obstacles, with the pairs to check for collisions.
 
     A link has its collision shapes, otherwise its visuals, otherwise capsules to the joints that it carries. Meshes are
@@ -68,16 +61,7 @@ class Scene(Obstacles):
         Raises:
             InputError: The arm has no description, or a margin is negative.
         """
-        super().__init__(arm, exact)
-        if isinstance(margin, Mapping):
-            given = require_mapping(margin, "margin", '{"forearm": 0.02}')
-            margin = {name: as_number(value, f"margin[{name!r}]", 0.0) for name, value in given.items()}
-        self._margin = margin if isinstance(margin, dict) else as_number(margin, "margin", 0.0)
-        self._progress = require_callback(progress, "progress", "(fraction)")
-        shapes = Shapes(import_pinocchio().coal, exact=self.exact)
-        self._links = tuple(shapes.of_links(self._description, arm.reach))
-        self._unreadable: Mapping[str, list[str]] = shapes.unreadable
-        self._found_pairs: Mapping[Pair, str] | None = None
+        super().__init__(arm, margin, exact, progress)
         self._loaded = SceneFile("", ())
         self.file: Path | None = None
 
@@ -231,28 +215,6 @@ class Scene(Obstacles):
             found.append(finding("scene-names", Place(str(self.file or "")), f"not used: {listed(unread)}", remedy))
         return tuple(found)
 
-    @property
-    def allowed(self) -> Mapping[Pair, str]:
-        """Sorted pairs that are not checked, and why: "SRDF", "Adjacent", "Default", "Always", "Never", or a reason."""
-        return {**self.find_allowed_pairs(), **self._allowed_too}
-
-    def find_allowed_pairs(self) -> Mapping[Pair, str]:
-        """The pairs of links that the SRDF, the scene's file, or the rules of `allowed_pairs` exempt.
-
-        They are found once, with `progress`, at this call or at the first question.
-        """
-        if self._found_pairs is None and self.arm.disabled_collisions:
-            self._found_pairs = dict.fromkeys(sorted(self.arm.disabled_collisions), "SRDF")
-        if self._found_pairs is None:
-            given = self.arm, self._model, self._description, self._links
-            self._found_pairs = allowed_pairs(*given, progress=self._progress)
-        return self._found_pairs
-
-    @property
-    def links(self) -> tuple[Body, ...]:
-        """The bodies of the robot's links."""
-        return self._links
-
     # -- questions -----------------------------------------------------------------------------------------------
 
     def collides(self, theta: ArrayLike, *, threads: int = 1) -> Any:
@@ -372,24 +334,6 @@ class Scene(Obstacles):
         other._made = {"checker": checker.with_margins(margins)}
         return other
 
-    @property
-    def largest_margin(self) -> float:
-        """The largest margin of a pair [m]."""
-        return max(self._checker.margins, default=0.0)
-
-    @property
-    def near_pairs(self) -> NearPairs:
-        """What finds the pairs that are near at a configuration."""
-        checker = self._checker
-        return self._kept(
-            "near", lambda: NearPairs(self._model, checker.bodies, checker.pairs, checker.margins, self._most)
-        )
-
-    def checks(self, clearance: float) -> Callable[[Array], bool]:
-        """A quick check of one configuration (n,): whether every pair keeps its margin and this clearance [m]."""
-        checker, q = self._sweep.checker(clearance), self._model.q
-        return lambda theta: not checker.collides(q(theta))
-
     # -- inside --------------------------------------------------------------------------------------------------
 
     def _fill(self, content: SceneFile) -> None:
@@ -429,68 +373,10 @@ class Scene(Obstacles):
             raise InputError(f"frame_id {frame!r} moves with the arm; give the pose in {self._description.root!r}")
         return link
 
-    def _kept(self, what: str, make: Callable[[], T]) -> T:
-        """What `make` makes of the present bodies, made once."""
-        made = self._made
-        if what not in made:
-            made[what] = make()
-        return made[what]
-
-    def _base(self, theta: Array) -> Array:
-        """The base's pose (4, 4) in Pinocchio's world."""
-
-        def there() -> Array:
-            base = self.arm.base
-            return self._model.link_poses([self._model.q(theta)], self._description.root, [base])[base][0]
-
-        moved = self._kept("moved", lambda: bool(self._joint_of(self.arm.base)))
-        return there() if moved else self._kept("base", there)
-
     def _prepare(self) -> None:
         self.collides(self.arm.ready)
         self.distance(self.arm.ready)
         self._sweep.checker(0.0)
-
-    @property
-    def _checker(self) -> Checker:
-        return self._kept("checker", self._make_checker)
-
-    def _make_checker(self) -> Checker:
-        bodies = (*self._links, *(tile for body in self._obstacles.values() for tile in body.tiles))
-        for name in () if isinstance(self._margin, float) else self._margin:
-            if name not in self._known_obstacles:
-                self._description.require_link(name, "margin")
-
-        def exempt(first: Body, second: Body) -> bool:
-            pair = sorted_pair(first.name, second.name)
-            if pair in self._allowed_too:
-                return True
-            if first.obstacle or second.obstacle:
-                touching = self._touching
-                return second.name in touching.get(first.name, ()) or first.name in touching.get(second.name, ())
-            return pair in self.find_allowed_pairs()
-
-        joints = [self._joint_of(body.carrier) for body in bodies]
-        pairs = [
-            (i, j)
-            for i, j in combinations(range(len(bodies)), 2)
-            if joints[i] != joints[j] and not exempt(bodies[i], bodies[j])
-        ]
-        # theta moves neither body of some pairs against the other, such as a passive wheel and the ground.
-        speeds = pair_speeds(self._model, bodies, pairs, self._most)
-        pairs = [pair for pair, row in zip(pairs, speeds, strict=True) if row.any()]
-        margin = self._margin
-        own = [margin if isinstance(margin, float) else margin.get(body.name, 0.0) for body in bodies]
-        return Checker(self._model, bodies, pairs, [max(own[i], own[j]) for i, j in pairs])
-
-    @property
-    def _sweep(self) -> Sweep:
-        return self._kept("sweep", lambda: Sweep(self._checker, self._model, self._most))
-
-    @property
-    def _most(self) -> Array:
-        """The greatest |theta| (n,) inside the arm's limits, and a little more, as bounds of motions are not tight."""
-        return 1.1 * np.abs(self.arm.sampling_bounds).max(axis=0)
 
 
 def _names(bodies: Sequence[Body], pair: tuple[int, int]) -> tuple[str, str]:
