@@ -18,13 +18,8 @@ from twistarm.support.errors import MissingExtraError
 # Relative to distance over the shortest time to that power: the spline is solved for, and that loses digits.
 SMOOTH = 1e-8
 
-FITS = {
-    # how many derivatives are continuous inside, and how many are zero at the ends
-    spline.cubic: (2, 1),
-    spline.quintic: (4, 2),
-    spline.cubic_rests: (1, 1),
-    spline.quintic_rests: (2, 2),
-}
+# Kind and stop; how many derivatives are continuous inside, and how many are zero at the ends.
+FITS = [("cubic", False, 2, 1), ("quintic", False, 4, 2), ("cubic", True, 1, 1), ("quintic", True, 2, 2)]
 
 
 @st.composite
@@ -41,12 +36,11 @@ def ends(coefficients, times, order):
     return evaluate(rows, np.zeros((len(times) - 1, 1))), evaluate(rows, np.diff(times)[:, None])
 
 
-@pytest.mark.parametrize("fit", FITS, ids=lambda fit: fit.__name__)
+@pytest.mark.parametrize(("kind", "stop", "smooth", "resting"), FITS)
 @given(path=paths())
-def test_it_passes_the_waypoints_smoothly_and_rests_at_the_ends(fit, path):
+def test_it_passes_the_waypoints_smoothly_and_rests_at_the_ends(kind, stop, smooth, resting, path):
     waypoints, times = path
-    smooth, resting = FITS[fit]
-    coefficients = fit(waypoints, times)
+    coefficients = spline.at_times(kind, waypoints, times, stop)
     for order in range(smooth + 1):
         start, end = ends(coefficients, times, order)
         size = np.abs(waypoints).max() / np.diff(times).min() ** order
@@ -83,11 +77,11 @@ def test_a_waypoint_very_near_another_leaves_a_natural_spline_smooth(degree, gap
     assert np.abs(PPoly(coefficients, breakpoints)(np.linspace(0.0, 7.0, 5000), 3)).max() < 5.0
 
 
-@pytest.mark.parametrize("fit", [spline.cubic, spline.quintic], ids=lambda fit: fit.__name__)
-def test_without_scipy_the_command_that_installs_it_is_named(fit, monkeypatch):
+@pytest.mark.parametrize("kind", spline.KINDS)
+def test_without_scipy_the_command_that_installs_it_is_named(kind, monkeypatch):
     monkeypatch.setitem(sys.modules, "scipy.interpolate", None)
     with pytest.raises(MissingExtraError, match=r"planning needs SciPy.*pip install 'twistarm\[plan\]'"):
-        fit(np.zeros((3, 1)), np.arange(3.0))
+        spline.at_times(kind, np.zeros((3, 1)), np.arange(3.0), stop=False)
 
 
 ROUNDING = 1e-12  # Relative: a dozen operations in double precision on values of one order.

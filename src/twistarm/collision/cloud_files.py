@@ -11,13 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from ..support.checks import Array
+from ..support.checks import Array, as_reals
 from ..support.csv_lines import csv_rows, known_columns
 from ..support.errors import InputError, listed
 from ..support.files import kind_of, read_bounded, write_whole
 
 # Bytes of a file of points. 10 million points as float32 have 120 MB.
 LARGEST_FILE = 200_000_000
+FARTHEST = 200.0  # Points farther from a cloud's origin [m] are in millimetres, or no obstacles.
 PLY_TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",
     "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4",
@@ -49,6 +50,24 @@ def read_points(path: Path) -> Array:
         why = f"its contents are malformed ({error or type(error).__name__})"
     other = kind_of(data)
     raise InputError(f"{path}: it is {other[0]}; {other[1]}" if other else f"{path}: {why}")
+
+
+def as_points(points: Any) -> Array:
+    """Points (N, 3) from numbers or a file."""
+    from_file = isinstance(points, Path)
+    array, what = (read_points(points), str(points)) if from_file else (as_reals(points, "points"), "points")
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise InputError(f"{what} must be (N, 3); got {array.shape}")
+    if not len(array):
+        raise InputError(f"{what}: there are no points")
+    bad = int((~np.isfinite(array).all(axis=1)).sum())
+    if bad:
+        raise InputError(f"{what}: {bad:,} of {len(array):,} points are not finite; leave them out")
+    if (far := np.abs(array).max()) > FARTHEST:
+        raise InputError(
+            f"{what}: a point is {far:.4g} m from the origin; at most {FARTHEST:g} m are taken: are these millimetres?"
+        )
+    return array
 
 
 def _npy(data: bytes) -> Array:

@@ -16,22 +16,11 @@ from numpy.typing import ArrayLike
 from ..arm.arm import Arm, require_arm
 from ..arm.bodies import Body, Pair, Shapes, Triangles, sorted_pair
 from ..arm.pinocchio_model import import_pinocchio
-from ..support.checks import (
-    Array,
-    Given,
-    Row,
-    as_flag,
-    as_number,
-    as_pose,
-    as_positive,
-    as_reals,
-    as_vector,
-    require_names,
-)
+from ..support.checks import Array, Given, Row, as_flag, as_number, as_pose, as_positive, as_vector, require_names
 from ..support.errors import InputError, listed, quote, unknown_name
 from ..support.files import as_path
 from ..support.units import TURN
-from .cloud_files import read_points
+from .cloud_files import as_points
 
 Placed = tuple[Mapping[str, Body], Mapping[str, frozenset[str]]]
 """Obstacles by name, and what those that a link holds may touch."""
@@ -48,7 +37,6 @@ MOST_OBSTACLES = 2000
 VOXEL = 0.02  # Side of the voxels of a cloud [m], the noise of a depth camera at 2 m.
 # Points so near [m] to the arm's shapes, as its camera saw them, are the arm's own.
 OWN = 0.02
-FARTHEST = 200.0  # Points farther from a cloud's origin [m] are in millimetres, or no obstacles.
 
 
 class Obstacles:
@@ -162,9 +150,9 @@ class Obstacles:
             theta: The configuration (n,) in which the arm stood; by default its ready one.
         """
         place = _as_place(pose)
-        given: Path | Array = as_path(points) if isinstance(points, (str, os.PathLike)) else _as_points(points)
+        given: Path | Array = as_path(points) if isinstance(points, (str, os.PathLike)) else as_points(points)
         if as_flag(without_arm, "without_arm"):
-            given = self._beside_arm(_as_points(given), place, self.arm.ready if theta is None else theta)
+            given = self._beside_arm(as_points(given), place, self.arm.ready if theta is None else theta)
         elif theta is not None:
             raise InputError("theta is where the arm stood for without_arm=True; give both, or none of them")
         self._add(name, "points", [voxel], place, given)
@@ -313,7 +301,7 @@ class Obstacles:
         if isinstance(mesh, Triangles):
             return shapes.solid(mesh, sizes), sizes
         if kind == "points" or isinstance(mesh, np.ndarray):
-            return shapes.cloud(_as_points(mesh) if isinstance(mesh, Path) else np.asarray(mesh), *sizes), sizes
+            return shapes.cloud(as_points(mesh) if isinstance(mesh, Path) else np.asarray(mesh), *sizes), sizes
         return (shapes.primitive(kind, sizes) if mesh is None else shapes.mesh(mesh, sizes)), sizes
 
     def _hold(self, name: str, carrier: str, pose: Array, touching: Iterable[str]) -> None:
@@ -380,24 +368,6 @@ class Obstacles:
     def _joint_of(self, link: str) -> int:
         """The joint that carries a link, by Pinocchio's number; 0 for the world."""
         return int(self._model.model.frames[self._model.frame_id(link)].parentJoint)
-
-
-def _as_points(points: Any) -> Array:
-    """Points (N, 3) from numbers or a file."""
-    from_file = isinstance(points, Path)
-    array, what = (read_points(points), str(points)) if from_file else (as_reals(points, "points"), "points")
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise InputError(f"{what} must be (N, 3); got {array.shape}")
-    if not len(array):
-        raise InputError(f"{what}: there are no points")
-    bad = int((~np.isfinite(array).all(axis=1)).sum())
-    if bad:
-        raise InputError(f"{what}: {bad:,} of {len(array):,} points are not finite; leave them out")
-    if (far := np.abs(array).max()) > FARTHEST:
-        raise InputError(
-            f"{what}: a point is {far:.4g} m from the origin; at most {FARTHEST:g} m are taken: are these millimetres?"
-        )
-    return array
 
 
 def _as_place(pose: Given | None) -> Array:

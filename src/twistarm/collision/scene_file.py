@@ -39,10 +39,6 @@ FILES: dict[str, dict[str, Check]] = {"mesh": {"file": word}, "points": {"file":
 """The entries of what is in a file."""
 
 
-def _array(value: Any, name: str) -> Array:
-    return as_floats(value, name)
-
-
 PLACE: dict[str, Check] = {
     "xyz": vector,
     "rpy": vector,
@@ -136,7 +132,7 @@ def _toml(path: Path) -> SceneFile:
 def _entry(kind: str, value: Any, angle: float, folder: Path) -> Entry:
     own = FILES.get(kind) or SIZES[kind]
     if kind == "mesh" and isinstance(value, Mapping) and "vertices" in value:
-        own = {"vertices": _array, "triangles": _array}
+        own = {"vertices": as_floats, "triangles": as_floats}
     scale: Check = lambda value, name: vector(value if isinstance(value, list) else [value] * 3, name)  # noqa: E731
     table = fields(value, "", {"name": word, **own}, {**PLACE, "scale": scale} if kind == "mesh" else PLACE)
     mesh: Path | Triangles | None = None

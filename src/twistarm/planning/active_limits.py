@@ -90,11 +90,10 @@ def active_limits(
     bounds = PathBounds(given, arm.actuators, torques=torque_limits(arm, given.effort, torques, payload))
     t = motion.duration * (np.arange(SAMPLES) + 0.5) / SAMPLES
     shares = _shares(arm, motion, bounds, moves, t)
-    names = {"joint": arm.joint_names, "motor": () if arm.actuators is None else arm.actuators.names}
-    rates = ("velocity", "acceleration", "jerk")
-    rows = [(rate, str(owner), names[owner][index]) for rate in rates for owner, index in bounds.owners]
-    rows += [("linear speed", "tool", ""), ("angular speed", "tool", "")]
-    rows += [("torque", str(owner), names[owner][index]) for owner, index in bounds.owners]
+    motors = () if arm.actuators is None else arm.actuators.names
+    owners = [*(("joint", name) for name in arm.joint_names), *(("motor", name) for name in motors)]
+    rows = [(rate, *owner) for rate in ("velocity", "acceleration", "jerk") for owner in owners]
+    rows += [("linear speed", "tool", ""), ("angular speed", "tool", ""), *(("torque", *owner) for owner in owners)]
     found, first = [], 0
     for row, count in _stretches(shares):
         share = float(shares[first : first + count, row].max())

@@ -166,13 +166,14 @@ def branches(arm: Arm, target: AnyTarget, near: Array, tolerances: Tolerances = 
     whole turns give all their windings. Tolerances are used if no configuration meets the target exactly.
     """
     starts = np.vstack([near, arm.random_theta(SEED, MANY)])
-    met, all_found = _by_closed_form(arm, target, starts)
+    found, all_found = _by_closed_form(arm, target, starts)
     if not all_found:
-        met = np.vstack([_nearest(arm, target, near), met, _by_searches(arm, target, starts, ALL_BUT_EXACT)])
-    if not len(met):
-        met = np.vstack([met, _by_searches(arm, target, starts, tolerances)])
-    met = joint_ranges(arm).wrapped(met, near)
-    return _in_order(_windings(arm, _distinct(_in_order(met, near))), near)
+        searches = searched(arm, [target] * len(starts), starts, ALL_BUT_EXACT).solutions
+        found = np.vstack([_nearest(arm, target, near), found, searches])
+    if not len(found):
+        found = searched(arm, [target] * len(starts), starts, tolerances).solutions
+    found = joint_ranges(arm).wrapped(found, near)
+    return _in_order(_windings(arm, _distinct(_in_order(found, near))), near)
 
 
 def _by_closed_form(arm: Arm, target: AnyTarget, starts: Array) -> tuple[Array, bool]:
@@ -195,11 +196,6 @@ def _by_closed_form(arm: Arm, target: AnyTarget, starts: Array) -> tuple[Array, 
     if held:
         theta = np.vstack([_nearest(arm, target, starts[0]), theta])
     return theta, not found.left and not moving.any()
-
-
-def _by_searches(arm: Arm, target: AnyTarget, starts: Array, tolerances: Tolerances) -> Array:
-    """Return what searches from each of the starts find, (k, n)."""
-    return searched(arm, [target] * len(starts), starts, tolerances).solutions
 
 
 def _nearest(arm: Arm, target: AnyTarget, near: Array) -> Array:

@@ -52,11 +52,6 @@ def line(g0: Array, g1: Array) -> Curve:
     return Curve(g0, np.concatenate([g1[:3, 3] - g0[:3, 3], np.zeros(3)]), _slerp(g0, g1[:3, :3]))
 
 
-def screw(g0: Array, twist: Array) -> Curve:
-    """g(s) = exp(s ξ̂) g0 (MLS §2.3.3)."""
-    return Curve(g0, twist, twist[3:])
-
-
 def arc(g0: Array, via: Array, g1: Array) -> Curve:
     """Circular arc from p0 through `via` (3,) to p1, with a slerp from R0 to R1.
 

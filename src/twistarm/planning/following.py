@@ -54,6 +54,13 @@ class Node:
     cost: float
     parent: Node | None = None
 
+    def ahead(self, s: float) -> Array:
+        """Where the node is heading (n,) at another s, straight on from its parent."""
+        before = self.parent
+        if before is None or before.moving is not self.moving:
+            return self.theta
+        return self.theta + (self.theta - before.theta) * ((s - self.s) / (self.s - before.s))
+
 
 def way(last: Node | None) -> list[Node]:
     """Return the nodes on the way to the last one, in order."""
@@ -139,7 +146,7 @@ class _Climber:
     def _solved(self, nodes: list[Node], s: float, k: int | None) -> Solutions:
         """Return answers (b, n) at s, near where each node is heading, and which exist."""
         ideal = [node.moving.curve(np.array(s)) if k is None else self._poses[id(node.moving)][k] for node in nodes]
-        near = np.clip([_ahead(node, s) for node in nodes], self.arm.limits.lower, self.arm.limits.upper)
+        near = np.clip([node.ahead(s) for node in nodes], self.arm.limits.lower, self.arm.limits.upper)
         return solve_near(self.arm, nodes[0].moving, np.array(ideal), near, self._by_closed_form)
 
     def _by_closed_form(self, moving: MovingTarget, ideal: Array, near: Array) -> Solutions | None:
@@ -158,13 +165,6 @@ class _Climber:
             return None
         theta[converged] = found.rows[found.first[converged], 0]
         return theta, converged
-
-
-def _ahead(node: Node, s: float) -> Array:
-    before = node.parent
-    if before is None or before.moving is not node.moving:
-        return node.theta
-    return node.theta + (node.theta - before.theta) * ((s - node.s) / (node.s - before.s))
 
 
 def follow(arm: Arm, samples: Sequence[Node]) -> JointPath | Blocked:

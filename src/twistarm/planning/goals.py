@@ -9,18 +9,16 @@ from typing import Any
 import numpy as np
 
 from ..arm.arm import Arm
-from ..ik.solution import in_one_line
-from ..ik.solve import solve_ik
 from ..ik.targets import KINDS, AnyTarget, Approach, Pose, Position, shape_hint, target_for
 from ..ik.task_space import Tolerances
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
-from ..support.errors import InputError, NotConvergedError, UnknownNameError
+from ..support.errors import InputError, UnknownNameError
 from ..support.messages import joined
 from ..theory import rotations, screws
-from .curves import Curve, MovingTarget, arc, line, screw
+from .curves import Curve, MovingTarget, arc, line
 from .segments import CONSTRAINED, ArcMove, Constrained, JointMove, LineMove, ScrewMove
-from .waypoints import as_tolerances
+from .waypoints import as_tolerances, solved
 from .within import on_limits
 
 Curved = LineMove | ScrewMove | ArcMove
@@ -49,10 +47,7 @@ class Goals:
         goal: Any = move.to
         tolerances = self.tolerances(move)
         if isinstance(goal, KINDS):
-            solution = solve_ik(self.arm, goal, theta, **tolerances.keywords, posture="theta0")
-            if not solution.converged:
-                raise NotConvergedError(joined(": ", [where, in_one_line(solution)]), solution)
-            return solution.theta
+            return solved(self.arm, goal, theta, where, **tolerances.keywords, posture="theta0")
         if isinstance(goal, Mapping):
             goal = {**self.arm.theta_to_dict(theta), **goal}
         try:
@@ -68,13 +63,13 @@ class Goals:
         """Return what to follow from start (n,), best first; nothing if the move ends there."""
         g0, tolerances = self.arm.fk(start), self.tolerances(move)
         if move.to is None:
-            likes, curve = self._likes(move.constrain, g0), _free_curve(move, g0)
+            likes, g1 = self._likes(move.constrain, g0), None
         else:
             likes, g1 = self._goal_pose(move, g0, start, where)
-            try:
-                curve = _curve_to(move, g0, g1)
-            except InputError as error:
-                raise InputError(joined(": ", [where, error.message])) from error
+        try:
+            curve = _curve(move, g0, g1)
+        except InputError as error:
+            raise InputError(joined(": ", [where, error.message])) from error
         found = [MovingTarget(curve, like, tolerances, self.exactly) for like in likes]
         return [moving for moving in found if not moving.is_still]
 
@@ -101,23 +96,17 @@ class Goals:
         return [likes[CONSTRAINED.index(constrain)]]
 
 
-def _free_curve(move: Curved, g0: Array) -> Curve:
-    """Return the curve of a move without a goal."""
+def _curve(move: Curved, g0: Array, g1: Array | None) -> Curve:
+    """Return the curve of a move from pose g0 to g1 (4, 4), or without a goal as far as the move gives."""
     if isinstance(move, LineMove):
-        offset = np.asarray(move.offset)
-        return line(g0, _with_position(g0, g0[:3, 3] + (g0[:3, :3] @ offset if move.frame == "tool" else offset)))
-    assert move.twist is not None
-    if isinstance(move, ArcMove) and not move.turn:
-        return Curve(g0, move.twist, np.zeros(3))
-    return screw(g0, move.twist)
-
-
-def _curve_to(move: Curved, g0: Array, g1: Array) -> Curve:
-    if isinstance(move, LineMove):
+        if g1 is None:
+            offset = np.asarray(move.offset)
+            g1 = _with_position(g0, g0[:3, 3] + (g0[:3, :3] @ offset if move.frame == "tool" else offset))
         return line(g0, g1)
-    if isinstance(move, ScrewMove):
-        return screw(g0, screws.log(g1 @ screws.inverse(g0)))
-    return arc(g0, np.asarray(move.via), g1)
+    if isinstance(move, ArcMove) and g1 is not None:
+        return arc(g0, np.asarray(move.via), g1)
+    twist = np.asarray(move.twist) if g1 is None else screws.log(g1 @ screws.inverse(g0))  # MLS §2.3.3
+    return Curve(g0, twist, np.zeros(3) if isinstance(move, ArcMove) and not move.turn else twist[3:])
 
 
 def _with_position(g: Array, p: Any) -> Array:

@@ -33,14 +33,6 @@ Kind = Literal["s_curve", "time_optimal", "cubic", "quintic"]
 LAWS: tuple[Kind, ...] = ("s_curve", "time_optimal")  # Kinds that find the times of the waypoints.
 SPLINES: tuple[Kind, ...] = ("cubic", "quintic")  # Kinds for given times.
 
-FITS = {
-    ("cubic", False): spline.cubic,
-    ("quintic", False): spline.quintic,
-    ("cubic", True): spline.cubic_rests,
-    ("quintic", True): spline.quintic_rests,
-}
-"""The spline of each kind: through the waypoints, or resting at each."""
-
 # With at most so many waypoints the centripetal spline is a candidate. It is slow on many uneven ones.
 FEW_WAYPOINTS = 30
 # A path that takes longer than the fastest by this factor without jerk limits gets no s-curve.
@@ -178,7 +170,7 @@ def plan_joint(
         ends, breakpoints, coefficients = ends[owner], timed.breakpoints, timed.coefficients
     elif len(ends := as_times(times, len(points))) > 1:
         points[0] = start if back else points[0]
-        fit = FITS[chosen, stop_at_waypoints](points, ends)
+        fit = spline.at_times(chosen, points, ends, stop_at_waypoints)
         breakpoints, coefficients = spline.pulled_in(fit, ends, points, returning(bounds, points[0], arm.units))
     if back and len(points) == 1:
         points, ends = np.stack([start, points[0]]), np.append(0.0, ends)

@@ -78,7 +78,15 @@ class Keep(Brief):
         for name, check in (("direction", one_direction), ("tool_axis", one_direction), ("orientation", as_rotation)):
             value = getattr(self, name)
             checked[name] = value if value is None or value is True else frozen(check(value, name))
-        checked["box"] = None if self.box is None else _box(self.box)
+        if self.box is not None:
+            low, high = rows = _rows(self.box, "box", "the least and the greatest (x, y, z) [m]")
+            if (low >= high).any():
+                k = int(np.argmax(low >= high))
+                raise InputError(
+                    f"the box is empty along {'xyz'[k]}: its least, {low[k]:g} m, must be below its greatest, "
+                    f"{high[k]:g} m (a plane keeps the tool's origin in a plane)"
+                )
+            checked["box"] = frozen(rows)
         if self.plane is not None:
             point, normal = _rows(self.plane, "plane", "a point [m] and the normal")
             checked["plane"] = frozen([one_vector(point, "the plane's point"), one_direction(normal, "its normal")])
@@ -183,18 +191,6 @@ def _rows(value: Any, name: str, what: str) -> Array:
     if rows.shape != (2, 3) or np.isnan(rows).any():
         raise InputError(f"{name} must be {what}, each of three numbers; got {quote(value)}")
     return rows
-
-
-def _box(value: Any) -> Array:
-    """Check a box (2, 3) [m]."""
-    low, high = rows = _rows(value, "box", "the least and the greatest (x, y, z) [m]")
-    if (low >= high).any():
-        k = int(np.argmax(low >= high))
-        raise InputError(
-            f"the box is empty along {'xyz'[k]}: its least, {low[k]:g} m, must be below its greatest, {high[k]:g} m "
-            "(a plane keeps the tool's origin in a plane)"
-        )
-    return frozen(rows)
 
 
 @dataclass(frozen=True, eq=False)

@@ -164,7 +164,7 @@ class Search:
         growing, joining, stalled = Tree(start[None]), Tree(goals), 0
         while stalled < STALLED and growing.count + joining.count < MOST_STATES and not self.late:
             sample = next(samples)
-            i = self._grown(growing, growing.nearest(sample), sample)
+            i = self._grown(growing, sample)
             stalled = stalled + 1 if i is None else 0
             if i is not None and (j := self._joined(joining, growing.states[i])) is not None:
                 whole = np.concatenate([growing.way(i)[::-1], joining.way(j)[1:]])
@@ -180,8 +180,12 @@ class Search:
             random = self.rng.uniform(lower, upper, (AT_ONCE, len(lower)))
             yield from self.constraint.projected(random, self.share, lower, upper)[0]
 
-    def _grown(self, tree: Tree, i: int, target: Array) -> int | None:
-        """Grow a tree from state i towards a target, by one reach at most. Return the new state."""
+    def _projected(self, states: Array) -> tuple[Array, Flags]:
+        return self.constraint.projected(states, self.share, self.limits.lower, self.limits.upper)
+
+    def _grown(self, tree: Tree, target: Array) -> int | None:
+        """Grow a tree from its nearest state towards a target, by one reach at most. Return the new state."""
+        i = tree.nearest(target)
         states, _ = self._towards(tree.states[i], target)
         if not len(states):
             return None
@@ -216,9 +220,7 @@ class Search:
         if not steps:
             return np.empty((0, len(state))), False
         shares = np.arange(1, steps + 1)[:, None] * (self.step / far)
-        found, converged = self.constraint.projected(
-            state + shares * way, self.share, self.limits.lower, self.limits.upper
-        )
+        found, converged = self._projected(state + shares * way)
         gaps = _lengths(found - np.vstack([state, found[:-1]]))
         left = np.append(length, _lengths(target - found))
         good = np.append(converged & (gaps <= GAP * self.step) & (left[1:] < left[:-1]), False)
@@ -231,7 +233,7 @@ class Search:
         if steps < 2:
             return np.array([start, end])
         inner = start + np.linspace(0.0, 1.0, steps + 1)[1:-1, None] * (end - start)
-        states, converged = self.constraint.projected(inner, self.share, self.limits.lower, self.limits.upper)
+        states, converged = self._projected(inner)
         states = np.vstack([start, states, end])
         gaps = _lengths(np.diff(states, axis=0))
         if not converged.all() or (gaps > GAP * self.step).any() or not all(map(self.is_free, states[1:-1])):
@@ -254,7 +256,7 @@ class Search:
             if len(states) < 3 or self.late:
                 break
             mean = 0.5 * states[1:-1] + 0.25 * (states[:-2] + states[2:])
-            inner, converged = self.constraint.projected(mean, self.share, self.limits.lower, self.limits.upper)
+            inner, converged = self._projected(mean)
             good = converged & np.array([self.is_free(state) for state in inner])
             states = np.vstack([states[0], np.where(good[:, None], inner, states[1:-1]), states[-1]])
         return states
@@ -280,7 +282,7 @@ class Search:
         """The states with one more in the middle of each marked interval."""
         at = np.flatnonzero(bad)
         middle = 0.5 * (states[at] + states[at + 1])
-        found, _ = self.constraint.projected(middle, self.share, self.limits.lower, self.limits.upper)
+        found, _ = self._projected(middle)
         return np.insert(states, at + 1, found, axis=0)
 
 

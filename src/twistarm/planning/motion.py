@@ -113,7 +113,10 @@ def plan(
     """
     require_choice(kind, tuple(LAWS), "kind")
     require_callback(progress, "progress", "(fraction)")
-    moves = as_segments(segments, linear_speed, angular_speed, position_tol, orientation_tol)
+    moves = as_segments(
+        segments, linear_speed=linear_speed, angular_speed=angular_speed, position_tol=position_tol,
+        orientation_tol=orientation_tol,
+    )  # fmt: skip
     bounds, notes = completed(require_arm(arm), limits)
     same = all(np.array_equal(getattr(bounds, side), getattr(arm.limits, side)) for side in ("lower", "upper"))
     ranged = arm if same else replace(arm, limits=bounds)  # inverse kinematics looks at the arm's own limits

@@ -165,11 +165,11 @@ class _Reader:
             raise InputError(f"give {' or '.join(given)}, not both")
         if given:
             table["orientation"] = table.pop(given[0])
-        if as_flag(table.pop("level", False), "level"):
-            if table.keys() & {"direction", "tool_axis"}:
-                raise InputError("level = true means direction = [0, 0, 1] and tool_axis = true: give one of them")
-            table |= {"direction": [0.0, 0.0, 1.0], "tool_axis": True}
-        return Keep(**table)
+        if not as_flag(table.pop("level", False), "level"):
+            return Keep(**table)
+        if table.keys() & {"direction", "tool_axis"}:
+            raise InputError("level = true means direction = [0, 0, 1] and tool_axis = true: give one of them")
+        return dataclasses.replace(Keep.level(), **table)
 
     def _via(self, value: Any, name: str) -> Goal:
         return self._target(value, name) if isinstance(value, dict) else vector(value, name)

@@ -55,12 +55,6 @@ def rescaled(coefficients: Array, unit: float | Array) -> Array:
     return coefficients * factors.reshape(*factors.shape, *[1] * (coefficients.ndim - factors.ndim))
 
 
-def spread(count: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """For `count` (s,) places in each piece: the piece of each place, and its number there."""
-    piece = np.repeat(np.arange(len(count)), count)
-    return piece, np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count)
-
-
 def bisected(before: Callable[[Array], NDArray[np.bool_]], low: Array, high: Array, steps: int) -> tuple[Array, Array]:
     """Halve intervals that often. `before` tells for each middle whether the place that you look for comes later."""
     for _ in range(steps):
@@ -237,7 +231,8 @@ class JointPath:
         """Cut the path evenly into pieces no longer than `most`. Also return the old piece of each new one."""
         steps = np.diff(self.breakpoints)
         count = np.maximum(np.ceil(steps / most - ROUNDING), 1.0).astype(np.intp)
-        piece, nth = spread(count)
+        piece = np.repeat(np.arange(len(count)), count)
+        nth = np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count)
         by = steps[piece] * nth / count[piece]
         breakpoints = np.append(self.breakpoints[piece] + by, self.length)
         return JointPath(breakpoints, shifted(self.coefficients[:, piece], by)), piece

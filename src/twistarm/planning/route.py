@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arm.arm import Arm
-from ..ik.solution import in_one_line
-from ..ik.solve import solve_ik
 from ..ik.targets import KINDS, Position, target_for
 from ..support.checks import Array
 from ..support.errors import InputError, NotConvergedError, TwistarmError
@@ -25,7 +23,7 @@ from .keep import Constraint, Keep
 from .piecewise import JointPath
 from .refusal import PathError, refusal
 from .segments import Dwell, FreeMove, JointMove, Move, Segment, place
-from .waypoints import UNWRAP, unwrapped
+from .waypoints import UNWRAP, solved, unwrapped
 
 if TYPE_CHECKING:
     from ..collision import Scene
@@ -143,10 +141,7 @@ class Router:
         assert self.free_path is not None
         if isinstance(segment.to, KINDS):
             tolerances = self.goals.tolerances(segment)
-            found = solve_ik(self.arm, segment.to, theta, scene=self.scene, **tolerances.keywords)
-            if not found.converged:
-                raise NotConvergedError(joined(": ", [self._place(i), in_one_line(found)]), found)
-            goal = found.theta
+            goal = solved(self.arm, segment.to, theta, self._place(i), scene=self.scene, **tolerances.keywords)
         else:
             goal = self._unwrapped_goal(i, segment, theta)
         try:
@@ -217,15 +212,18 @@ class Router:
             return self._unwrapped_goal(i, segment, theta)[None]
         assert self.scene is not None
         tolerances, target = self.goals.tolerances(segment), constraint.keep.constrain(segment.to)
-        nearest = solve_ik(self.arm, target, theta, scene=self.scene, **tolerances.keywords)
-        if not nearest.converged and target is not segment.to:  # the rotation comes from what is kept, within its tol
+        solve = partial(solved, self.arm, target, theta, self._place(i), scene=self.scene)
+        try:
+            nearest = solve(**tolerances.keywords)
+        except NotConvergedError:
+            if target is segment.to:
+                raise
+            # The rotation comes from what is kept, within its tol.
             tolerances = replace(tolerances, orientation=GOAL_SHARE * constraint.keep.tol)
-            nearest = solve_ik(self.arm, target, theta, scene=self.scene, **tolerances.keywords)
-        if not nearest.converged:
-            raise NotConvergedError(joined(": ", [self._place(i), in_one_line(nearest)]), nearest)
+            nearest = solve(**tolerances.keywords)
         found = branches(self.arm, target_for(self.arm, target), theta, tolerances)
         good = [end for end in found if not constraint.fault(end) and not self.scene.collides(end)][:MOST_GOALS]
-        return np.array([nearest.theta, *good] if not constraint.fault(nearest.theta) else good or [nearest.theta])
+        return np.array([nearest, *good] if not constraint.fault(nearest) else good or [nearest])
 
     def _straight(self, i: int, start: Array, end: Array) -> PathPart:
         return self._part(i, end, JointPath.straight(start, end) if np.abs(end - start).any() else None)

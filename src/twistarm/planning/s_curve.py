@@ -115,17 +115,14 @@ class _Average:
         """Coefficients (degree + 2, k) on the pieces between these times (k + 1,), which hold every knot."""
         middle, starts = 0.5 * (times[:-1] + times[1:]), times[:-1]
         now, before = self._piece(middle), self._piece(middle - self.window)
+        at = (now, starts - self.starts[now]), (before, starts - self.window - self.starts[before])
         rows, factorial = [], 1.0
         for order in range(len(self.integral)):
             factorial *= max(order, 1)
-            rows.append(self._quotient(starts, now, before, order) / factorial)
+            rate = derivative(self.integral, order)
+            late, early = (evaluate(rate[:, i], tau[:, None])[:, 0] for i, tau in at)
+            rows.append((late - early) / self.window / factorial)
         return np.stack(rows[::-1])
-
-    def _quotient(self, times: Array, now: Indices, before: Indices, order: int) -> Array:
-        coefficients = derivative(self.integral, order)
-        tau = times - self.starts[now], times - self.window - self.starts[before]
-        late, early = (evaluate(coefficients[:, i], t[:, None])[:, 0] for i, t in zip((now, before), tau, strict=True))
-        return (late - early) / self.window
 
     def _piece(self, times: Array) -> Indices:
         return np.searchsorted(self.starts[1:], times, side="right")

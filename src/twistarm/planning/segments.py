@@ -283,16 +283,8 @@ class Dwell(Segment):
 SEGMENTS = (JointMove, LineMove, ScrewMove, ArcMove, Dwell)
 
 
-def as_segments(
-    segments: Any,
-    linear_speed: float | None = None,
-    angular_speed: float | None = None,
-    position_tol: float | None = None,
-    orientation_tol: float | None = None,
-) -> list[Segment]:
-    """Return the segments. Moves without a speed of the tool, or a tolerance, take the ones given here."""
-    names = ("linear_speed", "angular_speed", "position_tol", "orientation_tol")
-    whole: dict[str, Any] = dict(zip(names, (linear_speed, angular_speed, position_tol, orientation_tol), strict=True))
+def as_segments(segments: Any, **whole: Any) -> list[Segment]:
+    """Return the segments. Moves without one of the `OPTIONAL` options take the one given here."""
     Move(**whole)  # says what is wrong with them
     given = [segments] if isinstance(segments, SEGMENTS) else list(segments) if np.iterable(segments) else None
     if not given or isinstance(segments, str):
@@ -302,7 +294,7 @@ def as_segments(
             allowed = "a JointMove, FreeMove, LineMove, ScrewMove, ArcMove or Dwell"
             raise InputError(f"segment {i + 1} must be {allowed}; got {quote(segment)}")
         if isinstance(segment, Move):
-            given[i] = replace(segment, **{name: whole[name] for name in names if getattr(segment, name) is None})
+            given[i] = replace(segment, **{name: whole[name] for name in whole if getattr(segment, name) is None})
             if segment.blend and (i + 1 == len(given) or isinstance(given[i + 1], Dwell)):
                 raise InputError(f"{place(i, segment)} cannot blend: the arm stops at its end; leave blend out")
     return given

@@ -22,6 +22,8 @@ from .piecewise import bernstein, derivative, evaluate, rescaled
 # Factor that lowers a joint's velocity at a waypoint until the joint stays inside; below such a share it is zero.
 EASING, LEAST_SHARE = 0.7, 0.05
 ROUNDING = 1e-10  # Beyond a limit by less [rad, m] is rounding.
+# The orders of the derivatives that are zero at both ends, and the step from 0 to 1 at rest, highest power first.
+KINDS = {"cubic": ((1,), (-2.0, 3.0, 0.0, 0.0)), "quintic": ((1, 2), (6.0, -15.0, 10.0, 0.0, 0.0, 0.0))}
 
 Mask = NDArray[np.bool_]
 
@@ -34,20 +36,21 @@ def scipy(part: str) -> Any:
         raise missing_extra("planning", "SciPy", "plan") from error
 
 
-def cubic(waypoints: Array, times: Array) -> Array:
-    """The C² cubic spline with zero velocity at both ends, (4, k − 1, n).
+def at_times(kind: str, waypoints: Array, times: Array, stop: bool) -> Array:
+    """The spline of a kind of `KINDS`, (d + 1, k − 1, n), at rest at both ends.
 
-    Acceleration is continuous inside and starts and ends with a step. Lynch & Park §9.3 (via points).
+    The cubic is C²: its acceleration starts and ends with a step (Lynch & Park §9.3). The quintic is C⁴ and has zero
+    acceleration at both ends. Of all paths through the waypoints at these times it has the least ∫ jerk² dt.
+
+    With `stop` it goes straight and rests at each waypoint: x + (3 u² − 2 u³) Δx, or x + (10 u³ − 15 u⁴ + 6 u⁵) Δx with
+    zero acceleration there. u is the fraction of the segment's time (Lynch & Park §9.2.2).
     """
-    return interpolating(waypoints, times, times[1:-1], (1,))[1]
-
-
-def quintic(waypoints: Array, times: Array) -> Array:
-    """The C⁴ quintic spline with zero velocity and acceleration at both ends, (6, k − 1, n).
-
-    Of all paths through the waypoints at these times it has the least ∫ jerk² dt.
-    """
-    return interpolating(waypoints, times, times[1:-1], (1, 2))[1]
+    zero, step = KINDS[kind]
+    if not stop:
+        return interpolating(waypoints, times, times[1:-1], zero)[1]
+    coefficients = rescaled(np.array(step)[:, None, None] * np.diff(waypoints, axis=0), 1.0 / np.diff(times))
+    coefficients[-1] += waypoints[:-1]
+    return coefficients
 
 
 def natural(waypoints: Array, s: Array, degree: int) -> tuple[Array, Array]:
@@ -78,25 +81,6 @@ def interpolating(waypoints: Array, s: Array, knots: Array, zero: Sequence[int])
     coefficients = np.stack([spline(breakpoints[:-1], order) / factorial(order) for order in range(degree, -1, -1)])
     coefficients[-1] += waypoints[0]
     return breakpoints, coefficients
-
-
-def cubic_rests(waypoints: Array, times: Array) -> Array:
-    """Straight from waypoint to waypoint, x + (3 u² − 2 u³) Δx, velocity zero at each: (4, k − 1, n).
-
-    u is the fraction of the segment's time (Lynch & Park §9.2.2.1).
-    """
-    return _straight(waypoints, times, (-2.0, 3.0, 0.0, 0.0))
-
-
-def quintic_rests(waypoints: Array, times: Array) -> Array:
-    """The same with x + (10 u³ − 15 u⁴ + 6 u⁵) Δx, acceleration zero at each too: (6, k − 1, n)."""
-    return _straight(waypoints, times, (6.0, -15.0, 10.0, 0.0, 0.0, 0.0))
-
-
-def _straight(waypoints: Array, times: Array, unit: tuple[float, ...]) -> Array:
-    coefficients = rescaled(np.array(unit)[:, None, None] * np.diff(waypoints, axis=0), 1.0 / np.diff(times))
-    coefficients[-1] += waypoints[:-1]
-    return coefficients
 
 
 def pulled_in(coefficients: Array, times: Array, waypoints: Array, limits: JointLimits) -> tuple[Array, Array]:

@@ -150,15 +150,11 @@ def _rounded(
         states = (np.stack([before(begins, order), after(ends, order)]) for order in range(3))
         bend = JointPath(t, through(t, *states))
         # The Bernstein coefficients bound the bend at once. Near a limit its extremes decide.
-        bounds = (of(bend.coefficients, t[1:]) for of in (bernstein, _extreme_values))
+        bounds = (values(bend.coefficients, t[1:]) for values in (bernstein, lambda *piece: extremes(*piece)[1]))
         inside = any(farthest_outside(values, limits)[1] <= POSITION_TOL for values in bounds)
         if inside and _distance(arm, bend, np.linspace(0.0, bend.length, SAMPLES), centre).max() <= radius:
             return Corner(begins, bend, ends)
     return None
-
-
-def _extreme_values(coefficients: Array, durations: Array) -> Array:
-    return extremes(coefficients, durations)[1]
 
 
 def _leaves_ball(arm: Arm, path: JointPath, radius: float, begin: float, end: float) -> float:

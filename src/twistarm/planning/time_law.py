@@ -8,7 +8,6 @@ from __future__ import annotations
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 
@@ -26,8 +25,6 @@ APART = 1e-12  # Instants nearer than this part of the whole are one.
 UNIT = np.array([6.0, -15.0, 10.0, 0.0, 0.0, 0.0])
 
 BISECTIONS = 60
-
-Owner = tuple[Literal["joint", "motor"], int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,12 +46,6 @@ class PathBounds:
         """(r, n): the rates of joints and motors are C theta_dot."""
         motors = () if self.actuators is None else (self.actuators.G,)
         return frozen(np.vstack([np.eye(len(self.limits.lower)), *motors]))
-
-    @cached_property
-    def owners(self) -> tuple[Owner, ...]:
-        """The joint or motor of each row of C."""
-        n = len(self.limits.lower)
-        return tuple(("joint", row) if row < n else ("motor", row - n) for row in range(len(self.C)))
 
     @cached_property
     def rates(self) -> JointLimits:

@@ -134,7 +134,8 @@ def path_velocity(path: LimitedPath, grid: Array, rows: Array | None = None) -> 
     """
     core = engine.need(f"the shortest motion along a path{WITHOUT_CORE}")
     a, b = np.zeros((2, len(grid), 0)) if rows is None else rows
-    return Profile(*_require_capacity(path, core.path_velocity(*vars(path).values(), grid, a, b, greatest_rate(path))))
+    greatest = float(path.breakpoints[-1] / SHORTEST) ** 2  # ṡ² where nothing else limits it
+    return Profile(*_require_capacity(path, core.path_velocity(*vars(path).values(), grid, a, b, greatest)))
 
 
 def shares_of_average(
@@ -154,11 +155,6 @@ def _require_capacity(path: LimitedPath, found: tuple[Array, Array] | None) -> t
         count, most = len(path.velocity), 2 * engine.MOST_JOINTS
         raise InputError(f"a path is timed for at most {most} joints and motors; this one has {count}")
     return found
-
-
-def greatest_rate(path: LimitedPath) -> float:
-    """The largest ṡ² where nothing else limits it."""
-    return float(path.breakpoints[-1] / SHORTEST) ** 2
 
 
 def line_durations(ways: Array, bounds: PathBounds) -> Array:

@@ -106,7 +106,14 @@ class Trajectory:
         piece = np.clip(np.searchsorted(self.breakpoints, at, side="right") - 1, 0, len(self.breakpoints) - 2)
         tau = (at - self.breakpoints[piece])[:, None]
         values = evaluate(derivative(self.coefficients[:, piece], order), tau)
-        return self._held(values, at, order).reshape(*times.shape, self.n)
+        before, after = at <= 0, at >= self.duration
+        if order == 0:
+            values[before], values[after] = self.waypoints[0], self.waypoints[-1]
+        elif order == 1:
+            values[before | after] = 0.0
+        else:
+            values[(at < 0) | (at > self.duration)] = 0.0
+        return values.reshape(*times.shape, self.n)
 
     def peak(self, order: int) -> Array:
         """Return the largest magnitude of that derivative (0 … 3) over the whole motion, (n,), to 1e-10."""
@@ -146,16 +153,6 @@ class Trajectory:
         return Trajectory(
             motors.names, motors.motor_units, waypoints, self.times, self.breakpoints, coefficients, labels=self.labels
         )
-
-    def _held(self, values: Array, at: Array, order: int) -> Array:
-        before, after = at <= 0, at >= self.duration
-        if order == 0:
-            values[before], values[after] = self.waypoints[0], self.waypoints[-1]
-        elif order == 1:
-            values[before | after] = 0.0
-        else:
-            values[(at < 0) | (at > self.duration)] = 0.0
-        return values
 
 
 def _as_labels(labels: Iterable[tuple[float, str]], duration: float) -> tuple[tuple[float, str], ...]:

@@ -75,15 +75,20 @@ def as_waypoints(arm: Arm, waypoints: Waypoints, tolerances: Tolerances, unwrap:
 def _configuration(arm: Arm, waypoint: Any, index: int, near: Array, tolerances: Tolerances) -> Array:
     """The configuration (n,) of a waypoint. For a target, the one nearest to `near` (n,)."""
     if isinstance(waypoint, TARGETS) or _is_pose(waypoint):
-        solution = solve_ik(arm, waypoint, near, **tolerances.keywords, posture="theta0")
-        if not solution.converged:
-            why = joined(": ", [f"waypoint {index} (0 is the start)", in_one_line(solution)])
-            raise NotConvergedError(why, solution)
-        return np.array(solution.theta)
+        where = f"waypoint {index} (0 is the start)"
+        return np.array(solved(arm, waypoint, near, where, **tolerances.keywords, posture="theta0"))
     theta = arm.theta_from(waypoint, name=f"waypoint {index}")
     if theta.ndim != 1:
         raise InputError(f"waypoint {index} must be one configuration ({arm.n},); got {theta.shape}")
     return theta
+
+
+def solved(arm: Arm, target: TargetLike, near: Array, where: str, **options: Any) -> Array:
+    """Solve for a target near a configuration (n,). Raises NotConvergedError, which names `where`."""
+    solution = solve_ik(arm, target, near, **options)
+    if not solution.converged:
+        raise NotConvergedError(joined(": ", [where, in_one_line(solution)]), solution)
+    return solution.theta
 
 
 def _is_pose(waypoint: Any) -> bool:

@@ -17,7 +17,7 @@ from ...collision import Scene
 from ...limits.joint_limits import JointLimits
 from ...planning.keep import AS_AT_START, Keep
 from ...planning.motion import MotionKind
-from ...planning.segments import as_segments
+from ...planning.segments import OPTIONAL, as_segments
 from ...planning.trajectory import Progress
 from ...planning.trajectory_files import FORMATS, Writing, written
 from ...support.errors import InputError
@@ -40,9 +40,7 @@ def planned(
     clearance: float = CLEARANCE,
 ) -> tuple[planning.Trajectory, list[planning.Segment]]:  # fmt: skip
     """The motion of a motion.toml or of typed goals. Its segments have what holds for all of them."""
-    segments = as_segments(
-        asked.segments, asked.linear_speed, asked.angular_speed, asked.position_tol, asked.orientation_tol
-    )
+    segments = as_segments(asked.segments, **{name: getattr(asked, name) for name in OPTIONAL})
     how: dict[str, Any] = {"kind": asked.kind or "s_curve", "unwrap": asked.unwrap, "scene": scene}
     how |= {"torques": asked.torques, "payload": asked.payload}
     how |= {"max_time": max_time, "clearance": clearance, "limits": limits, "start": asked.start, "progress": progress}
