@@ -42,6 +42,14 @@ def beside_a_plate(name: str) -> tuple[Arm, Scene]:
     return arm, scene
 
 
+def at_a_wall(tmp_path: Path, shape: str = SHAPES["sphere"], margin: float = 0.0) -> tuple[Arm, Scene]:
+    """A slider with a wall across x, 0.2 m thick, whose top is at z = 1."""
+    arm = slider(tmp_path, shape)
+    scene = Scene(arm, margin=margin)
+    scene.add_box("wall", (0.2, 2.0, 4.0), (0.0, 0.0, -1.0))
+    return arm, scene
+
+
 def free_configurations(scene: Scene, count: int, seed: int) -> np.ndarray:
     thetas = scene.arm.random_theta(seed, 20 * count)
     return np.array([theta for theta in thetas if not scene.collides(theta)][:count])
@@ -183,18 +191,14 @@ def test_free_moves_are_planned_every_time(tmp_path: Path) -> None:
     ],
 )
 def test_a_refusal_names_segment_and_pair(tmp_path: Path, segments: list[JointMove], message: str) -> None:
-    arm = slider(tmp_path, SHAPES["sphere"])
-    scene = Scene(arm)
-    scene.add_box("wall", (0.2, 2.0, 4.0), (0.0, 0.0, -1.0))
+    arm, scene = at_a_wall(tmp_path)
     with pytest.raises((PathError, LimitError), match=message):
         plan(arm, segments, start=[1.0, 0.0], scene=scene)
 
 
 def test_a_start_in_collision_may_be_left_but_not_deeper(tmp_path: Path) -> None:
     """The hand, a sphere of radius 0.1, overlaps the wall's face at x = 0.1 by 0.05; the wall's middle is at 0."""
-    arm = slider(tmp_path, SHAPES["sphere"])
-    scene = Scene(arm, margin=0.01)
-    scene.add_box("wall", (0.2, 2.0, 4.0), (0.0, 0.0, -1.0))
+    arm, scene = at_a_wall(tmp_path, margin=0.01)
     for away in (FreeMove([1.0, 0.0]), JointMove([0.3, 0.5])):
         assert plan(arm, away, start=[0.15, 0.0], scene=scene).waypoints[-1, 0] == pytest.approx(away.to[0])
     with pytest.raises(PathError, match="it collides"):
@@ -207,18 +211,14 @@ def test_a_link_that_leaves_may_not_bring_in_another_of_its_bodies(tmp_path: Pat
     """The hand's lower sphere leaves the face of the wall by 0.07 while the upper one sinks 0.01 into its edge."""
     sphere = SHAPES["sphere"]
     two = f'{sphere}</geometry></collision><collision><origin xyz="0 0 0.5"/><geometry>{sphere}'
-    arm = slider(tmp_path, two)
-    scene = Scene(arm)
-    scene.add_box("wall", (0.2, 2.0, 4.0), (0.0, 0.0, -1.0))
+    arm, scene = at_a_wall(tmp_path, two)
     with pytest.raises(PathError, match="it collides"):
         plan(arm, JointMove([0.22, 0.2]), start=[0.15, 0.7], scene=scene)
 
 
 def test_a_motion_through_waypoints_is_proven(tmp_path: Path) -> None:
     """The spline through x = 1, 0, −1 at z = 1.5, 1.6, 1.5 passes over the wall, whose top is at z = 1; at 0.9 not."""
-    arm = slider(tmp_path, SHAPES["sphere"])
-    scene = Scene(arm)
-    scene.add_box("wall", (0.2, 2.0, 4.0), (0.0, 0.0, -1.0))
+    arm, scene = at_a_wall(tmp_path)
     plan_joint(arm, [[1.0, 1.5], [0.0, 1.6], [-1.0, 1.5]], scene=scene)
     with pytest.raises(PathError, match="waypoint 0 to 1"):
         plan_joint(arm, [[1.0, 1.5], [0.0, 0.9], [-1.0, 1.5]], scene=scene)

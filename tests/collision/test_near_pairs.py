@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from test_scene import joint, link, robot
 from twistarm import Scene, ServoState, TwistCommand, load_arm, servo_step
 from twistarm.collision.near_pairs import LOOK
 from twistarm.support.errors import UnitsWarning
@@ -65,12 +66,8 @@ def test_triangles_approach_too() -> None:
 
 
 def test_a_scene_without_bodies_is_free(tmp_path: Path) -> None:
-    file = tmp_path / "bare.urdf"
-    file.write_text(
-        '<robot name="bare"><link name="base"/><link name="tool"/><joint name="j" type="revolute"><parent link="base"/>'
-        '<child link="tool"/><axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="1" effort="1"/></joint></robot>'
-    )
-    scene = Scene(load_arm(file))
+    parts = link("base"), link("tool"), joint("j", "revolute", "base", "tool", "0 0 1")
+    scene = Scene(robot(tmp_path / "bare.urdf", "tool", *parts))
     assert scene.distance([0.1]).metres == np.inf
     assert not scene.collides([0.1])
     assert scene.is_free([0.1], [0.2])

@@ -34,19 +34,17 @@ def joint(name: str, kind: str, parent: str, child: str, axis: str, xyz: str = "
     )
 
 
+def robot(file: Path, tip: str, *parts: str) -> Arm:
+    """The arm of a URDF with these links and joints, named after its file."""
+    file.write_text(f'<robot name="{file.stem}">{"".join(parts)}</robot>')
+    return load_arm(file, tip=tip)
+
+
 def slider(tmp_path: Path, shape: str, *more: str) -> Arm:
     """A base, and a `hand` with a shape that slides along x and z; between them only a link without shapes."""
-    parts = [
-        link("base", SHAPES["box"], "0 0 -3"),
-        link("carriage"),
-        link("hand", shape),
-        joint("x", "prismatic", "base", "carriage", "1 0 0"),
-        joint("z", "prismatic", "carriage", "hand", "0 0 1"),
-        *more,
-    ]
-    file = tmp_path / "slider.urdf"
-    file.write_text(f'<robot name="slider">{"".join(parts)}</robot>')
-    return load_arm(file, tip="hand")
+    joints = joint("x", "prismatic", "base", "carriage", "1 0 0"), joint("z", "prismatic", "carriage", "hand", "0 0 1")
+    links = link("base", SHAPES["box"], "0 0 -3"), link("carriage"), link("hand", shape)
+    return robot(tmp_path / "slider.urdf", "hand", *links, *joints, *more)
 
 
 @pytest.mark.parametrize(("shape", "gap"), [("sphere", 0.4), ("box", 0.4), ("capsule", 0.4), ("cylinder", 0.4)])
@@ -69,21 +67,17 @@ def test_the_distance_to_a_box_is_that_of_a_calculation_by_hand(tmp_path: Path, 
 @pytest.mark.parametrize("kind", ["sphere", "cylinder", "capsule", "plane", "turned box"])
 def test_obstacles_stand_where_they_are_put(tmp_path: Path, kind: str) -> None:
     """A sphere of radius 0.1 comes down along z from 1 m; the top of each obstacle is at z = 0.5."""
-    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
-    at = np.eye(4)
-    at[2, 3] = {"sphere": 0.3, "cylinder": 0.2, "capsule": 0.1, "plane": 0.5, "turned box": 0.5 - np.sqrt(0.5)}[kind]
-    if kind == "sphere":
-        scene.add_sphere("it", 0.2, at)
-    elif kind == "cylinder":
-        scene.add_cylinder("it", 0.3, 0.6, at)
-    elif kind == "capsule":
-        scene.add_capsule("it", 0.2, 0.4, at)
-    elif kind == "plane":
-        scene.add_plane("it", at)
-    else:
-        c = np.sqrt(0.5)
+    scene, at, c = Scene(slider(tmp_path, SHAPES["sphere"])), np.eye(4), np.sqrt(0.5)
+    add, size, at[2, 3] = {
+        "sphere": (scene.add_sphere, (0.2,), 0.3),
+        "cylinder": (scene.add_cylinder, (0.3, 0.6), 0.2),
+        "capsule": (scene.add_capsule, (0.2, 0.4), 0.1),
+        "plane": (scene.add_plane, (), 0.5),
+        "turned box": (scene.add_box, ((1.0, 1.0, 1.0),), 0.5 - c),
+    }[kind]
+    if kind == "turned box":
         at[:3, :3] = [[c, 0, c], [0, 1, 0], [-c, 0, c]]
-        scene.add_box("it", (1.0, 1.0, 1.0), at)
+    add("it", *size, at)
     assert scene.distance([0.0, 1.0]).metres == pytest.approx(0.4, abs=1e-6)
     assert not scene.collides([0.0, 0.61])
     assert scene.collides([0.0, 0.59])
@@ -102,6 +96,12 @@ def test_margins_are_kept_alone_in_batches_and_on_threads(tmp_path: Path) -> Non
         assert (scene.collides(x.reshape(1, 97, 2), threads=2) == expected).all()
     contact = scene.contacts([0.88, 0.0])[0]
     assert str(contact) == "hand and wall: 20 mm apart, 30 mm asked"
+    scene = Scene(arm, margin=0.1)
+    scene.add_plane()
+    x = np.column_stack([np.zeros(41), np.linspace(0.102, 0.302, 41)])
+    assert scene.collides(x).tolist() == (x[:, 1] < 0.2).tolist()
+    with pytest.raises(InputError, match="plane"):
+        scene.attach("ground", theta=[0.0, 1.0])
 
 
 @pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "so101"])
@@ -190,17 +190,9 @@ def test_what_the_hand_holds_moves_with_it_until_it_is_put_down(tmp_path: Path) 
 def test_links_without_shapes_get_capsules_and_meshes_their_hulls(tmp_path: Path) -> None:
     trimesh = pytest.importorskip("trimesh")
     trimesh.creation.annulus(0.05, 0.1, 0.2).export(tmp_path / "ring.stl")
-    bare = tmp_path / "bare.urdf"
-    bare.write_text(
-        '<robot name="bare">'
-        + link("base")
-        + link("arm")
-        + link("tip", '<mesh filename="ring.stl"/>')
-        + joint("a", "revolute", "base", "arm", "0 0 1", "0 0 0.5")
-        + joint("b", "revolute", "arm", "tip", "0 1 0", "0.6 0 0")
-        + "</robot>"
-    )
-    arm = load_arm(bare, tip="tip")
+    bare, turn = tmp_path / "bare.urdf", joint("a", "revolute", "base", "arm", "0 0 1", "0 0 0.5")
+    bend = joint("b", "revolute", "arm", "tip", "0 1 0", "0.6 0 0")
+    arm = robot(bare, "tip", link("base"), link("arm"), link("tip", '<mesh filename="ring.stl"/>'), turn, bend)
     shapes = {finding.what for finding in Scene(arm).findings}
     replaced = "links without collision shapes are checked by other shapes: capsule: 'base', 'arm'"
     assert shapes == {replaced, "hull of a collision shape's mesh: 'tip'"}
@@ -309,15 +301,6 @@ def test_an_obstacle_is_moved_and_sized_until_a_link_holds_it(tmp_path: Path) ->
         scene.move("wall", (0.0, 0.0, 0.0))
 
 
-def test_a_plane_keeps_its_margin_in_batches_and_no_link_carries_it(tmp_path: Path) -> None:
-    scene = Scene(slider(tmp_path, SHAPES["sphere"]), margin=0.1)
-    scene.add_plane()
-    x = np.column_stack([np.zeros(41), np.linspace(0.102, 0.302, 41)])
-    assert scene.collides(x).tolist() == (x[:, 1] < 0.2).tolist()
-    with pytest.raises(InputError, match="plane"):
-        scene.attach("ground", theta=[0.0, 1.0])
-
-
 def test_a_pair_that_theta_cannot_move_is_not_checked(tmp_path: Path) -> None:
     """A passive wheel beside the base, in the ground."""
     more = link("wheel", SHAPES["sphere"]), joint("w", "continuous", "base", "wheel", "0 1 0", "3 0 0")
@@ -414,14 +397,9 @@ def test_a_survey_says_how_often_each_pair_collides(tmp_path: Path) -> None:
 
 def test_a_slide_beyond_the_limits_of_the_file_has_its_whole_radius(tmp_path: Path) -> None:
     """A turn of 2 rad with the hand 30 m out, where the description ends at 2 m. A stone is on the circle."""
-    file = tmp_path / "crane.urdf"
-    parts = [link("base"), link("turret"), link("hand", '<sphere radius="0.05"/>')]
-    parts += [
-        joint("turn", "revolute", "base", "turret", "0 0 1"),
-        joint("out", "prismatic", "turret", "hand", "1 0 0"),
-    ]
-    file.write_text(f'<robot name="crane">{"".join(parts)}</robot>')
-    scene = Scene(load_arm(file, tip="hand"))
+    links = link("base"), link("turret"), link("hand", '<sphere radius="0.05"/>')
+    joints = joint("turn", "revolute", "base", "turret", "0 0 1"), joint("out", "prismatic", "turret", "hand", "1 0 0")
+    scene = Scene(robot(tmp_path / "crane.urdf", "hand", *links, *joints))
     scene.add_sphere("stone", 0.05)
     for angle in (0.4, 1.0, 1.7):
         scene.move("stone", (30.0 * np.cos(angle), 30.0 * np.sin(angle), 0.0))

@@ -148,16 +148,10 @@ def test_a_bad_line_is_told(rover, motion, tmp_path, change, why):
 def test_a_motion_that_would_swing_beyond_a_limit_between_its_points_is_refused(rover, tmp_path):
     """From rest up to the elbow's limit at speed: the cubic between these points goes beyond it."""
     top = rover.limits.upper[2]
-    rows = ["time [s]," + ",".join(f"{name}.{rate}" for name in rover.joint_names for rate in ("position", "velocity"))]
-    units = [unit for unit in rover.units for unit in (f" [{unit}]", f" [{unit}/s]")]
-    rows[0] = "time [s]," + ",".join(f"{name}{unit}" for name, unit in zip(rows[0].split(",")[1:], units, strict=True))
-    for time, elbow, speed in (
-        (0.0, top - 0.5, 0.0),
-        (1.0, top - 0.1, 0.8),
-        (2.0, top - 0.1, -0.8),
-        (3.0, top - 0.5, 0.0),
-    ):
-        rows.append(",".join([f"{time},0,0,0,0,{elbow},{speed}", "0,0,0,0"]))
+    joints = zip(rover.joint_names, rover.units, strict=True)
+    rows = ["time [s]," + ",".join(f"{name}.position [{unit}],{name}.velocity [{unit}/s]" for name, unit in joints)]
+    for time, (elbow, speed) in enumerate([(top - 0.5, 0.0), (top - 0.1, 0.8), (top - 0.1, -0.8), (top - 0.5, 0.0)]):
+        rows.append(f"{time},0,0,0,0,{elbow},{speed},0,0,0,0")
     (tmp_path / "swing.csv").write_text("\n".join(rows) + "\n")
     with pytest.raises(LimitError, match=r"swing.csv: .*joint 'elbow' would swing to"):
         load_trajectory(rover, tmp_path / "swing.csv")

@@ -333,6 +333,7 @@ def test_segments_refuse_what_makes_no_sense():
         (lambda: ScrewMove.about([0, 0, 0], [0, 0, 0], 1.0), "zero vector"),
         (lambda: ScrewMove.about([0, 0, 1], [0, 0, 0], np.nan), "angle"),
         (lambda: Dwell(-1.0), "seconds"),
+        *((lambda tol=tol: LineMove(G, position_tol=tol), "position_tol") for tol in (0.0, -1e-6, np.nan, "much")),
         (lambda: JointMove(None), "to must be a goal"),  # type: ignore[arg-type]
     ):
         with pytest.raises(InputError, match=words):

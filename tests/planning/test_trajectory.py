@@ -110,29 +110,23 @@ def test_what_is_no_order_step_or_time_is_refused(ask, name, bad):
             ask(value)
 
 
-def test_parts_that_do_not_fit_are_refused():
-    good = motion()
-    with pytest.raises(InputError, match=r"needs waypoints \(3, 1\) and coefficients \(degree \+ 1, 2, 1\)"):
-        Trajectory(("a",), ("rad",), good.waypoints, good.times, good.breakpoints, good.coefficients)
-    with pytest.raises(InputError, match="must increase from 0"):
-        Trajectory(good.joint_names, good.units, good.waypoints, good.times, [0.0, 2.0, 2.0], good.coefficients)
-    with pytest.raises(InputError, match="coefficients must be finite"):
-        Trajectory(
-            good.joint_names, good.units, good.waypoints, good.times, good.breakpoints, good.coefficients * np.nan
-        )
-
-
 @pytest.mark.parametrize(
-    ("labels", "message"),
+    ("parts", "message"),
     [
-        ([(1.0, "open"), (0.5, "close")], "must not decrease .* got 0.5 s of 'close'"),
-        ([(5.1, "open")], r"lie within \[0, 5\] s; got 5.1 s"),
-        ([(np.nan, "open")], "the time of a label"),
-        ([(1.0, "two\nlines")], "a label must be one line of text"),
-        ([(1.0, None)], "a label must be one line of text"),
-        ("open", "labels must be pairs"),
+        (
+            {"joint_names": ("a",), "units": ("rad",)},
+            r"needs waypoints \(3, 1\) and coefficients \(degree \+ 1, 2, 1\)",
+        ),
+        ({"breakpoints": [0.0, 2.0, 2.0]}, "must increase from 0"),
+        ({"coefficients": motion().coefficients * np.nan}, "coefficients must be finite"),
+        ({"labels": [(1.0, "open"), (0.5, "close")]}, "must not decrease .* got 0.5 s of 'close'"),
+        ({"labels": [(5.1, "open")]}, r"lie within \[0, 5\] s; got 5.1 s"),
+        ({"labels": [(np.nan, "open")]}, "the time of a label"),
+        ({"labels": [(1.0, "two\nlines")]}, "a label must be one line of text"),
+        ({"labels": [(1.0, None)]}, "a label must be one line of text"),
+        ({"labels": "open"}, "labels must be pairs"),
     ],
 )
-def test_labels_that_are_none_are_refused(labels, message):
+def test_parts_that_do_not_fit_are_refused(parts, message):
     with pytest.raises(InputError, match=message):
-        replace(motion(), labels=labels)
+        replace(motion(), **parts)
