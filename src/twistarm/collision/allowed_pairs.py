@@ -86,7 +86,7 @@ class _Sampler:
 def collision_counts(
     model: PinocchioModel, bodies: Sequence[Body], pairs: Iterable[Pair], Q: Iterable[Array], once: bool = False
 ) -> Mapping[Pair, int]:
-    """In how many of the configurations q (nq,) each pair collides; with `once`, a pair is dropped when it has."""
+    """In how many of the configurations q (nq,) each pair collides. With `once`, a pair is dropped when it has."""
     wanted, counts, checker = set(pairs), dict[Pair, int](), None
     for q in Q:
         if checker is None:

@@ -17,7 +17,7 @@ def in_millimetres(metres: float) -> str:
 class Distance:
     """The nearest pair of bodies: `metres` apart, negative by the depth of an overlap.
 
-    `links` are the names of the two links or obstacles, `points` (2, 3) their nearest points in the base frame [m].
+    `links` are the names of the two links or obstacles. `points` (2, 3) are their nearest points in the base frame [m].
     `metres` is inf and `links` empty if the scene has no pair to check. `time` [s] is that on a motion, else None.
     """
 

@@ -1,4 +1,4 @@
-"""The checkers of a scene: which pairs of bodies they check, made once for the bodies that are present."""
+"""The checkers of a scene, made once for the bodies that are present, and the pairs that they check."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ T = TypeVar("T")
 
 
 class Checkers(Obstacles):
-    """The bodies of an arm's robot and of obstacles, their margins, and the checkers of the pairs not allowed."""
+    """The bodies of a robot and of obstacles, their margins, and the checkers of all pairs that are not allowed."""
 
     def __init__(
         self, arm: Arm, margin: float | Mapping[str, float], exact: bool, progress: Callable[[float], object] | None
@@ -77,7 +77,7 @@ class Checkers(Obstacles):
 
     def _kept(self, what: str, make: Callable[[], T]) -> T:
         """What `make` makes of the present bodies, made once."""
-        made = self._made
+        made = self._made  # another thread may replace it while `make` runs
         if what not in made:
             made[what] = make()
         return made[what]

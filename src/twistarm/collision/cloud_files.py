@@ -28,9 +28,10 @@ PLY_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"
 
 
 def read_points(path: Path) -> Array:
-    """The points (N, 3) of a .ply, .pcd, .npy, .xyz, .txt or .csv file, in its own unit, which must be metres.
+    """The points (N, 3) [m] of a .ply, .pcd, .npy, .xyz, .txt or .csv file.
 
-    A PCD marks rays without an echo by NaN: these are left out. Raises InputError for what cannot be read.
+    The file must be in metres. A PCD marks rays without an echo by NaN: these are left out. Raises InputError for what
+    cannot be read.
     """
     readers: dict[str, Callable[[bytes], Array]] = {
         ".ply": _ply, ".pcd": _pcd, ".npy": _npy, ".xyz": _text, ".txt": _text, ".csv": _text,

@@ -1,4 +1,4 @@
-"""Which pairs of a scene are near: lower bounds of all distances first, then the few that count are measured."""
+"""The near pairs of a scene. All distances are bounded from below first, then the few that count are measured."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ Indices = NDArray[np.signedinteger[Any]]
 class NearPairs(Checker):
     """Finds the near pairs of a scene. `speeds` (k, n) bounds how fast each coordinate brings a pair closer.
 
-    Each part of a cloud's tile counts as a body: `body_pairs` (k,) are these pairs, as places among `bodies`.
+    Each part of a cloud's tile counts as a body. `body_pairs` (k,) are these pairs, as places among `bodies`.
 
-    A distance is at least that of the ball round the smaller body and the rounded box round the larger one. For the
-    pairs `exact`, spheres against spheres, capsules, boxes and half-spaces, it is just that.
+    A distance is bounded from below. The bound takes a ball round the smaller body and a rounded box round the larger
+    one. For the pairs `exact`, spheres against spheres, capsules, boxes and half-spaces, it is just that.
     """
 
     def __init__(self, model: PinocchioModel, checker: Checker, most: Array) -> None:
@@ -117,9 +117,10 @@ class NearPairs(Checker):
         return best, metres, np.array([found.getNearestPoint1(), found.getNearestPoint2()])
 
     def near(self, theta: Array, reach: Array, count: int) -> Near:
-        """The pairs at theta (n,) that may be nearer than margin and LOOK, and what they may lose over `reach` (n,).
+        """The pairs at theta (n,) that may be nearer than margin and LOOK.
 
-        At most `count` with the least room beyond their margins are measured.
+        What they may lose over `reach` (n,) counts too. At most `count` with the least room beyond their margins are
+        measured.
         """
         self._cover_at_least(theta, reach)
         limits = self.speeds.dot(reach)
@@ -127,7 +128,7 @@ class NearPairs(Checker):
         return self._near(self._model.q(theta), limits, count)
 
     def bounds(self, theta: Array, reach: Array | float, pairs: Indices) -> Array:
-        """Lower bounds of the distances (k,) [m] of these pairs (k,) at theta (n,), also of the depths of overlaps.
+        """Lower bounds of the distances (k,) [m] of these pairs (k,) at theta (n,). An overlap has a negative distance.
 
         `speeds` then holds up to `reach` (n,) from theta. Without the compiled core the bounds are -infinity.
         """
@@ -193,9 +194,9 @@ class NearPairs(Checker):
         return geometry
 
     def measure(self, geometry: Any, k: int) -> tuple[float, Any]:
-        """The distance [m] of pair k where `geometry` has it, negative by the depth of an overlap, and all of it.
+        """The distance [m] of pair k where `geometry` has it, and Coal's result. An overlap has a negative distance.
 
-        The latter is the geometry's, which the next measure of the pair replaces.
+        The result is the geometry's. The next measure of the pair replaces it.
         """
         owner = int(self._owner[k])
         if self._parted[k]:
@@ -220,8 +221,8 @@ class NearPairs(Checker):
 class Near:
     """Pairs (k,) that may be near at q (nq,), with lower bounds of their distances (k,) [m].
 
-    A pair that is measured has its distance, negative by the depth of an overlap; infinity if it is beyond its limit.
-    `closest` (c,) are the rows of those with the least room, and `approach` (c, n) is their -∂distance/∂theta.
+    A pair that is measured has its distance, negative by the depth of an overlap. Beyond its limit it has infinity.
+    `closest` (c,) are the rows of those with the least room. `approach` (c, n) is their -∂distance/∂theta.
     """
 
     def __init__(

@@ -116,7 +116,8 @@ class Obstacles:
     def add_mesh(
         self, name: str, path: str | os.PathLike[str], pose: Given | None = None, *, scale: float | Row = 1.0
     ) -> None:
-        """Add a mesh file (STL, DAE, OBJ) with its frame at `pose` (4, 4): its hull, or its triangles if `exact`.
+        """Add a mesh file (STL, DAE, OBJ) with its frame at `pose` (4, 4). It counts as its hull, or as triangles if
+        `exact`.
 
         Args:
             name: A name that no link and no obstacle has.
@@ -228,7 +229,7 @@ class Obstacles:
 
         Args:
             name: The obstacle.
-            size: The numbers of its kind [m], in the order of the `add_…` method; of a mesh its scale.
+            size: The numbers of its kind [m], in the order of the `add_…` method. For a mesh its scale.
         """
         body = self._require_obstacle(name)
         shape, sizes = self._shaped(body.kind, size, body.mesh)
@@ -246,7 +247,7 @@ class Obstacles:
     def attach(self, name: str, link: str | None = None, *, theta: ArrayLike, touching: Iterable[str] = ()) -> None:
         """Let `link`, by default the tip, carry an obstacle that it holds at theta (n,).
 
-        The links of the same body and of its children may touch the object, and so may those in `touching`.
+        The links of the same body and of its children may touch the object. So may those in `touching`.
 
         Args:
             name: The obstacle.
@@ -357,7 +358,7 @@ class Obstacles:
         return x
 
     def _plain(self, theta: Any) -> Array | None:
-        """Theta if it is one array (n,) that is plainly right, because the checks take longer than the collisions."""
+        """Theta if it is one array (n,) that is plainly right. The checks would take longer than the collisions."""
         if type(theta) is np.ndarray and theta.dtype is DOUBLE and theta.shape == self._shape:
             return theta if theta.dot(theta) <= PLAIN else None
         return None

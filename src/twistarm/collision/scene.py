@@ -34,7 +34,7 @@ class Scene(Checkers):
     A link has its collision shapes, otherwise its visuals, otherwise capsules to the joints that it carries. Meshes are
     replaced by their convex hulls; with `exact=True` they are kept. `findings` tell what each link has.
 
-    `allowed` are the pairs of links that are not checked, with their reasons: the SRDF's, or those of
+    `allowed` are the pairs of links that are not checked, with their reasons. They come from the SRDF, or from
     `collision.allowed_pairs`. Obstacles are checked against every link that can move relative to them.
 
     `file` is the file that the scene was loaded from or saved to, or None. `exact` tells whether meshes are kept.
@@ -131,7 +131,7 @@ class Scene(Checkers):
         return self.file
 
     def content(self) -> SceneFile:
-        """What a file of this scene holds, with poses in the base frame or in that of the link that holds an object."""
+        """What a file of this scene holds. Poses are in the base frame, or in that of the link that holds an object."""
         entries = []
         for name, body in self._obstacles.items():
             on = body.carrier if name in self._touching else ""
@@ -256,7 +256,7 @@ class Scene(Checkers):
         return tuple(worst.values())
 
     def first_collision(self, breakpoints: Given, coefficients: Given) -> Collision | None:
-        """The first collision of a motion, without gaps; None if there is none.
+        """The first collision of a motion, without gaps, or None.
 
         The motion is a piecewise polynomial as in `Trajectory`. A pair that is nearer than its margin by less than
         0.5 mm may be missed.
@@ -272,8 +272,8 @@ class Scene(Checkers):
         """The nearest pair of bodies along a motion, with its `time` [s]; margins are not counted.
 
         The distance is measured there. No pair comes nearer anywhere, between samples either, than that less 1 mm or
-        5 % of it, the larger. An interval is left when no pair can lose enough of its distance within it; else it is
-        halved, for the pairs that can. The bounds are those of `first_collision`.
+        5 % of it, the larger. An interval is left when no pair can lose enough of its distance within it. Otherwise it
+        is halved, for the pairs that can. The bounds are those of `first_collision`.
 
         Args:
             breakpoints: (s + 1,) [s].
@@ -284,6 +284,7 @@ class Scene(Checkers):
         every, halves = np.arange(len(near.body_pairs)), (0.5 * np.diff(times)).tolist()
         waiting = deque((times[k], pieces[:, k], half, half, every) for k, half in enumerate(halves))
         while waiting:
+            # Long intervals first: a small distance that is found early rules out most of the others.
             begin, piece, middle, half, pairs = waiting.popleft()
             about = shifted(piece[:, None], np.array([middle]))[:, 0]
             moved = np.float_power(half, np.arange(len(piece) - 1, 0, -1)) @ np.abs(about[:-1])
@@ -319,7 +320,7 @@ class Scene(Checkers):
         return self._sweep.straight(self._configuration(start), self._configuration(end))
 
     def leaving(self, theta: Array) -> Scene:
-        """The scene for a motion from theta (n,): bodies that collide there count only if they come 0.5 mm nearer.
+        """The scene for a motion from theta (n,). Bodies that collide there count only if they come 0.5 mm nearer.
 
         It is the same scene if nothing collides there. Kept triangles and voxels have no depth, so they cannot be left.
         """
@@ -363,7 +364,7 @@ class Scene(Checkers):
         self._loaded = replace(content, entries=(), foreign=False, absent=tuple(dict.fromkeys(absent)))
 
     def _fixed(self, frame: str | None) -> str:
-        """The link in whose frame a file gives a pose: the base for None, the root for "" and "world"."""
+        """The link of a pose's frame in a file: the base for None, the root for "" and "world"."""
         if frame is None:
             return self.arm.base
         if frame in ("", "world"):
@@ -395,7 +396,7 @@ def _made(
 
 
 def require_scene(scene: Any, arm: Arm) -> Scene:
-    """The scene. InputError if it is none, or of an arm of another description or with other coordinates."""
+    """The scene. Raises InputError for another object, or if its arm has another description or other coordinates."""
     require(scene, Scene, "scene", "Scene(arm)")
     known, description = scene.arm, require_arm(arm).description
     same = description is not None and description.text == scene._description.text

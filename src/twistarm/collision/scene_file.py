@@ -60,11 +60,11 @@ TOP: dict[str, Check] = {
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """An obstacle of a file: its kind, its size [m] or mesh with scale, its pose (4, 4) on the link `on`.
+    """An obstacle of a file: its kind, its size [m] or mesh with scale, and its pose (4, 4).
 
     `mesh` is also the file of a cloud, or its points (N, 3).
 
-    Otherwise the pose is in `frame`: None for the base, "" for the root.
+    The pose is on the link `on` if given. Otherwise it is in `frame`: None for the base, "" for the root.
     """
 
     name: str
@@ -79,7 +79,7 @@ class Entry:
 
 @dataclass(frozen=True, eq=False)
 class SceneFile:
-    """The content of a scene file: the arm's name if given, obstacles, pairs that need no check, and the margin [m].
+    """The content of a scene file: the arm's name if given, obstacles, allowed pairs and the margin [m].
 
     `matrix` tells that `allowed` are all pairs of the robot that need no check. `foreign`: names that the robot lacks
     are left out, as MoveIt does; `absent` are these. `unread` tells what else of the file is not used.
@@ -96,7 +96,7 @@ class SceneFile:
 
 
 def read_scene(path: Path, links: Iterable[str] = ()) -> SceneFile:
-    """Read a scene.toml, a planning scene (.yaml, .yml) or a .scene file, for a robot of these `links`.
+    """Read a scene.toml, a planning scene (.yaml, .yml) or a .scene file for a robot with `links`.
 
     Raises InputError, with file and entry, for what cannot be used, and DescriptionError for an unreadable file.
     """
@@ -165,7 +165,7 @@ def _pose(table: Mapping[str, Any], angle: float) -> Array:
 
 
 def with_points_in_files(content: SceneFile, scene: Path) -> SceneFile:
-    """The content of a file `scene`, with the points of its clouds in files beside it, which are written."""
+    """The content of a file `scene`. The points of its clouds are written into files beside it."""
     entries = [
         replace(entry, mesh=write_points(entry.mesh, scene, entry.name))
         if isinstance(entry.mesh, np.ndarray)
@@ -219,7 +219,7 @@ def _toml_value(value: Any) -> str:
 
 @contextmanager
 def _at(path: Path, place: str) -> Iterator[None]:
-    """Name the file and the place, also for messages of MoveIt that lack a field or have another kind of value."""
+    """Name the file and the place in errors. A message of MoveIt may lack a field or have a value of another kind."""
     with inside(path, place):
         try:
             yield
@@ -315,7 +315,7 @@ OPERATIONS = "ADD", "REMOVE", "APPEND", "MOVE"
 
 
 def _left(path: Path, objects: list[tuple[Any, str]]) -> Iterator[tuple[Any, str]]:
-    """The objects that are left once each operation is done in its turn, as MoveIt does; an empty id removes all."""
+    """The objects that are left once each operation is done in its turn, as MoveIt does. An empty id removes all."""
     left: dict[str, tuple[Any, str]] = {}
     for item, place in objects:
         with _at(path, place):

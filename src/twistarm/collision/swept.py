@@ -28,9 +28,10 @@ LEAST_SHARE = 0.02  # The least share of a clearance that a pair is given.
 class Sweep:
     """Finds the first collision of a motion theta(t).
 
-    An interval about its middle t is free if at theta(t) every pair has the clearance that its bodies can lose within
-    the interval. The next interval is as long as a level of clearance allows. It is shorter where a check fails, and
-    longer after some that pass (Schwarzer, Saha & Latombe, Adaptive Dynamic Collision Checking, IEEE T-RO 21(3), 2005).
+    An interval about its middle t is free if every pair has enough clearance at theta(t). Enough is what its bodies can
+    lose within the interval. The next interval is as long as a level of clearance allows. It is shorter where a check
+    fails, and longer after some that pass. Source: Schwarzer, Saha & Latombe, Adaptive Dynamic Collision Checking, IEEE
+    T-RO 21(3), 2005.
     """
 
     def __init__(self, checker: Checker, model: PinocchioModel, most: Array) -> None:
@@ -65,7 +66,7 @@ class Sweep:
         known, values = ends.tolist(), about.transpose(1, 0, 2).copy()
         s, level, passed, needed = 0.0, FIRST, 0, 1
         while True:
-            half = LEVELS[level] or FINE
+            half = LEVELS[level] or FINE  # without a clearance nothing is proven, so the step is fixed
             middle = min(s + half, known[-1])
             k = min(bisect_right(known, middle), len(width)) - 1
             tau = ((middle - known[k]) / (known[k + 1] - known[k] or 1.0) - 0.5) * width[k]
@@ -103,7 +104,7 @@ class Sweep:
         return wider._reaching(most)
 
     def checker(self, clearance: float) -> Checker:
-        """The checker whose margins are larger by `clearance` [m] for the fastest pairs, and less for others."""
+        """The checker with margins larger by `clearance` [m] for the fastest pairs, and by less for others."""
         if clearance not in self._checkers:
             margins = np.array(self._base.margins) + clearance * self._shares
             self._checkers[clearance] = self._base.with_margins(margins)
@@ -120,7 +121,7 @@ def shifted(pieces: Array, at: Array) -> Array:
 
 
 def pair_speeds(model: PinocchioModel, bodies: Sequence[Body], pairs: Sequence[tuple[int, int]], most: Array) -> Array:
-    """Bounds (pairs, n) of how fast any two points of a pair approach, by each coordinate alone at rate 1.
+    """Bounds (pairs, n) of the speed at which two points of a pair approach, per coordinate at rate 1.
 
     They hold while |theta| is at most `most` (n,), which counts for slides only.
     """

@@ -62,7 +62,7 @@ def active_limits(
     nothing limits an arm at rest. Stretches shorter than 0.5 % of the motion join the one before.
 
     Args:
-        arm: The arm, whose motors' limits count too.
+        arm: The arm. The limits of its motors count too.
         motion: The motion of its joints.
         limits: As given to `plan` or `plan_joint`; usual ones replace missing ones here too.
         segments: Those given to `plan`. Their shares of joint velocities and speeds of the tool count.

@@ -123,7 +123,7 @@ def projected(arm: Arm, like: AnyTarget, ideal: Array, theta: Array, within: Tol
 
 
 def shortest(e: Array, J: Array, damping: Array) -> Array:
-    """The shortest steps (k, n) with J @ step = −e for errors (k, r) and rows (k, r, n), damped (r, r)."""
+    """The shortest steps (k, n) with J @ step = −e, damped (r, r). Errors are (k, r), rows (k, r, n)."""
     across = np.swapaxes(J, 1, 2)
     return np.asarray(-(across @ np.linalg.solve(J @ across + damping, e[..., None]))[..., 0])
 

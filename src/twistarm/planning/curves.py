@@ -1,4 +1,4 @@
-"""Curves of the tool's pose g(s), s in [0, 1]: line, screw motion, circular arc; and targets that move along them."""
+"""Lines, screws and circular arcs of the tool's pose g(s), s in [0, 1], and targets along them."""
 
 from __future__ import annotations
 
@@ -129,15 +129,11 @@ def errors_from(like: AnyTarget, ideal: Array, g: Array) -> tuple[Array, Array]:
         return np.array([p for p, _ in both]), np.array([r for _, r in both])
     position: Array = np.linalg.norm(g[:, :3, 3] - ideal[:, :3, 3], axis=-1)
     if isinstance(like, Pose):
-        return position, _angles(np.swapaxes(ideal[:, :3, :3], -1, -2) @ g[:, :3, :3])
+        chord = np.linalg.norm(np.swapaxes(ideal[:, :3, :3], -1, -2) @ g[:, :3, :3] - np.eye(3), axis=(-2, -1))
+        # ‖R − 1‖ is 2√2 sin(angle/2): accurate for small angles, where the trace of R is not.
+        return position, 2.0 * np.arcsin(np.minimum(chord / np.sqrt(8.0), 1.0))
     if isinstance(like, Approach):
         axis, wanted = g[:, :3, :3] @ like.axis, ideal[:, :3, :3] @ like.axis
         sine = np.linalg.norm(np.cross(axis, wanted), axis=-1)
         return position, np.arctan2(sine, (axis * wanted).sum(axis=-1))
     return position, np.zeros(len(g))
-
-
-def _angles(R: Array) -> Array:
-    """Return the angles of rotations (k, 3, 3) [rad], accurate for small ones: ‖R − 1‖ is 2√2 sin(angle/2)."""
-    chord = np.linalg.norm(R - np.eye(3), axis=(-2, -1))
-    return 2.0 * np.arcsin(np.minimum(chord / np.sqrt(8.0), 1.0))

@@ -107,7 +107,7 @@ def climb(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | 
 
 
 class _Climber:
-    """One climb: the rungs' places s (k + 1,) and poses, the number of rungs left, and the farthest blocked node."""
+    """One climb: places s (k + 1,) and poses of its rungs, the number of rungs left, and the farthest blocked node."""
 
     def __init__(self, arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> None:
         self.arm, self.limits = arm, limits
@@ -124,7 +124,8 @@ class _Climber:
             return []
         found, halved = self._step(nodes, s, k)
         if halved:
-            found += self.advance(self.advance(halved, 0.5 * (halved[0].s + s)), s, k)
+            middle = self.advance(halved, 0.5 * (halved[0].s + s))
+            found += self.advance(middle, s, k)
         return found
 
     def _step(self, nodes: list[Node], s: float, k: int | None) -> tuple[list[Node], list[Node]]:

@@ -133,7 +133,7 @@ def _searched(
     planner.setRange(REACH)
     setup.setPlanner(planner)
     setup.setStartAndGoalStates(state_at(start), state_at(goal))
-    if seconds <= 0.0:
+    if seconds <= 0.0:  # only here, so that an arm without OMPL hears of it in any case
         return None
     setup.solve(seconds)
     if not setup.haveExactSolutionPath():
@@ -157,7 +157,7 @@ def _import_ompl(seed: int) -> tuple[Any, Any]:
         raise missing_extra("planning round obstacles", "ompl", "obstacles") from error
     util.setLogLevel(util.LOG_NONE)
     if not _SEEDED:
-        util.RNG.setSeed(seed + 1)
+        util.RNG.setSeed(seed + 1)  # OMPL refuses 0
         _SEEDED.append(seed)
     return base, geometric
 

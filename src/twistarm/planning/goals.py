@@ -97,7 +97,7 @@ class Goals:
 
 
 def _curve(move: Curved, g0: Array, g1: Array | None) -> Curve:
-    """Return the curve of a move from pose g0 to g1 (4, 4), or without a goal as far as the move gives."""
+    """Return the curve of a move from pose g0 to g1 (4, 4). Without a goal the move says how far it goes."""
     if isinstance(move, LineMove):
         if g1 is None:
             offset = np.asarray(move.offset)

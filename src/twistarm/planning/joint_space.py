@@ -83,7 +83,7 @@ def plan_joint(
     turn by 2π go to a target by the shorter way. To a configuration they go as written: from 0 to 2π by a full turn.
     `unwrap` chooses the shorter way there too: from 3.1 to −3.1 by 0.08 rad, to 3.18.
 
-    Without `times` a path leads through the waypoints, and a time law follows it as fast as the limits allow:
+    Without `times` a path leads through the waypoints. A time law follows it as fast as the limits allow:
 
     - `s_curve` (default): acceleration is continuous and jerk within its limits. A joint without a jerk limit takes
       0.1 s to its acceleration limit.
@@ -99,13 +99,13 @@ def plan_joint(
     - `quintic`: C⁴, acceleration zero at both ends. It is smoother and swings wider between waypoints.
 
     With `stop_at_waypoints` these polynomials go straight and rest at every waypoint. A spline is pulled in where it
-    would leave the position limits: extra pieces slow or stop the joint near those waypoints. It stays C² or C⁴.
+    would leave the position limits. Extra pieces slow or stop the joint near those waypoints. It stays C² or C⁴.
 
     Limits of the arm's motors (`arm.actuators`) hold as well. The exact extremes of the polynomials are checked, to
-    1e-9. Without `times`, joints without a velocity or acceleration limit get the usual one (1 rad/s, 0.25 m/s, 3
-    rad/s², 1 m/s²). With `times`, missing limits are not checked. Without `times`, consecutive waypoints nearer than
-    1e-6 are merged. If one remains, the motion has duration 0. All others are met within 1e-9. `notes` tell what was
-    assumed, merged or unwrapped.
+    1e-9. Without `times`, a missing velocity or acceleration limit is the usual one (1 rad/s, 0.25 m/s, 3 rad/s²,
+    1 m/s²). With `times`, missing limits are not checked. Without `times`, consecutive waypoints nearer than 1e-6 are
+    merged. If one remains, the motion has duration 0. All others are met within 1e-9. `notes` tell what was assumed,
+    merged or unwrapped.
 
     Source: Lynch & Park, Modern Robotics, §9.2 to §9.4.
 
@@ -114,7 +114,7 @@ def plan_joint(
         waypoints: One or more arrays (n,) [rad, m], mappings {joint: value}, names of `arm.configurations` or
             targets.
         kind: "s_curve" or "time_optimal", and at given times "cubic" or "quintic".
-        limits: By default those of the arm; a `JointLimits`, or changes such as {"velocity": 1.0, "acceleration":
+        limits: By default those of the arm. Or a `JointLimits`, or changes such as {"velocity": 1.0, "acceleration":
             {"elbow": 2.0}} [rad/s, m/s and so on].
         times: Times of the waypoints (k,) [s], increasing from 0. None: as short as the limits allow.
         stop_at_waypoints: Whether the motion goes straight and rests at every waypoint. Without it a spline may swing
@@ -133,9 +133,9 @@ def plan_joint(
         The `Trajectory`, a piecewise polynomial in time.
 
     Raises:
-        LimitError: A waypoint lies outside the position limits, the efforts do not hold arm and payload at rest, or the
-            times are too short. The message gives joint,
-            limit, value and place. From a start up to 0.2 rad or 20 mm outside, the motion returns inside.
+        LimitError: A waypoint lies outside the position limits, or the times are too short. Or the efforts do not hold
+            arm and payload at rest. The message gives joint, limit, value and place. From a start up to 0.2 rad or
+            20 mm outside, the motion returns inside.
         InputError: An argument does not fit the arm, or the kind does not go with `times`.
         UnknownNameError: No such pose or joint.
         NotConvergedError: A target is not met; the message names the waypoint and explains why.
@@ -187,7 +187,7 @@ def plan_joint(
         if effort is not None:
             effort.require_kept(breakpoints, coefficients)
     if scene is not None:
-        from .free_moves import require_free
+        from .free_moves import require_free  # only here: it loads the collision library
 
         require_free(scene, arm, motion)
     if progress is not None:
@@ -230,7 +230,7 @@ def shortest_motion(
     """Return the shortest motion found through distinct waypoints (k, n), from rest to rest, with k − 1 parts.
 
     It stops at every waypoint if `stop`, and goes straight then. Otherwise it stops only where that is sooner done.
-    Between stops it follows the spline whose law is the shortest.
+    Between stops it follows the spline with the shortest law.
     """
     if len(points) == 1:
         return Motion(np.zeros(0), np.zeros(2), points[None])
@@ -256,8 +256,8 @@ def shortest_motion(
 def best_stops(timed: Callable[[int, int], Motion], alone: Array) -> tuple[int, ...]:
     """Return after which of m legs to stop: none, all, or a few that save time.
 
-    A stop may save time where both legs beside it take longer on the way than from rest to rest, and at both ends of a
-    short leg. Such stops that do not help are left out one by one.
+    A stop may save time where both legs beside it take longer on the way than from rest to rest. It may save time at
+    both ends of a short leg, too. Such stops that do not help are left out one by one.
 
     Args:
         timed: The motion along legs i … j − 1 from rest to rest, without a stop between them.
@@ -275,9 +275,9 @@ def best_stops(timed: Callable[[int, int], Motion], alone: Array) -> tuple[int, 
     short = np.flatnonzero(alone[1:-1] < SHORT * np.minimum(alone[:-2], alone[2:])) + 1
     few = [tuple(stops.tolist()) for stops in (slow, np.union1d(short, short + 1)) if len(stops) <= MOST_STOPS]
     best = min(((), tuple(range(1, count)), *few), key=whole)
-    if best in few:
-        for stop in best:
-            best = min(best, tuple(other for other in best if other != stop), key=whole)
+    for stop in best if best in few else ():  # over the stops found above, though `best` becomes shorter
+        without = tuple(other for other in best if other != stop)
+        best = min(best, without, key=whole)
     return best
 
 
@@ -293,7 +293,7 @@ def joined(motions: Sequence[Motion]) -> Motion:
 
 
 def straight_s_curve(start: Array, goal: Array, bounds: PathBounds, straight: bool = False) -> Motion:
-    """The `double_s`, or under torque limits the shorter of a slower one and the s-curve along the straight line."""
+    """The `double_s`. Under torque limits the shorter of a slower one and the s-curve along the straight line."""
     breakpoints, coefficients = double_s(start, goal, bounds, straight)
     slower = 1.0 if bounds.torques is None else max(1.0, bounds.torques.slowing(breakpoints, coefficients))
     if slower > 1.0:
@@ -330,9 +330,9 @@ def _along_spline(points: Array, law: str, bounds: PathBounds) -> Motion:
 def spline_paths(points: Array, bounds: PathBounds) -> list[tuple[JointPath, Array]]:
     """Return candidate paths through distinct waypoints (k, n), k ≥ 3, with the place s of each waypoint (k,).
 
-    Distances are Euclidean in C q / velocity: s counts seconds at full speed. Candidates are the C² cubic by chords,
-    the C⁴ quintic by its own arc length, and for few waypoints the centripetal C² cubic (Lee 1989). A path that would
-    leave the position limits becomes the natural cubic with its knots at the waypoints, pulled inside.
+    Distances are Euclidean in C q / velocity: s counts seconds at full speed. Candidates are the C² cubic by chords and
+    the C⁴ quintic by its own arc length. For few waypoints the centripetal C² cubic is one, too (Lee 1989). A path that
+    would leave the position limits becomes a natural cubic. Its knots are at the waypoints, and it is pulled inside.
     """
     chords = _length(np.diff(points, axis=0), bounds)
     rough = JointPath(*spline.natural(points, _summed(chords), 5))

@@ -1,4 +1,4 @@
-"""Keep: what a free move keeps of the tool's pose, how far a pose is beyond it, and proofs along motions."""
+"""Keep: the part of the tool's pose that a free move keeps, and proofs along motions."""
 
 from __future__ import annotations
 
@@ -37,10 +37,10 @@ VERTICAL = frozen([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Keep(Brief):
-    """What the tool keeps all along a `FreeMove`: a direction, its orientation, a box, a plane, or several of them.
+    """What the tool keeps all along a `FreeMove`: a direction, its orientation, a box, a plane, or several.
 
-    direction: where the tool axis points, (3,) in base axes: the angle of R @ tool_axis and it is at most `tol`. True:
-    where it points at the start.
+    direction: where the tool axis points, (3,) in base axes. The angle between R @ tool_axis and it is at most `tol`.
+    True: where it points at the start.
 
     tool_axis: the axis (3,) in tool axes; None: `arm.tool_axis`, as for an `Approach`. True: the axis of the tool that
     points along `direction` at the start.
@@ -49,7 +49,7 @@ class Keep(Brief):
 
     tol: the largest angle [rad], 0.05 by default, at most π/2.
 
-    box: least and greatest (x, y, z) of the tool's origin, (2, 3) [m] in base axes; ±inf where a side is open.
+    box: least and greatest (x, y, z) of the tool's origin, (2, 3) [m] in base axes. A side is open at ±inf.
 
     plane: a point [m] of a plane and its normal, (2, 3) in base axes. The tool's origin is at most `position_tol` off.
 
@@ -138,7 +138,7 @@ class Keep(Brief):
         return replace(self, **given)
 
     def weaker(self, arm: Arm) -> Iterator[Keep]:
-        """What arms of few joints may keep instead: of an orientation the tool axis, then what is upright in it.
+        """What arms of few joints may keep of an orientation: the tool axis, then what is upright.
 
         All parts must be numbers, as of `at`.
         """
@@ -223,7 +223,7 @@ class Constraint:
         return np.linalg.svd(np.asarray(self.keep.tool_axis)[None, :])[2][1:]
 
     def _turns(self, R: Array) -> Iterator[tuple[Array, Array, Array | None]]:
-        """For each rotation that is kept: φ (m,), φ u (m, 3) at R (m, 3, 3), and the rows that count; None: all."""
+        """For each rotation that is kept: φ (m,), φ u (m, 3) at R (m, 3, 3), and the rows that count (None: all)."""
         if self.keep.direction is not None:
             along, axis = np.asarray(self.keep.direction) @ R, np.asarray(self.keep.tool_axis)
             yield *_turn(along @ skew(axis), along @ axis), self._across
@@ -256,8 +256,8 @@ class Constraint:
     def projected(self, theta: Array, share: float, lower: Array, upper: Array) -> tuple[Array, Flags]:
         """Configurations (m, n) near theta that keep all within `share` of the tolerances, and which do.
 
-        θ ← θ − Jᵀ (J Jᵀ + λ 1)⁻¹ e with the errors beyond the tolerances, inside the limits (Berenson et al.,
-        Manipulation Planning on Constraint Manifolds, ICRA 2009).
+        θ ← θ − Jᵀ (J Jᵀ + λ 1)⁻¹ e with the errors beyond the tolerances, inside the limits. Source: Berenson et al.,
+        Manipulation Planning on Constraint Manifolds, ICRA 2009.
         """
         theta, open_ = np.array(theta), np.arange(len(theta))
         converged = np.zeros(len(theta), dtype=bool)
@@ -274,12 +274,12 @@ class Constraint:
         return theta, converged
 
     def tangent(self, theta: Array, way: Array, share: float) -> Array:
-        """The way (n,) without what would lead out of a share of the tolerances at theta (n,), or farther out."""
+        """The way (n,) without its part that leads out of a share of the tolerances at theta."""
         _, rows = self._pull(self.arm.fk(theta)[None], self.arm.body_jacobian(theta)[None], share)
         return np.asarray(way + shortest((rows[0] @ way)[None], rows, DAMPING * np.eye(rows.shape[1]))[0])
 
     def _pull(self, g: Array, J: Array, share: float) -> tuple[Array, Array]:
-        """Errors (m, k) beyond a share of the tolerances, a little less to end there, and their rows (m, k, n)."""
+        """Errors (m, k) beyond a share of the tolerances, and their rows (m, k, n). They aim a little inside."""
         errors, jacobians = [], []
         R = g[:, :3, :3]
         for angle, error, across in self._turns(R):

@@ -1,4 +1,4 @@
-"""Paths that collide with nothing and keep a part of the tool's pose: two trees of projected states, then a spline.
+"""Free paths that keep a part of the tool's pose: two trees of projected states, then a spline.
 
 Source: Berenson, Srinivasa, Ferguson & Kuffner, Manipulation Planning on Constraint Manifolds (CBiRRT), ICRA 2009.
 """
@@ -42,17 +42,17 @@ def keeping_path(
     scene: Scene, constraint: Constraint, start: Array, goals: Array, part: float = 1.0, *, limits: JointLimits,
     max_time: float, clearance: float = CLEARANCE, seed: int = 0, proven: bool = True,
 ) -> JointPath:  # fmt: skip
-    """A path from `start` (n,) to one of `goals` (k, n), best first, that keeps all and collides with nothing.
+    """A free path that keeps all, from `start` (n,) to one of `goals` (k, n), best first.
 
-    Both ends keep all and are free. The straight way is chosen if it keeps all and is free, then the same with its
-    states projected. Otherwise a tree grows from the start and one from all goals (Kuffner & LaValle, RRT-Connect,
-    ICRA 2000); steps are projected. Shortcuts and averages of neighbours make the path short and smooth. A C² cubic
-    spline leads through its states. Its pieces are halved until all of it is proven to keep. If that fails, or the
-    path collides, the search begins anew with smaller steps and distances. A path that need not be `proven` free,
-    because its motion will be, is checked in small steps.
+    Both ends keep all and are free. The straight way is chosen if it keeps all and is free. The same with its states
+    projected comes next. Otherwise a tree grows from the start and one from all goals, with projected steps (Kuffner &
+    LaValle, RRT-Connect, ICRA 2000). Shortcuts and averages of neighbours make the path short and smooth. A C² cubic
+    spline leads through its states. Its pieces are halved until all of it is proven to keep. If that fails, or the path
+    collides, the search begins anew with smaller steps and distances. A path that need not be `proven` free, because
+    its motion will be, is checked in small steps.
 
     Raises:
-        PathError: Start or goal collides, or no way was found in this part of `max_time` [s] of wall time.
+        PathError: Start or goal collides, or no way is found in this part of `max_time` [s].
     """
     require_clear(scene, start, goals[0])
     ends, began = time.monotonic() + part * max_time, time.process_time()
@@ -93,7 +93,7 @@ def keeping_path(
 
 
 def _roomy(scene: Scene, clearance: float, ends: Array) -> Callable[[Array], bool]:
-    """A check of states with this clearance [m], and with half of that of the ends (k, n) near them."""
+    """A check of states with this clearance [m]. Near the ends (k, n) half of their clearance is enough."""
     is_free = scene.checks(clearance)
     near = [0.5 * max(scene.distance(theta).metres - scene.largest_margin, 0.0) for theta in ends]
     if min(near) >= clearance:
@@ -155,7 +155,7 @@ class Search:
         return time.monotonic() > self.ends
 
     def found(self, start: Array, goals: Array) -> Array | None:
-        """States (k, n) from the start to a goal; None if the time is over or the trees are full."""
+        """States (k, n) from the start to a goal. None when the time is over or the trees are full."""
         for goal in goals:
             straight = self.between(start, goal)
             if straight is not None:
@@ -204,9 +204,9 @@ class Search:
         return None
 
     def _towards(self, state: Array, target: Array) -> tuple[Array, bool]:
-        """The states of a way from one state towards a target, by one reach at most; and whether they arrive.
+        """The states of a way from a state towards a target, by one reach at most, and whether they arrive.
 
-        A way that does not arrive begins along the tangent of what is kept, so that its projections stay small.
+        A way that does not arrive begins along the tangent of what is kept. So its projections stay small.
         """
         way = target - state
         length = float(np.linalg.norm(way))
@@ -262,7 +262,7 @@ class Search:
         return states
 
     def spline(self, states: Array) -> JointPath | None:
-        """A C² cubic spline through states (k, n) that keeps all; None if it does not, or leaves the limits."""
+        """A C² cubic spline through states (k, n) that keeps all inside the limits, or None."""
         for _ in range(ROUNDS):
             steps = _lengths(np.diff(states, axis=0))
             states = states[np.append(True, steps > ROUNDING)]

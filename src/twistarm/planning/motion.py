@@ -92,21 +92,20 @@ def plan(
         torques: Whether the efforts of joints and motors limit the motion too, by the masses of the arm.
         payload: What the tool carries then, a mass [kg] or (mass, place (3,) in tool axes [m]).
         scene: A `Scene` of the arm, or None. The motion is then proven free without gaps, and a `FreeMove` goes round.
-        max_time: Greatest wall time [s] for the way of one `FreeMove`; a busy computer searches less in it. If the
-            timed motion collides, which is rare, the ways are searched once more.
+        max_time: Greatest wall time [s] for the way of one `FreeMove`. A busy computer searches less in it. If the
+            timed motion collides, which is rare, the ways are searched again.
         clearance: How far [m] the states of a `FreeMove` keep from everything; less near its start and goal. A
             twentieth of it in the second half of `max_time`, for narrow gaps.
         progress: Called with the fraction done, in (0, 1], or None.
 
     Returns:
-        The `Trajectory`. Its waypoints are the start and the end of every segment, its labels those of the
-            segments. Its `notes` name usual limits used for missing ones, shorter ways by whole turns, and curves that
-            do not move.
+        The `Trajectory`. Its waypoints are the start and the end of every segment, its labels those of the segments.
+            Its `notes` name usual limits for missing ones, shorter ways by whole turns, and curves without motion.
 
     Raises:
         PathError: A curve cannot be followed. The message says where it stops, why, and what would help. Or the motion
             collides, or no way round was found.
-        LimitError: A goal lies outside the position limits, or the efforts do not hold arm and payload at rest.
+        LimitError: A goal lies outside the position limits. Or the efforts do not hold arm and payload at rest.
         NotConvergedError: The target of a joint move cannot be met; the message says why.
         InputError: An argument does not fit the arm.
         UnknownNameError: No such configuration or joint.
@@ -153,7 +152,7 @@ def plan(
     except PathError as error:
         if scene is None or around is scene or error.reason != "collision":
             raise
-        make, (why, *known) = error.__reduce__()
+        make, (why, *known) = error.__reduce__()  # the same error, with its attributes, in more words
         contact = scene.contacts(origin)[0]
         raise make(Text("{why}; the start collides: {contact}", why=why, contact=contact), *known) from error
     if scene is not None and around is not scene and (contacts := scene.contacts(motion.waypoints[-1])):
@@ -199,7 +198,7 @@ def _obstacles(
             what = "a FreeMove needs a scene, which may be the arm alone: give {scene}"
             raise InputError(Text(what, scene=Argument("scene")))
         return None, (None, None)
-    from ..collision import require_scene
+    from ..collision import require_scene  # only here: it loads the collision library
     from .free_moves import free_path
     from .keeping_path import keeping_path
 
@@ -224,9 +223,9 @@ def _checked(
     around: Scene, timed: Callable[[list[PathPart]], Trajectory], parts: list[PathPart],
     constraints: Mapping[int, Constraint],
 ) -> tuple[Trajectory, Hit | None]:  # fmt: skip
-    """The motion along the parts, or the one with sharp corners on the ways of free moves, and its first collision.
+    """The motion along the parts, and its first collision. If it collides, the ways of free moves get sharp corners.
 
-    It stops at an end of a free move where a rounded corner would not keep what the move keeps.
+    It stops at an end of a free move if a rounded corner would not keep enough.
     """
     from .free_moves import first_collision
 

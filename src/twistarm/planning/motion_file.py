@@ -1,4 +1,4 @@
-"""motion.toml: a motion as a list of segments, with start, kind and limits; and the first one of an arm."""
+"""motion.toml: a motion as segments with start, kind and limits, and a first one for an arm."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def load_motion(path: str | os.PathLike[str], arm: Arm) -> MotionFile:
 
     Args:
         path: The file.
-        arm: The arm whose joints it names.
+        arm: The arm. The file names its joints.
 
     Returns:
         The `MotionFile`.

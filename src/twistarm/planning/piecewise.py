@@ -3,7 +3,7 @@
 Coefficients are (degree + 1, segments, n), highest power first. Time counts from the segment's start [s]. SciPy's
 `PPoly` has the same layout.
 
-Bernstein coefficients bound a polynomial without samples: p(σ) = Σ b_k C(d, k) σ^k (1 − σ)^(d−k) on σ in [0, 1] lies
+Bernstein coefficients bound a polynomial without samples. On σ in [0, 1], p(σ) = Σ b_k C(d, k) σ^k (1 − σ)^(d−k) lies
 between the least and the largest b_k. It starts at b_0 and ends at b_d. Source: Farin, Curves and Surfaces for CAGD,
 chapters 4 and 5.
 """
@@ -42,7 +42,7 @@ def evaluate(coefficients: Array, tau: Array) -> Array:
     """Return Σ c_k tau^(degree − k) by Horner's rule. tau [s] counts from the segment's start and broadcasts against
     c_k.
     """
-    value: Array = coefficients[0] + 0.0 * tau
+    value: Array = coefficients[0] + 0.0 * tau  # so a constant has the shape of tau too
     for row in coefficients[1:]:
         value = value * tau + row
     return value
@@ -150,7 +150,7 @@ def largest(coefficients: Array, durations: Array) -> float:
     """Return an upper bound of max |p(σ)| of polynomials (d + 1, k, r) on k pieces.
 
     Branch and bound halves pieces (de Casteljau) with coefficients above the largest value seen. It ends when the bound
-    is within 1e-10 of a value. Pieces whose powers add up to less than a value at an end need no such look.
+    is within 1e-10 of a value. Pieces with powers that add up to less than a value at an end need no such look.
     """
     powers = rescaled(coefficients, durations).reshape(len(coefficients), -1)
     greatest = max(float(np.abs(ends).max()) for ends in (powers[-1], powers.sum(axis=0)))

@@ -34,8 +34,8 @@ class PathError(TwistarmError):
     """A path that the arm cannot follow to its end.
 
     `share`: the part that it can follow, s in [0, 1). `theta` (n,): the configuration there. `reason`: "limit",
-    "singular", "out of reach" or "impossible direction", in a scene also "collision", or "not kept" where start or goal
-    does not keep what a `Keep` asks. `joint`: the joint at its limit, or None. `start` (n,): another configuration from
+    "singular", "out of reach" or "impossible direction". In a scene it may be "collision", or "not kept" if start or
+    goal does not meet a `Keep`. `joint`: the joint at its limit, or None. `start` (n,): another configuration from
     which the whole path can be followed, or None. `segment`: the index of the segment in the motion, with `place` in
     words. `detail`: the message without the place.
     """

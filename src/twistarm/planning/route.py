@@ -42,7 +42,7 @@ CORNER_SHARE, LARGEST_CORNER = 0.45, 0.1
 
 @dataclass(frozen=True, eq=False)
 class PathPart:
-    """A joint path of segment `index`, or all of it. The path is None for a dwell, and if the arm does not move.
+    """A joint path of segment `index`, or all of it. For a dwell, and if the arm does not move, there is no path.
 
     `blend` is the radius [m] of the ball at its end in which the corner may be rounded. A free move round obstacles
     has several parts; `last` is false for all but the last of them.
@@ -207,7 +207,10 @@ class Router:
             raise PathError(error.message, theta=at, reason="collision", **how) from error
 
     def _kept_goals(self, i: int, segment: FreeMove, constraint: Constraint, theta: Array) -> Array:
-        """Configurations (k, n) at the end of a move that keeps something, nearest first: those that do, or one."""
+        """Configurations (k, n) at the end of a move that keeps something, nearest first.
+
+        At least one, even if none keeps it.
+        """
         if not isinstance(segment.to, KINDS):
             return self._unwrapped_goal(i, segment, theta)[None]
         assert self.scene is not None

@@ -1,4 +1,4 @@
-"""Motions of limited jerk: the s-curve law along a path, and double-S profiles from rest to rest in closed form."""
+"""Motions of limited jerk: the s-curve law along a path, and double-S profiles in closed form."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ SIGNS: Array = np.array([1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0])
 def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
     """A law of limited jerk that keeps every limit, with zero velocity and acceleration at both ends.
 
-    A moving average of the time-optimal law limits the jerk: to its acceleration jumps over the window's width. Some
-    widths are tried. Ceilings of ṡ fall where the law exceeds a limit, and rise where it uses none, so that the whole
-    comes near its limits everywhere. The shortest of all laws is then slowed as a whole to its exact extremes. A joint
-    or motor without a jerk limit reaches its acceleration limit in 0.1 s. `double_s` is shorter from rest to rest in a
-    straight line. A path without motion takes no time. Raises InputError as `time_optimal` does.
+    A moving average of the time-optimal law limits the jerk. Its greatest jerk is the jump of the acceleration over the
+    window's width. Some widths are tried. Ceilings of ṡ fall where the law exceeds a limit, and rise where it uses
+    none. So the whole comes near its limits everywhere. The shortest of all laws is then slowed as a whole to its exact
+    extremes. A joint or motor without a jerk limit reaches its acceleration limit in 0.1 s. `double_s` is shorter from
+    rest to rest in a straight line. A path without motion takes no time. Raises InputError as `time_optimal` does.
     """
     if not path.moves:
         return TimeLaw.at_once()
@@ -85,7 +85,7 @@ def _ceiling(path: JointPath, bounds: PathBounds) -> Array:
 
 
 def _smoothed(law: TimeLaw, window: float, path: JointPath) -> TimeLaw:
-    """s_w(t) = (1/w) ∫ s(τ) dτ over [t − w, t] is longer by the window w [s], and of one degree more.
+    """s_w(t) = (1/w) ∫ s(τ) dτ over [t − w, t]. It is longer by the window w [s], and of one degree more.
 
     Its rate is (s(t) − s(t − w))/w ≥ 0. Further derivatives are difference quotients too. Where s̈ jumps, s̈_w rises
     evenly. It is zero at both ends. Pieces end where the path's do.

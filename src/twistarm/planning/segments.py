@@ -139,10 +139,10 @@ class _CurveMove(Move):
 class LineMove(_CurveMove):
     """The tool's origin on a straight line, with a proportional rotation about one fixed axis (slerp).
 
-    The target's free components stay free on the way: the rotation for a `Position`, the turn about the tool axis for
-    an `Approach`. The direction of the tool axis then swings in one plane. A `TolerancedPose` keeps its tolerances. To
-    a configuration the tool goes to its pose there. An arm of fewer than six joints keeps all but the turn about the
-    tool axis, or only the position.
+    The target's free components stay free on the way. That is the rotation for a `Position`, and the turn about the
+    tool axis for an `Approach`. The direction of the tool axis then swings in one plane. A `TolerancedPose` keeps its
+    tolerances. To a configuration the tool goes to its pose there. An arm of fewer than six joints leaves out the turn
+    about the tool axis, or all rotation.
 
     Raises InputError for an unusable goal, blend, speed or label.
     """
@@ -158,11 +158,11 @@ class LineMove(_CurveMove):
 
     @classmethod
     def by(cls, offset: Row, *, frame: str = "tool", constrain: Constrained | None = None, **options: Any) -> LineMove:
-        """A line by an offset (3,) [m] in the axes of the base, or of the tool at its start.
+        """A line by an offset (3,) [m] in the axes of the base or of the tool.
 
         Args:
             offset: From the start to the end (3,) [m].
-            frame: Whose axes: "tool" or "base".
+            frame: The axes: "tool", those of the tool at the start, or "base".
             constrain: The part of the pose to keep: "pose", "position" or "approach" (free turn about the tool axis).
                 None: the first of pose, approach and position that the arm can keep.
             **options: Those of every `Move`: blend, speed and so on.

@@ -42,8 +42,8 @@ def at_times(kind: str, waypoints: Array, times: Array, stop: bool) -> Array:
     The cubic is C²: its acceleration starts and ends with a step (Lynch & Park §9.3). The quintic is C⁴ and has zero
     acceleration at both ends. Of all paths through the waypoints at these times it has the least ∫ jerk² dt.
 
-    With `stop` it goes straight and rests at each waypoint: x + (3 u² − 2 u³) Δx, or x + (10 u³ − 15 u⁴ + 6 u⁵) Δx with
-    zero acceleration there. u is the fraction of the segment's time (Lynch & Park §9.2.2).
+    With `stop` it goes straight and rests at each waypoint. The cubic is x + (3 u² − 2 u³) Δx. The quintic is x + (10
+    u³ − 15 u⁴ + 6 u⁵) Δx, with zero acceleration there. u is the fraction of the segment's time (Lynch & Park §9.2.2).
     """
     zero, step = KINDS[kind]
     if not stop:
@@ -58,7 +58,7 @@ def natural(waypoints: Array, s: Array, degree: int) -> tuple[Array, Array]:
 
     The derivatives (d + 1)/2 … d − 1 are zero at both ends. The knots are not at the waypoints, but at the means of d
     consecutive s. At even spacing both agree inside. A piece is then never as short as the way between two very near
-    waypoints, where the highest derivative would have to change by much.
+    waypoints. The highest derivative would have to change by much there.
     """
     sites = np.pad(s, degree // 2, mode="edge")
     knots = np.lib.stride_tricks.sliding_window_view(sites, degree).mean(axis=1)[1:-1]
@@ -66,7 +66,7 @@ def natural(waypoints: Array, s: Array, degree: int) -> tuple[Array, Array]:
 
 
 def interpolating(waypoints: Array, s: Array, knots: Array, zero: Sequence[int]) -> tuple[Array, Array]:
-    """Breakpoints and coefficients (d + 1, m + 1, n) of a spline with m inner knots through waypoints (k, n) at s (k,).
+    """A spline with m inner knots through waypoints (k, n) at s (k,): breakpoints, and coefficients (d + 1, m + 1, n).
 
     The derivatives of the orders `zero` are zero at both ends. The numbers of knots and conditions make the degree d:
     m + d + 1 = k + 2 · their number. Source: de Boor, A Practical Guide to Splines, chapter XIII.
@@ -87,10 +87,10 @@ def pulled_in(coefficients: Array, times: Array, waypoints: Array, limits: Joint
     """Breakpoints and coefficients of a spline (d + 1, k − 1, n) through waypoints (k, n), inside the limits.
 
     A spline inside them comes back unchanged. Where a joint leaves them, its velocity at the nearer waypoint is scaled
-    by μ, and its derivative of order r by μ^r. In the middle both waypoints count. A segment becomes d equal pieces
-    with d − 1 continuous derivatives and the same ends. So the motion stays as smooth as the spline. μ = 1 at both ends
-    gives the spline again. μ = 0 gives monotone pieces, the integral of a B-spline of degree d − 1. So some μ always
-    keeps inside. The check is on the Bernstein coefficients of the pieces.
+    by μ. Its derivative of order r is scaled by μ^r. In the middle both waypoints count. A segment becomes d equal
+    pieces with d − 1 continuous derivatives and the same ends. So the motion stays as smooth as the spline. μ = 1 at
+    both ends gives the spline again. μ = 0 gives monotone pieces, the integral of a B-spline of degree d − 1. So some μ
+    always keeps inside. The check is on the Bernstein coefficients of the pieces.
 
     Source: de Boor, A Practical Guide to Splines, chapters IX and XI.
     """
@@ -114,7 +114,7 @@ def pulled_in(coefficients: Array, times: Array, waypoints: Array, limits: Joint
         share = np.where(ends, eased, share)
     whole = (share == 1.0).all(-1)
     whole = whole[:-1] & whole[1:]
-    pieces[:, whole, 0] = coefficients[:, whole]
+    pieces[:, whole, 0] = coefficients[:, whole]  # a segment that nothing pulled in stays one piece
     kept = np.ones((k - 1, degree), dtype=bool)
     kept[whole, 1:] = False
     starts = times[:-1, None] + durations[:, None] * (np.arange(degree) / degree)

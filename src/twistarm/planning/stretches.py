@@ -41,7 +41,7 @@ class Corner(NamedTuple):
 def runs(arm: Arm, parts: list[PathPart], limits: JointLimits) -> Iterator[tuple[list[PathPart], list[Corner]]]:
     """Yield the parts between stops in order, and the corners between them.
 
-    The arm stops where that is asked for, where no rounding fits, and before and after a part without a path.
+    The arm stops where no rounding is wanted or fits, and beside a part without a path.
     """
     paths = [None if part.path is None else _of_unit_speed(part, limits) for part in parts]
     radii = [part.blend if part.path and following.path else 0.0 for part, following in pairwise(parts)]
@@ -63,7 +63,7 @@ def path_along(
 ) -> tuple[JointPath, Array, Array | None]:
     """One path along moving parts, the end of each part, and the greatest ṡ per piece (m,).
 
-    A rounded part ends in the middle of its corner. The greatest ṡ is None without a limit.
+    A rounded part ends in the middle of its corner. Without a limit there is no greatest ṡ.
     """
     at, begins, pieces, ends, caps = 0.0, 0.0, list[JointPath](), list[float](), list[Array]()
     for part, following, corner in zip(run, [*run[1:], None], [*corners, None], strict=True):
@@ -158,7 +158,7 @@ def _rounded(
 
 
 def _leaves_ball(arm: Arm, path: JointPath, radius: float, begin: float, end: float) -> float:
-    """Where the tool first leaves the ball about its place at `begin` on the way to `end`; else `end`."""
+    """Where the tool first leaves the ball about its place at `begin`, or `end` if it does not."""
     centre = arm.fk(path(begin))[:3, 3]
     for _ in range(1 + REFINED):
         s = np.linspace(begin, end, SAMPLES)

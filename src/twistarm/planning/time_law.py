@@ -1,6 +1,6 @@
 """Time laws: s(t) along a path in joint space, the limits they keep, and the quintic law.
 
-The limits are rows C q' of joints and motors, a cap of ṡ from limits of the tool's speed, and torques.
+The limits are rows C q' of joints and motors, torques, and a cap of ṡ from the tool's speed.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class PathBounds:
 
     def capped(self, ceiling: Array | None) -> PathBounds:
         """The same limits with another cap of ṡ. What was worked out of them is kept."""
-        other = copy(self)
+        other = copy(self)  # `replace` would drop the cached C, rates and jerk
         object.__setattr__(other, "ceiling", ceiling)
         return other
 
@@ -129,7 +129,7 @@ class TimeLaw:
     def at_full_pace(self, path: JointPath, bounds: PathBounds, jerk: Array) -> TimeLaw:
         """The law slowed until one rate just meets its limit. `jerk` (r,) is the limit of the jerk.
 
-        A law slowed by f has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
+        A law slowed by f has 1/f of the velocity, 1/f² of the acceleration, 1/f³ of the jerk.
         """
         breakpoints, coefficients = self.along(path)
         steps = np.diff(breakpoints)
@@ -157,15 +157,10 @@ def quintic(path: JointPath, bounds: PathBounds) -> TimeLaw:
     """
     if not path.moves:
         return TimeLaw.at_once()
-    u = _reached(path.breakpoints / path.length)
+    fraction = path.breakpoints / path.length
+    ends = np.zeros_like(fraction), np.ones_like(fraction)
+    _, u = bisected(lambda u: np.polyval(UNIT, u) < fraction, *ends, BISECTIONS)
+    u[0], u[-1] = 0.0, 1.0
     pieces = np.repeat(path.length * UNIT[:, None], len(u) - 1, axis=1)
     law = TimeLaw(u, shifted(pieces, u[:-1]))
     return law.at_full_pace(path, bounds, bounds.rates.jerk)
-
-
-def _reached(fraction: Array) -> Array:
-    """The u (m + 1,) at which these fractions of the way have been travelled."""
-    ends = np.zeros_like(fraction), np.ones_like(fraction)
-    _, high = bisected(lambda u: np.polyval(UNIT, u) < fraction, *ends, BISECTIONS)
-    high[0], high[-1] = 0.0, 1.0
-    return high

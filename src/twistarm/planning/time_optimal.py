@@ -95,7 +95,7 @@ def law_of(grid: Array, x: Array) -> TimeLaw:
 
 @dataclass(frozen=True, eq=False)
 class LimitedPath:
-    """A path for its limits: the rows C q of joints and motors, (d + 1, m, r), d ≥ 2, and their limits.
+    """A path for its limits: rows C q of joints and motors (d + 1, m, r), d ≥ 2, and their limits.
 
     `velocity` and `acceleration` are (r,), `ceiling` of ṡ (m,); all less by what rounding may add.
     """
@@ -141,7 +141,7 @@ def path_velocity(path: LimitedPath, grid: Array, rows: Array | None = None) -> 
 def shares_of_average(
     path: LimitedPath, grid: Array, rows: Array, x: Array, jerk: Array, window: float
 ) -> tuple[Array, Array]:
-    """What shares of its limits the law x = ṡ² (N + 1,) uses once a moving average over a window [s] limits its jerk.
+    """The shares of its limits that a law x = ṡ² (N + 1,) uses after a moving average over a window [s].
 
     The shares (3, m) are of velocity, acceleration and `jerk` (r,) on each piece, with the largest ṡ there (m,). Three
     samples between any two knots of the law and of the path give them. Raises as `path_velocity` does.
@@ -158,7 +158,7 @@ def _require_capacity(path: LimitedPath, found: tuple[Array, Array] | None) -> t
 
 
 def line_durations(ways: Array, bounds: PathBounds) -> Array:
-    """Durations (k,) [s] of the shortest motions along ways (k, n) that are not zero, straight and from rest to rest.
+    """Durations (k,) [s] of the shortest straight motions from rest to rest along ways (k, n) other than zero.
 
     The fraction travelled may have speed V = min v / |C way| and acceleration A = min a / |C way|. It takes 1/V + V/A,
     or 2/√A if V² ≥ A (Lynch & Park §9.2.2.2).

@@ -1,4 +1,4 @@
-"""Torque limits along a path, by the equations of motion: rows a s̈ + b ṡ² ≤ 1, and what a motion uses of the efforts.
+"""Torque limits along a path as rows a s̈ + b ṡ² ≤ 1, and the efforts that a motion uses.
 
 On a path q(s) the torques are m s̈ + c ṡ² + g with m = M q', c = M q'' + C(q, q') q' and g = N(q). So |τ| ≤ E is m s̈ +
 c ṡ² ≤ E − g and −(m s̈ + c ṡ²) ≤ E + g. Source: Pham & Pham, A new approach to time-optimal path parameterization based
@@ -30,7 +30,7 @@ Load = float | tuple[ArrayLike, ArrayLike]
 
 @dataclass(frozen=True, eq=False)
 class TorqueLimits:
-    """The efforts (r,) [N m, N] of joints and motors, for an arm that carries `payload` as `Arm.torques` takes it."""
+    """The efforts (r,) [N m, N] of joints and motors of an arm with a `payload`, as `Arm.torques` takes it."""
 
     arm: Arm
     payload: Load
@@ -67,7 +67,7 @@ class TorqueLimits:
         return np.stack([_both_ways(self._torques(q, *pair) - gravity) / room for pair in rates])
 
     def shares(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
-        """What states (k, n) use of the efforts beyond gravity, (k, r): 1 is at a limit, and 0 at rest."""
+        """The part of the efforts beyond gravity that states (k, n) use, (k, r). 1 is at a limit, 0 at rest."""
         gravity, room = self._held(q)
         used = _both_ways(self._torques(q, q_dot, q_ddot) - gravity) / room
         return np.maximum(*np.split(used, 2, axis=1))
@@ -149,7 +149,7 @@ def torque_limits(arm: Arm, effort: Array, torques: bool, payload: Load) -> Torq
 
 
 def grid_rows(torques: TorqueLimits | None, path: JointPath, s: Array) -> Array:
-    """a and b (2, k, 2 r) of the rows at s (k,) of a path; without torque limits there are none."""
+    """a and b (2, k, 2 r) of the rows at s (k,) of a path, or (2, k, 0) without torque limits."""
     return np.zeros((2, len(s), 0)) if torques is None else np.ascontiguousarray(torques.rows(path, s))
 
 

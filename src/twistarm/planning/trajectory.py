@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arm.arm import Arm
 from ..limits.actuators import Actuators
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, as_floats, as_number, frozen, require, require_names
@@ -107,7 +108,7 @@ class Trajectory:
         tau = (at - self.breakpoints[piece])[:, None]
         values = evaluate(derivative(self.coefficients[:, piece], order), tau)
         before, after = at <= 0, at >= self.duration
-        if order == 0:
+        if order == 0:  # to the bit: the polynomials end at the waypoints up to rounding
             values[before], values[after] = self.waypoints[0], self.waypoints[-1]
         elif order == 1:
             values[before | after] = 0.0
@@ -139,7 +140,7 @@ class Trajectory:
     def to_motors(self, actuators: Actuators | None = None) -> Trajectory:
         """Return the same motion of its k motors, motor = G theta + o [rad or m].
 
-        `actuators` default to those of the arm. Raises InputError if there are none, or if they drive other joints.
+        `actuators` default to those of the arm. Raises InputError without motors, or if they drive other joints.
         """
         motors = require_motors(motors_of(self, actuators))
         if motors.joint_names != self.joint_names:
@@ -194,10 +195,20 @@ def require_motors(motors: Actuators | None) -> Actuators:
 
 
 def motor_values(trajectory: Trajectory, motors: Actuators, t: Array) -> list[Array]:
-    """Return position and velocity of the k motors at t (m,), then both in counts: four arrays (m, k)."""
+    """Return position and velocity of the k motors at t (m,), also in counts: four arrays (m, k)."""
     moved = trajectory.to_motors(motors)
     turned = [moved(t), moved(t, 1)]
     return [*turned, *map(motors.to_counts, turned)]
+
+
+class Writing(NamedTuple):
+    """How a motion is written: the arguments of `save_trajectory`, and the name of the file."""
+
+    dt: float = 0.01
+    arm: Arm | None = None
+    actuators: Actuators | None = None
+    counts: bool = False
+    name: str = "motion.h"
 
 
 class Points(NamedTuple):

@@ -1,4 +1,4 @@
-"""Motions in files: one table of formats by the endings of names, by which motions are saved, loaded and checked."""
+"""Motions in files: saved, loaded and checked by one table of formats and the endings of their names."""
 
 from __future__ import annotations
 
@@ -16,28 +16,18 @@ from ..limits.actuators import Actuators
 from ..support.checks import as_flag, require
 from ..support.errors import InputError, LimitError
 from ..support.files import as_path, writable, write_whole
-from ..support.messages import Argument, Quantity, Text, joined
+from ..support.messages import Quantity, Text, joined
 from .files.c_header import header_text
 from .files.csv_file import csv_text, read_csv
 from .files.joint_trajectory import json_text, read_message
 from .files.mcap_file import mcap_bytes, read_mcap
 from .piecewise import through
-from .trajectory import Points, Trajectory
+from .trajectory import Points, Trajectory, Writing
 from .within import farthest_outside, require_positions, returning
 
 
-class Writing(NamedTuple):
-    """How a motion is written: the arguments of `save_trajectory`, and the name of the file."""
-
-    dt: float = 0.01
-    arm: Arm | None = None
-    actuators: Actuators | None = None
-    counts: bool = False
-    name: str = "motion.h"
-
-
 class Format(NamedTuple):
-    """A kind of file: the endings of its names, what writes and reads it, and whether counts go into it."""
+    """A kind of file: its endings, its writer and its reader, and whether counts go into it."""
 
     endings: tuple[str, ...]
     write: Callable[[Trajectory, Writing], str | bytes] | None = None
@@ -45,22 +35,12 @@ class Format(NamedTuple):
     counts: bool = False
 
 
-def _mcap(trajectory: Trajectory, how: Writing) -> bytes:
-    if how.arm is None:
-        raise InputError(Text("an MCAP file holds the poses of all links: give {arm}", arm=Argument("arm")))
-    return mcap_bytes(trajectory, how.arm, how.dt)
-
-
 FORMATS: Mapping[str, Format] = {
-    "csv": Format((".csv",), lambda motion, how: csv_text(motion, how.dt, how.actuators, how.counts), read_csv, True),
-    "json": Format((".json",), lambda motion, how: json_text(motion, how.dt, how.actuators), read_message),
+    "csv": Format((".csv",), csv_text, read_csv, counts=True),
+    "json": Format((".json",), json_text, read_message),
     "yaml": Format((".yaml", ".yml"), None, read_message),
-    "mcap": Format((".mcap",), _mcap, read_mcap),
-    "header": Format(
-        (".h", ".hpp", ".hh", ".hxx"),
-        lambda motion, how: header_text(motion, how.name, how.actuators, how.counts),
-        counts=True,
-    ),
+    "mcap": Format((".mcap",), mcap_bytes, read_mcap),
+    "header": Format((".h", ".hpp", ".hh", ".hxx"), header_text, counts=True),
 }
 """All kinds of files of motions. A name's ending counts in any letters."""
 
@@ -92,14 +72,14 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
 
     Args:
         arm: The arm.
-        path: A file whose name ends with .csv, .json, .yaml, .yml or .mcap.
+        path: A file with the ending .csv, .json, .yaml, .yml or .mcap.
 
     Returns:
         The `Trajectory`.
 
     Raises:
-        InputError: The file cannot be read, a joint is missing, a value is not finite, a time does not increase, or
-            rates contradict positions and times. The message gives the line or the point.
+        InputError: The file cannot be read, or a joint is missing. Or a value is not finite, a time does not increase,
+            or rates contradict positions and times. The message gives the line or the point.
         LimitError: A position lies outside the arm's limits, or the motion between two points leaves them.
     """
     require_arm(arm)
@@ -197,19 +177,19 @@ def save_trajectory(
 
     Args:
         trajectory: The motion.
-        path: A file whose name ends with .csv, .json, .mcap, .h, .hpp, .hh or .hxx.
+        path: A file with the ending .csv, .json, .mcap, .h, .hpp, .hh or .hxx.
         dt: Time between rows or points [s].
         arm: The arm of the motion, for MCAP.
         actuators: The motors; by default those of the arm that the motion was planned for.
-        counts: Whether CSV and headers hold counts of the motors' drives in place of joint values, for firmware that
-            knows no joints.
+        counts: Whether CSV and headers hold counts of the motors' drives in place of joint values. It is for firmware
+            that knows no joints.
 
     Returns:
         The path written.
 
     Raises:
-        InputError: The file cannot be written, its ending is unknown, dt is not positive, or arm or actuators do not
-            fit.
+        InputError: The file cannot be written, or its ending is unknown. Or dt is not positive, or arm or actuators do
+            not fit.
         MissingExtraError: rosbags is not installed, and the file is MCAP.
     """
     require(trajectory, Trajectory, "trajectory", "from plan, plan_joint or load_trajectory")

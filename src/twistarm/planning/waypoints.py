@@ -144,7 +144,7 @@ def distinct(points: Array) -> tuple[Array, Array, list[str]]:
         if np.abs(points[i] - points[kept[-1]]).max(initial=0.0) > MERGE_TOL:
             kept.append(i)
         owner.append(len(kept) - 1)
-    kept[-1] = len(points) - 1
+    kept[-1] = len(points) - 1  # the motion ends at the last waypoint exactly, even if it was merged
     merged = [str(i) for i in range(1, len(points)) if owner[i] == owner[i - 1]]
     which = ", ".join(merged[:MOST_NAMED]) + (", …" if len(merged) > MOST_NAMED else "")
     notes = [f"merged with the waypoint before, which is at the same place: {which} (0 is the start)"] if merged else []
@@ -152,7 +152,7 @@ def distinct(points: Array) -> tuple[Array, Array, list[str]]:
 
 
 def smoothed(points: Array, most: float, limits: JointLimits) -> Array:
-    """Return waypoints (k, n) as smooth as possible that deviate by at most `most` [rad, m], inside the limits.
+    """Return the smoothest waypoints (k, n) inside the limits that deviate by at most `most` [rad, m].
 
     Consecutive waypoints in a box of width `most` become its middle, so a stay is passed once. The cubic smoothing
     spline over the distances of the m middles y minimizes Σ |z_i − y_i|² + λ ∫ z''² ds. λ is the greatest that keeps

@@ -1,4 +1,4 @@
-"""Limits of a motion: of its joints, checked at the exact extremes, and of its length in time; and their errors."""
+"""Limits of joints, checked at the exact extremes of a motion, limits of its duration, and their errors."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ RATES = ("velocity", "acceleration", "jerk")
 def stretch_needed(coefficients: Array, durations: Array, limits: JointLimits) -> Array:
     """Return the factor (s,) by which each segment must be slowed; 1 just meets a limit.
 
-    A motion slowed by `f` has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
+    A motion slowed by `f` has 1/f of the velocity, 1/f² of the acceleration, 1/f³ of the jerk.
     """
     worst = np.zeros(len(durations))
     for order, limit in _limited(limits):
@@ -144,7 +144,7 @@ def on_limits(
 def inside_from(
     start: Array, limits: JointLimits, names: Sequence[str], units: Sequence[str]
 ) -> tuple[Array, list[Text]]:
-    """Return where a motion from a measured start (n,) is inside the limits, and a note if it must return there.
+    """Return where a motion from a measured start (n,) is inside the limits. A note says if it returns there first.
 
     Raises LimitError if a joint is farther beyond its limit than `RETURN`.
     """

@@ -12,7 +12,7 @@ from ...limits.actuators import Actuators
 from ...support.checks import Array
 from ...support.code_text import c_number, c_string, c_strings, filled, identifier_of
 from ..piecewise import derivative, evaluate, rescaled, side_by_side, through
-from ..trajectory import Trajectory, motors_of, require_motors
+from ..trajectory import Trajectory, Writing, motors_of, require_motors
 
 FOLDER = Path(__file__).parent
 
@@ -23,10 +23,10 @@ OFF, RATES_OFF = 5e-7, (1e-3, 1e-2)
 LOOKS: Array = np.array([0.0, 0.5, 1.0])  # Where in each old piece the refitted motion is compared.
 
 
-def header_text(trajectory: Trajectory, file: str, actuators: Actuators | None, counts: bool) -> str:
+def header_text(trajectory: Trajectory, how: Writing) -> str:
     """Return the text that `save_trajectory` writes. Every name in it begins with that of the file."""
-    name = identifier_of(Path(file).stem, "motion")
-    motors = require_motors(motors_of(trajectory, actuators)) if counts else None
+    name = identifier_of(Path(how.name).stem, "motion")
+    motors = require_motors(motors_of(trajectory, how.actuators)) if how.counts else None
     planned, fit = trajectory, ""
     pieces = _pieces(trajectory)
     for most in RATES_OFF:
@@ -42,7 +42,7 @@ def header_text(trajectory: Trajectory, file: str, actuators: Actuators | None, 
     return filled(
         FOLDER / "motion.h.in",
         name=name,
-        file=c_string(Path(file).name),
+        file=c_string(Path(how.name).name),
         guard=f"TWISTARM_MOTION_{name.upper()}_H",
         order=", ".join(f"{c_string(joint)} [{unit}]" for joint, unit in columns),
         n=trajectory.n,
@@ -81,8 +81,8 @@ def _pieces(trajectory: Trajectory) -> list[Array]:
 def _refitted(trajectory: Trajectory, most: float) -> Trajectory:
     """Return the motion in the fewest quintic pieces that meet position, velocity and acceleration at their ends.
 
-    A quintic replaces a run of pieces if it is nowhere off by more than `OFF`, nor a rate by more than the share `most`
-    of the joint's greatest, and has hardly more jerk. A piece that no quintic replaces stays.
+    A quintic replaces a run of pieces if it is nowhere off by more than `OFF`. Its rates are off by at most the share
+    `most` of the joint's greatest, and it has hardly more jerk. A piece that no quintic replaces stays.
     """
     t, steps, c = trajectory.breakpoints, np.diff(trajectory.breakpoints), trajectory.coefficients
     rates = [derivative(c, order) for order in range(3)]
@@ -93,7 +93,7 @@ def _refitted(trajectory: Trajectory, most: float) -> Trajectory:
 
     @cache
     def fitted(i: int, j: int) -> Array | None:
-        """The quintic in place of the pieces i … j − 1, None if there are no such pieces or it is too far off."""
+        """The quintic that replaces the pieces i … j − 1; None without such pieces, or if it is too far off."""
         if j > len(steps):
             return None
         quintic = through(t[[i, j]], *(np.stack([b[i], e[j - 1]]) for b, e in zip(begin, end, strict=True)))
@@ -116,7 +116,7 @@ def _refitted(trajectory: Trajectory, most: float) -> Trajectory:
 
 
 def _fit(planned: Trajectory, fitted: Trajectory) -> str:
-    """Tell how far the refitted motion is off, and how its greatest rates compare with those that were planned."""
+    """Tell how far the refitted motion is off, and how its greatest rates compare with the planned ones."""
     t = (planned.breakpoints[:-1, None] + np.diff(planned.breakpoints)[:, None] * np.linspace(0.0, 1.0, 8)).ravel()
     off = float(np.abs(planned(t) - fitted(t)).max())
     shares = []

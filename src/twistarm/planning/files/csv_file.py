@@ -16,7 +16,7 @@ from ...support.checks import Array, number_in
 from ...support.csv_lines import Bounds, Row, csv_lines, csv_rows
 from ...support.csv_lines import csv_text as lines_of
 from ...support.errors import InputError, closest, listed
-from ..trajectory import Points, Trajectory, motor_values, motors_of, require_motors
+from ..trajectory import Points, Trajectory, Writing, motor_values, motors_of, require_motors
 
 TIME = "time [s]"
 LABEL = "label"
@@ -32,10 +32,10 @@ BOUNDS = Bounds(bytes=200_000_000, lines=500_000)  # 83 minutes at 100 Hz.
 MOST_NUMBERS = 15_000_000  # The most numbers kept of one file: times, positions, rates and accelerations.
 
 
-def csv_text(trajectory: Trajectory, dt: float, actuators: Actuators | None, counts: bool) -> str:
+def csv_text(trajectory: Trajectory, how: Writing) -> str:
     """Return the text that `save_trajectory` writes."""
-    t = _instants(trajectory, dt)
-    tables = list(_tables(trajectory, t, motors_of(trajectory, actuators), counts))
+    t = _instants(trajectory, how.dt)
+    tables = list(_tables(trajectory, t, motors_of(trajectory, how.actuators), how.counts))
     header = [TIME, *(name for groups, _ in tables for names in zip(*groups, strict=True) for name in names)]
     values = [np.stack(rates, axis=-1).reshape(len(t), -1) for _, rates in tables]
     labels = _label_columns(trajectory, t)

@@ -11,13 +11,12 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...description.companions.data_files import parse_yaml
-from ...limits.actuators import Actuators
 from ...support.checks import Array, as_number
 from ...support.errors import DescriptionError, InputError, closest, listed, quote
 from ...support.fields import numbers
 from ...support.files import read_bounded, why_no_file
 from ...support.strict_json import parsed
-from ..trajectory import Points, Trajectory, motor_values, motors_of
+from ..trajectory import Points, Trajectory, Writing, motor_values, motors_of
 
 NANOSECOND = 1e-9
 
@@ -26,16 +25,16 @@ MAX_BYTES = 50_000_000  # Twenty minutes of five joints at 100 Hz.
 FIELDS = ("positions", "velocities", "accelerations")
 
 
-def json_text(trajectory: Trajectory, dt: float, actuators: Actuators | None) -> str:
+def json_text(trajectory: Trajectory, how: Writing) -> str:
     """Return the text that `save_trajectory` writes."""
-    samples = trajectory.sample(dt)
+    samples = trajectory.sample(how.dt)
     nanoseconds = np.rint(samples.t / NANOSECOND).astype(np.int64)
     if not (np.diff(nanoseconds) > 0).all():
-        raise InputError(f"dt = {dt:g} s is too short for JointTrajectory, which counts time in nanoseconds")
+        raise InputError(f"dt = {how.dt:g} s is too short for JointTrajectory, which counts time in nanoseconds")
     stamps = [{"time_from_start": {"sec": ns // 10**9, "nanosec": ns % 10**9}} for ns in nanoseconds.tolist()]
     points = [state | stamp for state, stamp in zip(_points_of(FIELDS, samples[1:]), stamps, strict=True)]
     message: dict[str, Any] = {"joint_names": list(trajectory.joint_names), "points": points}
-    if motors := motors_of(trajectory, actuators):
+    if motors := motors_of(trajectory, how.actuators):
         names = ("positions", "velocities", "counts", "counts_rates")
         message["motors"] = {
             "names": list(motors.names),

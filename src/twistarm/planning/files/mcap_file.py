@@ -17,9 +17,10 @@ from ...support.checks import Array
 from ...support.errors import InputError, listed, missing_extra, one_line, without_places
 from ...support.files import TEMPORARY, why_no_file, writable, write_whole
 from ...support.interrupts import Closeable
+from ...support.messages import Argument, Text
 from ...theory.rotations import to_xyzw
 from ...theory.screws import inverse_of
-from ..trajectory import Points, Trajectory
+from ..trajectory import Points, Trajectory, Writing
 from .joint_trajectory import FIELDS, points_in
 
 TRAJECTORY, STATE, TEXT = "trajectory_msgs/msg/JointTrajectory", "sensor_msgs/msg/JointState", "std_msgs/msg/String"
@@ -80,7 +81,7 @@ class Bag(Closeable):
             self.add("/robot_description", time, TEXT, text, qualities=(how,))
 
     def close(self) -> None:
-        """Put the complete file in its place."""
+        """Move the complete file to its path."""
         if os.path.exists(self._folder.name):
             with self._folder as folder:
                 self._writer.close()
@@ -126,11 +127,13 @@ class Bag(Closeable):
         return self.of("std_msgs/msg/Header", stamp, frame)
 
 
-def mcap_bytes(trajectory: Trajectory, arm: Arm, dt: float) -> bytes:
+def mcap_bytes(trajectory: Trajectory, how: Writing) -> bytes:
     """Return the content of the file that `save_trajectory` writes."""
-    if require_arm(arm).joint_names != trajectory.joint_names:
+    if how.arm is None:
+        raise InputError(Text("an MCAP file holds the poses of all links: give {arm}", arm=Argument("arm")))
+    if (arm := require_arm(how.arm)).joint_names != trajectory.joint_names:
         raise InputError(f"{arm.name} has other joints than {listed(trajectory.joint_names)}: give the motion's arm")
-    points = list(zip(*trajectory.sample(dt), strict=True))
+    points = list(zip(*trajectory.sample(how.dt), strict=True))
     with TemporaryDirectory(prefix="twistarm-") as folder:
         file = Path(folder) / "motion.mcap"
         with Bag(arm, file) as bag:
@@ -161,7 +164,7 @@ def read_mcap(arm: Arm, file: Path) -> Points:
 
 
 def _why_no_recording(file: Path) -> str:
-    """Why a file is no whole MCAP file of ROS 2 by its size and its ends; empty if it is one."""
+    """Why size and ends of a file are not those of a recording of ROS 2, or an empty text."""
     try:
         with file.open("rb") as opened:
             head, size = opened.read(25), file.stat().st_size

@@ -22,7 +22,8 @@ import tornado.web
 import tornado.websocket
 
 from ...collision.scene_file import scene_text
-from ...planning.trajectory_files import Writing, written
+from ...planning.trajectory import Writing
+from ...planning.trajectory_files import written
 from ...support.errors import InputError, TwistarmError
 from ...support.strict_json import LARGEST_MESSAGE, encode
 from ..saved_page import meshcat_bundle, modules, on_show, stand_alone
