@@ -131,7 +131,7 @@ def test_an_endless_lesson_and_one_that_dies_are_said(tmp_path: Path, monkeypatc
     (tmp_path / "dying.py").write_text(head + "import os, sys\nsys.stderr.write('last words\\n')\nos._exit(3)\n")
     monkeypatch.setattr(building, "lesson_file", lambda name: tmp_path / f"{name}.py")
     made = dict(building.run_lessons(["endless"], ROVER, tmp_path, timeout=4.0))
-    assert made["endless"]["failed"] == "endless: was ended after 4 s"
+    assert made["endless"]["failed"].startswith("endless: was ended after 4 s")
     assert made["endless"]["failed"] in made["endless"]["body"]
     made = dict(building.run_lessons(["dying"], ROVER, tmp_path))
     assert made["dying"]["failed"] == "dying: ended with code 3: last words"

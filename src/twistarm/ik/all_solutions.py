@@ -175,7 +175,7 @@ class AllSolutions:
         for joints, times in Counter(joints for joints in self.free if joints).items():
             which = f"{times} of them " if times < count else "each " if count > 1 else ""
             what = "every joint" if len(joints) == self.arm.n else " and ".join(joints)
-            parts.append(f", {which}with {what} free")
+            parts.append(f", {which}of a continuous family in which {what} can move")
         return "".join(parts)
 
     def __len__(self) -> int:

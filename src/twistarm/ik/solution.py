@@ -11,14 +11,14 @@ import numpy as np
 from ..arm.abilities import abilities_of, cannot_move, cannot_turn, position_limit
 from ..arm.arm import Arm
 from ..support.checks import Array
-from ..support.directions import value_in_words
+from ..support.directions import metres, numbers, value_in_words
 from ..support.display import short_repr
 from ..support.errors import NotConvergedError, printable
 from ..support.messages import Argument, Quantity, Text, joined, plural
 from ..support.units import length_hint, theta_hint
 from .answer import CLOSED_FORM, CONVERGED, DAMPED, NEAREST, STOPS, Record, StopReason, record_type
 from .ranges import joint_ranges
-from .targets import AnyTarget, Approach, Pose, TolerancedPose, target_of
+from .targets import AnyTarget, Approach, Pose, Position, TolerancedPose, target_of
 from .task_space import Tolerances
 
 if TYPE_CHECKING:
@@ -169,8 +169,8 @@ class IKResult:
         lines = [f"target of {self.arm.name}: {self.target.describe()}"]
         lines.append(Text("reached: {errors}", errors=errors_in_words(self)))
         lines += [] if self.converged else why_not(self)
-        searches = plural(self.restarts, "search", "searches")
-        lines.append(f"found by {self.method}: {self.iterations} iterations, {searches}")
+        starts = plural(self.restarts, "start")
+        lines.append(f"found by {self.method}: {plural(self.iterations, 'iteration')} from {starts}")
         notes = [Text("note: {note}", note=note) for note in self.notes]
         return joined("\n", map(printable, [*lines, *notes]))
 
@@ -178,7 +178,7 @@ class IKResult:
         """theta (n,). Raises NotConvergedError, which carries this solution, where the target is not reached."""
         if self.converged:
             return self.theta
-        lines = [_missed(self), self.stop.value, "solution.explain() says more"]
+        lines = [_missed(self), _reason(self), "solution.explain() says more"]
         raise NotConvergedError(joined("; ", lines), self)
 
     @property
@@ -214,18 +214,28 @@ class IKResult:
 
 def why_not(solution: IKResult) -> list[str]:
     """The reason why the target is not reached, line by line."""
-    return [f"reason: {solution.stop.value}", *(f"  {line}" for line in _why(solution))]
+    return [f"reason: {_reason(solution)}", *(f"  {line}" for line in _why(solution))]
 
 
 def in_one_line(solution: IKResult) -> str:
     """What was asked, how far off the answer is, the reason and its details."""
     why = [printable(line) for line in _why(solution)]
     if not (why and why[0].startswith(solution.stop.value)):
-        why = [solution.stop.value, *why]
+        why = [_reason(solution), *why]
     return joined("; ", [_missed(solution), *why])
 
 
+def _reason(solution: IKResult) -> str:
+    """The reason, which names what is out of reach."""
+    if solution.stop is not StopReason.OUT_OF_REACH:
+        return solution.stop.value
+    missed = solution.position_error > solution.tolerances.position
+    return f"the {'position' if missed else 'orientation'} is {solution.stop.value}{'' if missed else ' there'}"
+
+
 def _missed(solution: IKResult) -> str:
+    if solution.stop is StopReason.IN_COLLISION:
+        return f"{solution.arm.name} collides at {solution.target.describe()}"
     what = "{arm} does not reach {target}: {errors}"
     return Text(what, arm=solution.arm.name, target=solution.target.describe(), errors=errors_in_words(solution))
 
@@ -280,7 +290,8 @@ def _why(solution: IKResult) -> list[str]:
     if solution.stop is StopReason.TIMED_OUT:
         return ["this is the best so far; give a longer max_time, or a theta0 nearer to the answer"]
     if solution.stop is StopReason.IN_COLLISION:
-        help_ = "move the obstacle, ask for another direction, or give a smaller margin"
+        other = "position" if isinstance(solution.target, Position) else "position or orientation"
+        help_ = f"ask for another {other}, move the obstacle, or give a smaller margin"
         return [*map(str, solution.contacts[:3]), help_]
     if solution.stop is StopReason.EXHAUSTED:
         nearest = solution.method == NEAREST
@@ -289,8 +300,18 @@ def _why(solution: IKResult) -> list[str]:
     lines = _blocked(solution) if solution.stop is StopReason.BLOCKED_BY_LIMITS else _missing(solution)
     bounds = at_bounds(solution)
     lines += [f"at {', '.join(bounds)}"] if bounds else []
+    lines += [_remedy(solution)] if solution.stop is StopReason.IMPOSSIBLE_DIRECTION else []
     certain = "the arm's closed form has no answer inside the limits: that is certain"
     return [*lines, certain] if solution.certain else lines
+
+
+def _remedy(solution: IKResult) -> str:
+    """What to ask for where no joint makes the missing turn."""
+    target = solution.target
+    if isinstance(target, Approach):
+        nearest = numbers(solution.arm.fk(solution.theta)[:3, :3] @ target.axis)
+        return f"ask for the position alone, or for the direction {nearest}, the nearest"
+    return "ask for the position alone, or with the direction of the tool"
 
 
 def at_bounds(solution: IKResult) -> list[str]:
@@ -335,8 +356,11 @@ def _missing(solution: IKResult) -> list[str]:
     """The position that is out of reach, and the rotation that is missing."""
     if solution.position_error <= solution.tolerances.position:
         return _missing_rotation(solution)
-    lines = [f"the nearest position the arm reaches inside its limits is {_length(solution.position_error)} away"]
     arm, g = solution.arm, solution.arm.fk(solution.theta)
+    place = f", at {metres(np.round(g[:3, 3], 3))}" if len(solution.target._position_tolerance) == 3 else ""
+    lines = [
+        f"the nearest position the arm reaches inside its limits is {_length(solution.position_error)} away{place}"
+    ]
     error, axes = solution.target._position_rows(g, np.eye(6, 3))
     offset = g[:3, :3] @ axes.T @ error
     immovable = [axis for axis in abilities_of(arm).immovable if abs(axis @ offset) > solution.tolerances.position]

@@ -164,10 +164,10 @@ def _outcome(name: str, arm: Mapping[str, Any], scenes: Path, timeout: float) ->
                 return outcome
             how = f"ended with code {code}"
         except subprocess.TimeoutExpired:
-            how = f"was ended after {timeout:g} s"
+            how = f"was ended after {timeout:g} s, which a busy computer can need"
         last = log.read_text("utf-8", errors="replace").strip().rpartition("\n")[2]
     words = f"{name}: {how}" + (f": {one_line(last, 300)}" if last else "")
-    body = f'<p class="failed" role="note">{escape(words)}. Its text is missing; twistarm guide tries again.</p>'
+    body = f'<p class="failed" role="note">{escape(words)}. Its text is missing: run twistarm guide again.</p>'
     return {"body": body, "sections": [], "failed": words}
 
 
