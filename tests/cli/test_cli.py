@@ -97,7 +97,8 @@ def test_every_option_of_several_numbers_takes_them_without_quotes(capsys: Captu
                      "--start", *NUMBERS, "--posture", *NUMBERS)  # fmt: skip
     g = rover.fk(content["theta"])
     assert np.allclose(g[:3, 3], [0.8, -0.1, 0.7], atol=1e-5)
-    assert np.allclose(np.cross(g[:3, 2], [1, 0, -0.1]), 0, atol=1e-5)
+    assert np.allclose(g[:3, 2], np.array([1, 0, -0.1]) / np.sqrt(1.01), atol=1e-5)
+    assert (content["converged"], content["joint_names"]) == (True, list(rover.joint_names))
     planned = answer(
         capsys, "plan", "rover_arm", "--from", *NUMBERS, "--to", "0", "-20", "45", "10", "0", "--to", "ready"
     )
@@ -162,16 +163,8 @@ def test_jacobian(capsys: Capture, rover: twistarm.Arm) -> None:
     assert set(answer(capsys, "jacobian", "rover_arm", "--kind", "hybrid")) >= {"hybrid_jacobian", "condition"}
 
 
-def test_ik_of_every_kind(capsys: Capture, rover: twistarm.Arm) -> None:
-    g = rover.fk(rover.ready)
-    xyz, direction = (" ".join(map(str, x)) for x in (g[:3, 3] + [0, 0.1, 0.05], g[:3, 2]))
-    content = answer(capsys, "ik", "rover_arm", "--xyz", xyz, "--direction", direction)
-    assert content["converged"]
-    assert content["joint_names"] == list(rover.joint_names)
-    reached = rover.fk(content["theta"])
-    assert np.allclose(reached[:3, 3], g[:3, 3] + [0, 0.1, 0.05], atol=1e-6)
-    assert np.allclose(reached[:3, 2], g[:3, 2], atol=1e-6)
-    assert answer(capsys, "ik", "rover_arm", "--xyz", xyz)["stop"] == "CONVERGED"
+def test_ik_of_every_kind(capsys: Capture) -> None:
+    assert answer(capsys, "ik", "rover_arm", "--xyz", "0.8 0.1 0.7")["stop"] == "CONVERGED"
     pose = answer(capsys, "fk", "rover_arm")
     xyz, rpy = " ".join(map(str, pose["position"])), " ".join(map(str, pose["rpy"]))
     content = answer(capsys, "ik", "rover_arm", "--rad", "--xyz", xyz, "--rpy", rpy, "--start", "zero")
@@ -242,7 +235,6 @@ BAD = (
     ("fk rover_arm -theta 0", "--theta"),
     ("fk rover_arm --theta '0 0 nan 0 0'", "elbow"),
     ("fk rover_arm --theta 'slide=1 slide=2'", "slide, slide"),
-    ("fk rover_arm --theta elbow=abc", "elbow"),
     ("fk rover_arm --frame tol0", "'tool0'"),
     ("ik rover_arm", "--xyz"),
     ("ik rover_arm --xyz '1 2'", "--xyz"),
@@ -263,6 +255,7 @@ BAD = (
     (PLAN + "--avoid none.toml", "error: none.toml: cannot"),
     ("plan rover_arm --to '0.7 0 0 0 0'", "slide"),
     ("plan rr_planar --to zero --counts -o m.csv", "[actuators.NAME]"),
+    (PLAN + "x", "'x'"),
     ("plan rover_arm motion.toml --line --stop", "--line, --stop"),
     ("plan rover_arm motion.toml --direction '0 0 1'", "--xyz"),
     (PLAN + "--kind banana", "'banana'"),

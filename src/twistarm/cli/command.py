@@ -112,10 +112,7 @@ class Command(_Options, TyperCommand):
 
 
 def _refuse_misread(ctx: Any, words: Sequence[str], several: Sequence[str]) -> None:
-    """Refuse an option of one value that is typed twice, of which Click takes the last; -theta; -30 behind no option.
-
-    Click takes the last two for options of one letter.
-    """
+    """Refuse what Click misreads: an option of one value typed twice, -theta, and -30 behind no option."""
     options = {name: param for param in ctx.command.get_params(ctx) for name in param.opts if name.startswith("-")}
     typed: dict[str, str] = {}
     rest = iter(enumerate(words))

@@ -307,11 +307,10 @@ def _why(solution: IKResult) -> list[str]:
 
 def _remedy(solution: IKResult) -> str:
     """What to ask for where no joint makes the missing turn."""
-    target = solution.target
-    if isinstance(target, Approach):
-        nearest = numbers(solution.arm.fk(solution.theta)[:3, :3] @ target.axis)
-        return f"ask for the position alone, or for the direction {nearest}, the nearest"
-    return "ask for the position alone, or with the direction of the tool"
+    if not isinstance(solution.target, Approach):
+        return "ask for the position alone, or with the direction of the tool"
+    nearest = solution.arm.fk(solution.theta)[:3, :3] @ solution.target.axis
+    return f"ask for the position alone, or for the direction {numbers(nearest)}, the nearest"
 
 
 def at_bounds(solution: IKResult) -> list[str]:

@@ -172,14 +172,6 @@ def freeze(source: ArmArgument, out: Golden) -> None:
 Margin = Annotated[float, quantity("m", "Distance below which a pair collides.", zero=True)]
 Srdf = Annotated[Outputs, answers("output force rad json", {"srdf": (".srdf",)}, over_description=True)]
 
-MEANINGS = {
-    "Adjacent": " (neighbours)",
-    "Default": " (collide at zero or ready)",
-    "Always": " (collide nearly everywhere)",
-    "Never": " (collided in no random configuration)",
-}
-"""The reasons of MoveIt's setup assistant in words."""
-
 
 def collisions(
     source: ArmArgument, out: Srdf, scene: SceneFile = None, margin: Margin = 0.0, samples: Samples = 2000
@@ -198,7 +190,8 @@ def collisions(
     lines = [f"{arm.name}: {len(allowed)} pairs of links are not checked"]
     for reason in dict.fromkeys(made.allowed.values()):
         pairs = [" – ".join(pair) for pair, why in made.allowed.items() if why == reason]
-        lines.append(f"{reason}{MEANINGS.get(reason, '')}: {', '.join(pairs)}")
+        lines.append(f"{reason}: {', '.join(pairs)}")
+    lines.append("Default: collide at zero or ready. Always: nearly everywhere. Never: in no random configuration.")
     lines.append(f"collides in {100.0 * found.share:.1f} % of {found.samples} random configurations")
     columns = [
         Column("links", [pair.links for pair in found.pairs]),

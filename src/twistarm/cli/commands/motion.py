@@ -243,7 +243,8 @@ def _require_fitting(
     """Raise InputError for an option that has no effect beside the others."""
     by_joints = bool(to) and not (line or avoid)
     wrong = {
-        "give poses by --to, positions by --xyz, or a motion.toml": bool(motion) + bool(to) + bool(xyz) != 1,
+        f"give poses by --to, positions by --xyz, or a motion.toml{f'; got {motion!r} too' if motion else ''}":
+            bool(motion) + bool(to) + bool(xyz) != 1,
         "--smooth is about poses that a motion passes: it goes with --to alone": smooth is not None and not by_joints,
         "a motion.toml says how it goes to each goal: leave out --line, --stop and --blend":
             bool(motion) and (line or stop or blend is not None),
