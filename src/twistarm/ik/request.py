@@ -12,7 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm
-from ..support.checks import LARGEST_ANGLE_TOL, Array, as_number, as_positive, as_seed, as_whole, frozen, require_radians
+from ..support.checks import (
+    LARGEST_ANGLE_TOL,
+    Array,
+    as_number,
+    as_positive,
+    as_seed,
+    as_whole,
+    frozen,
+    require_radians,
+)
 from ..support.errors import InputError, listed, quote
 from .task_space import Tolerances
 
