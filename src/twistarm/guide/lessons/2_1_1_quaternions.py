@@ -109,11 +109,9 @@ guide.table(
 once_round = np.array([np.cos(np.pi), 0, 0, np.sin(np.pi)])
 guide.predict(
     "You turn the tool about its own $z$ axis, by one full turn. The matrix is back where it began. What is "
-    "the quaternion then? And after how many degrees is it back?"
-    "",
+    "the quaternion then? And after how many degrees is it back?",
     f"After 360° it is $({', '.join(f'{q:.0f}' for q in once_round + 0.0)})$, which is $-1$ times the start. "
-    f"It is back after two full turns, 720°."
-    "",
+    f"It is back after two full turns, 720°.",
 )
 
 # %%
@@ -203,8 +201,7 @@ guide.predict(
     "quaternion?",
     f"$Q\\,Q^* = {square:.0f}$, and $Q\\,Q^{{-1}}$ comes out as $1/{1 / literal:.0f}$ instead of "
     f"${right[0]:.0f}$. For a unit quaternion it comes out right, because $1 = 1^2$. So a test with unit "
-    f"quaternions alone does not find the mistake."
-    "",
+    f"quaternions alone does not find the mistake.",
 )
 
 # %% [markdown]

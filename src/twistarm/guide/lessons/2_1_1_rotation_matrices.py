@@ -72,8 +72,7 @@ mirror = np.diag([1.0, -1.0, 1.0])
 guide.predict(
     r"A camera hands you $M = \mathrm{diag}(1, -1, 1)$. It has $M^T M = I$. Can the tool have this orientation?",
     rf"No. $\det M = {np.linalg.det(mirror):.0f}$: it is a mirror, which makes a right-handed gripper a "
-    rf"left-handed one. No motor can do that. Check the determinant of every matrix that comes from outside."
-    "",
+    rf"left-handed one. No motor can do that. Check the determinant of every matrix that comes from outside.",
 )
 
 # %% [markdown]
@@ -122,8 +121,7 @@ guide.predict(
     r"$R_x(90°) R_z(90°)$ or $R_z(90°) R_x(90°)$: by what angle do the two outcomes differ?",
     rf"They differ by {difference:.0f}°. Read a product of rotations from the left: each factor turns about the "
     rf"axes as the factors before have left them. Read it from the right: each factor turns about the fixed "
-    rf"axes. Both readings give the same matrix, and in both the order matters."
-    "",
+    rf"axes. Both readings give the same matrix, and in both the order matters.",
 )
 
 # %%
@@ -175,8 +173,7 @@ guide.table(
 guide.slider(
     "frame",
     r"Set $\beta$ to 0. Now move $\alpha$ up and $\gamma$ down by as much. What happens to the frame, and to "
-    r"the nine numbers?"
-    "",
+    r"the nine numbers?",
     r"Nothing at all. At $\beta = 0$ the matrix is $R_z(\alpha + \gamma)$: only the sum matters, and the difference is "
     r"lost. Infinitely many triples are the same orientation, and for an orientation very close to it $\alpha$ and "
     r"$\gamma$ may have to jump. At $\beta = 180°$ it is the other way round: only the difference matters.",
@@ -215,8 +212,7 @@ guide.predict(
     r"At $\beta = 90°$ the three axes are at right angles: the condition number is 1. What is it at $\beta = 1°$?",
     rf"It is {condition[0]:.0f}. To turn the tool at one degree per second in the worst direction, $\alpha$ and "
     rf"$\gamma$ must each change at {fastest:.0f}° per second, in opposite senses. A controller in Euler "
-    rf"angles asks the motors there for more than they can do."
-    "",
+    rf"angles asks the motors there for more than they can do.",
 )
 
 # %%

@@ -170,8 +170,7 @@ guide.predict(
     "How many terms of the series do you need for nine correct decimals, at half a radian and at six radians, nearly "
     "a full turn? And at which angle is the series cheaper than the formula?",
     f"It takes {enough[0.5]} terms at half a radian and {enough[6.0]} at six radians. The series is never "
-    f"cheaper. The formula needs one sine, one cosine and the square of one matrix at every angle."
-    "",
+    f"cheaper. The formula needs one sine, one cosine and the square of one matrix at every angle.",
 )
 
 # %%
@@ -182,8 +181,7 @@ ax.legend()
 guide.figure(
     fig,
     "The error of the series against the number of its terms, on a logarithmic scale. For half a radian it "
-    "falls at once. For six radians it first grows, then falls. All three end at the level of rounding."
-    "",
+    "falls at once. For six radians it first grows, then falls. All three end at the level of rounding.",
     "The larger the angle, the longer the series; for six radians its terms first grow.",
 )
 
@@ -275,8 +273,7 @@ guide.slider(
     "Set a half turn, 180°. Then reverse the axis. What happens to the matrix? Try the same at 90°.",
     "At a half turn $\\omega$ and $-\\omega$ give the same matrix: there the logarithm has two values, and a "
     "program must choose one. A controller that follows the axis sees a jump there. At 90° the two turns are "
-    "inverse to each other."
-    "",
+    "inverse to each other.",
     axis=(1, 0, 1),
     angle=180,
 )
@@ -311,8 +308,7 @@ guide.figure(
     "The relative error of two ways to find a small angle. By the arc cosine of the trace all digits are lost below "
     "ten to the minus eight radians. The careful logarithm keeps them.",
     f"Below about ${guide.rough(sizes[abs(by_cosine / sizes - 1) > 0.5].max())}$ rad the arc cosine returns "
-    f"only zero or noise."
-    "",
+    f"only zero or noise.",
 )
 
 # %% [markdown]

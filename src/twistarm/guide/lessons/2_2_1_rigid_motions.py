@@ -64,8 +64,7 @@ g_sf, swapped = g_st @ g_tf, g_tf @ g_st
 miss = np.linalg.norm((g_sf - swapped)[:3, 3])
 guide.predict(
     "A teammate writes $g_{tf}\\,g_{st}$ instead of $g_{st}\\,g_{tf}$. Does the tip come out in the same "
-    "place? Why, or why not?"
-    "",
+    "place? Why, or why not?",
     f"It does not: the screwdriver lies along the tool's axes. The swapped product adds it along the base's "
     f"axes, and turns the tool's position with it."
     f" On `{arm.name}` the tip is at $({', '.join(f'{x:.3f}' for x in g_sf[:3, 3] + 0.0)})$ m, and the swapped "
@@ -176,8 +175,7 @@ guide.figure(
     f"{arm.name} with the frames of its base, of a camera on one of its links and of its tool, which holds a "
     "screwdriver. One arrow goes from the camera to a rock, another from the tip of the screwdriver to the same rock.",
     "Base $s$, camera $c$, tool $t$ with the screwdriver, grey. The arrow $q$ from the camera to the rock is "
-    "known. The arrow $d$ from the tip is the answer."
-    "",
+    "known. The arrow $d$ from the tip is the answer.",
 )
 
 # %%

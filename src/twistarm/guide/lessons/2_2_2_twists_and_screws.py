@@ -75,8 +75,7 @@ guide.figure(
 # %%
 origin_rate = (screws.hat(kinds["revolute"]) @ [0, 0, 0, 1])[:3]
 guide.predict(
-    "The revolute joint of the table does not slide, but its $v$ is not zero. Which point moves with the velocity $v$?"
-    "",
+    "The revolute joint of the table does not slide, but its $v$ is not zero. Which point moves with the velocity $v$?",
     "The point of the moving body that is now at the origin of the frame, if you imagine the body "
     "large enough to have one there: "
     f"its velocity, the upper part of $\\hat\\xi\\,(0, 0, 0, 1)$, is ${guide.tex(origin_rate, 1)}$. It is "
@@ -110,8 +109,8 @@ guide.table(
 )
 guide.scene(
     arm,
-    caption="The axes of these screws, labelled with their pitches. The table is for joints at zero. Move a joint: the axes after it move too."
-    "",
+    caption="The axes of these screws, labelled with their pitches. The table is for joints at zero. Move a joint: the "
+    "axes after it move too.",
     quantity="screws",
 )
 

@@ -190,8 +190,7 @@ by_motor = [
 ]
 guide.predict(
     "Which joints of your arm hold this pull without their motors? Look for axes that meet the line of the "
-    "force or are parallel to it, and for slides at right angles to it."
-    "",
+    "force or are parallel to it, and for slides at right angles to it.",
     f"Without a motor: {', '.join(idle) or 'none of them here'}. "
     + (f"With their motors, gravity left out: {', '.join(by_motor)}." if by_motor else ""),
 )

@@ -72,8 +72,7 @@ guide.figure(
 lead = 0.00125  # [m] for a whole turn: the thread of an M8 rod
 pitch = lead / (2 * np.pi)
 guide.predict(
-    f"An M8 rod moves its nut by {1000 * lead:.2f} mm in each whole turn. What is the pitch $h$ of its twist?"
-    "",
+    f"An M8 rod moves its nut by {1000 * lead:.2f} mm in each whole turn. What is the pitch $h$ of its twist?",
     f"{1000 * pitch:.3f} mm per radian, which is {pitch:.6f} m/rad. The workshop calls "
     f"{1000 * lead:.2f} mm the pitch of the thread. It is the **lead**, the advance in a whole turn. "
     f"The pitch of a twist is the advance in a radian, {2 * np.pi:.2f} times less. If you put the "
@@ -147,11 +146,9 @@ guide.table(
 guide.slider(
     "joint",
     "Choose each type in turn. Which one never turns the frame? Then take the spherical joint and set its "
-    "middle turn, about $y'$, to 90°. What do the other two sliders do to the frame now?"
-    "",
+    "middle turn, about $y'$, to 90°. What do the other two sliders do to the frame now?",
     "Only the prismatic joint never turns it. For the ball at 90°, the two other sliders turn the frame "
-    "about the same line, in opposite directions. Move both up by the same angle: the frame does not move."
-    "",
+    "about the same line, in opposite directions. Move both up by the same angle: the frame does not move.",
     type="spherical",
 )
 
@@ -263,13 +260,11 @@ for pair in pairs:
     )
 guide.predict(
     f"`{arm.name}` moves {len(arm.moving_names)} joints with {arm.n} coordinates. Which of the six types do "
-    f"they form, from base to tip? In how many independent ways can the tool move in the ready configuration?"
-    "",
+    f"they form, from base to tip? In how many independent ways can the tool move in the ready configuration?",
     "As "
     + ", ".join(pair.kind for pair in pairs)
     + f". The tool moves in {spanned} independent ways, because {spanned} of its joints' twists are "
-    f"independent there. There are at most six. Joints with parallel axes may give fewer ways than joints."
-    "",
+    f"independent there. There are at most six. Joints with parallel axes may give fewer ways than joints.",
 )
 guide.table(
     ["moving joints", "make a joint that is", "freedoms", "along, or about [x, y, z]"],
@@ -322,8 +317,7 @@ guide.table(
         [
             "lead for pitch",
             f"after {turns} turns the program says {1000 * with_lead:.0f} mm, and the nut has moved "
-            f"{1000 * with_pitch:.0f} mm"
-            "",
+            f"{1000 * with_pitch:.0f} mm",
         ],
         [
             "a slide that turns",

@@ -173,8 +173,7 @@ guide.scene(
 guide.predict(
     "In this view, which axes move when the last joint moves, and which when the first one does?",
     "With the last joint, none: only the tool is beyond it. With the first joint, which is nearest to the "
-    "base, all axes except its own."
-    "",
+    "base, all axes except its own.",
 )
 
 # %% [markdown]
@@ -217,8 +216,7 @@ guide.slider(
     r"Note $x$ and $y$. Then set $\theta_2$ to −50° and find the $\theta_1$ with which the tool is at the "
     "same place again.",
     rf"At $\theta_1 = {again:.0f}°$. The elbow is now on the other side. Forward kinematics has one answer, "
-    rf"but its inverse may have several. The lessons on inverse kinematics find them."
-    "",
+    rf"but its inverse may have several. The lessons on inverse kinematics find them.",
     inverse=False,
     l1=round(float(l1), 3),
     l2=round(float(l2), 3),

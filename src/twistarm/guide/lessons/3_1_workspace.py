@@ -124,8 +124,7 @@ reach_of = {l3: l1 + l2 + l3 for l3 in hands}
 all_round = {l3: radii[share == 1] for l3, share in shares.items()}
 guide.predict(
     f"A hand of {hands[0]:.2f} m, or one of {hands[1]:.2f} m: with which does the arm reach farther? With "
-    f"which are there more places where the hand can have every direction?"
-    "",
+    f"which are there more places where the hand can have every direction?",
     f"The long hand reaches farther, {reach_of[hands[1]]:.2f} m against {reach_of[hands[0]]:.2f} m. "
     f"The short one has more dextrous places: the outermost is at {all_round[hands[0]].max():.2f} m, "
     f"with the long hand at {all_round[hands[1]].max():.2f} m. With the long hand there is also a "
@@ -202,8 +201,7 @@ guide.predict(
     "millimetre, to a centimetre, or worse?",
     f"The tool comes to ${axis} = {end:.3f}$ m, {1000 * abs(end - seen):.0f} mm farther. The outermost places "
     f"need one particular configuration, and random samples do not find it. The cloud is dense where many "
-    f"configurations lead. Its density does not show how far the arm can go."
-    "",
+    f"configurations lead. Its density does not show how far the arm can go.",
 )
 
 # %% [markdown]

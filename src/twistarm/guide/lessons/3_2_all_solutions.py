@@ -290,8 +290,7 @@ draw_all(
     elbow_arm,
     eight,
     "All eight ways of the elbow arm. The four of a panel look alike, because their links lie in the same "
-    "places: the shoulder may turn round and bend backwards, and the wrist may be flipped."
-    "",
+    "places: the shoulder may turn round and bend backwards, and the wrist may be flipped.",
 )
 
 # %% [markdown]

@@ -221,8 +221,7 @@ guide.predict(
     "Newton turn the elbow in its first step?",
     f"By {np.degrees(leap[1]):.0f}°. Along the arm the step is the gap divided by $\\sigma_2 = "
     f"{sigma[1]:.4f}$. It grows without bound as the elbow comes nearer to 0°. *At* 0° no joint moves the tip "
-    f"along the arm. Least squares then returns a step of zero, and the arm is stuck."
-    "",
+    f"along the arm. Least squares then returns a step of zero, and the arm is stuck.",
 )
 
 # %% [markdown]
@@ -292,8 +291,7 @@ guide.figure(
     "the left, least in the middle and as large as before on the right; the steps needed are irregular on the left, "
     "fewest in the middle and grow on the right",
     "A sweep of the damping near the stretched arm. Dotted: half a turn, and the gap before the step. With "
-    "too little damping the steps are wild, with too much they are tiny."
-    "",
+    "too little damping the steps are wild, with too much they are tiny.",
 )
 crawl = f"{MOST} steps are not enough" if needed[-1] is None else f"it takes {needed[-1]}"
 guide.say(

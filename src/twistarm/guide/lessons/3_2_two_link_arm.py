@@ -361,8 +361,7 @@ guide.figure(
     fig,
     f"{arm.name} twice, with the elbow on either side; the {what} is at the same place both times",
     f"`{arm.name}` and its flip; the diamond marks what stays in place. What lies beyond the {what} points "
-    f"elsewhere. To keep the tool's direction too, the joints beyond must turn back. The next lesson does that."
-    "",
+    f"elsewhere. To keep the tool's direction too, the joints beyond must turn back. The next lesson does that.",
 )
 
 # %% [markdown]

@@ -60,8 +60,7 @@ guide.predict(
     "You halve the time $T$ of a move. By which factors do the greatest velocity and the greatest acceleration "
     "grow?",
     "The velocity doubles, and the acceleration becomes four times as large. The acceleration needs torque, "
-    "so the torque grows with the square of the speed."
-    "",
+    "so the torque grows with the square of the speed.",
 )
 guide.say(
     rf"In numbers: let a joint go by $d = \theta_1 - \theta_0$. The steepest slope of $s(u)$ is {fastest:.1f}, so the "
@@ -93,8 +92,7 @@ guide.table(
     ],
     [[name, *(f"{peak:.2f}" for peak in row_of_peaks)] for name, row_of_peaks in peaks.items()],
     "What the same move in the same time needs. **Jerk** is the rate at which the acceleration changes. For "
-    "the cubic, the jerk is that between the ends: at the ends the acceleration jumps."
-    "",
+    "the cubic, the jerk is that between the ends: at the ends the acceleration jumps.",
 )
 fig, panels = guide.axes2(3, width=6.6, height=2.5, xlabel="t / T")
 for ax, k, words in zip(panels, range(3), ("s", "velocity", "acceleration"), strict=True):
@@ -123,13 +121,11 @@ at_rest, going_on, coming_back = map(with_end_velocity, (0.0, 45.0, -60.0))
 guide.slider(
     "spline",
     "Give the cubic a positive velocity at its end, and then a negative one. How does its greatest velocity "
-    "change? And which two velocities, at the start and at the end, make the acceleration zero?"
-    "",
+    "change? And which two velocities, at the start and at the end, make the acceleration zero?",
     f"From rest to rest it is {at_rest:.1f} °/s. If the joint ends with +45 °/s, it is less: {going_on:.1f} "
     f"°/s. If it ends with −60 °/s, it overshoots and comes back, and the greatest velocity grows to "
     f"{coming_back:.1f} °/s. The acceleration is zero if both ends have the mean velocity $d/T$: the cubic is "
-    f"then a straight line."
-    "",
+    f"then a straight line.",
     kind="cubic",
     start=0,
     end=90,

@@ -126,8 +126,7 @@ by_last = columns_changed(axes_now, poe.spatial_jacobian(arm.screws, last))
 by_first = columns_changed(axes_now, poe.spatial_jacobian(arm.screws, first))
 guide.predict(
     f"Your arm has {count} axes. The last joint moves by half a unit. How many of their twists change? And if "
-    f"only the first joint moves?"
-    "",
+    f"only the first joint moves?",
     f"The last joint changes {by_last}: it moves no other axis. The first one changes {by_first} of {count}: "
     f"never its own, and none that it only shifts along itself. Column $i$ depends only on the joints *before* $i$."
     f"",
@@ -339,8 +338,7 @@ guide.scene(
 guide.predict(
     "Which axes moved?",
     "Those of the joints after it, and the tool. Its own axis stays, and so do those before it: column $i$ "
-    "depends only on the joints before $i$."
-    "",
+    "depends only on the joints before $i$.",
 )
 
 # %% [markdown]

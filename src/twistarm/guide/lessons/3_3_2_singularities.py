@@ -43,8 +43,7 @@ guide.predict(
     r"For which angles is this arm singular? And does $\theta_1$ matter?",
     r"At $\theta_2 = 0$, stretched, and at $\theta_2 = 180°$, folded. $\theta_1$ does not matter: it turns "
     r"the whole arm. Whether an arm is singular depends on how its axes lie relative to each other. The first "
-    r"joint never changes that."
-    "",
+    r"joint never changes that.",
 )
 guide.slider(
     "ellipsoid",
@@ -133,8 +132,7 @@ for ax, bend in zip(axes, (90.0, 30.0, 0.0), strict=True):
 guide.figure(
     fig,
     "The two-link arm with its elbow bent by 90, by 30 and by 0 degrees; the ellipse at its tool gets "
-    "thinner. For the straight arm it is a line at a right angle to the arm"
-    "",
+    "thinner. For the straight arm it is a line at a right angle to the arm",
     "The velocities of the tool that joint rates with $|\\dot\\theta| = 1$ give, as the arm is stretched.",
 )
 
@@ -428,8 +426,7 @@ plain, damped = 1 / small, small / (small**2 + damping**2)
 guide.predict(
     f"With $\\lambda = {damping}$, how large can the damped rates be for a twist of size one?",
     rf"$1/(2\lambda) = {1 / (2 * damping):.0f}$, reached where $\sigma = \lambda$. Nearer to the singularity "
-    rf"the rates fall, and in it they are zero. The arm gives up the direction that it has lost, and keeps the others."
-    "",
+    rf"the rates fall, and in it they are zero. The arm gives up the direction that it has lost, and keeps the others.",
 )
 
 # %%

@@ -112,8 +112,7 @@ guide.table(
 )
 guide.predict(
     "What about the other numbers of a displacement? They matter: if a joint is shifted along its axis, the "
-    "tool is shifted too."
-    "",
+    "tool is shifted too.",
     r"They commute with the joint, $e^{\hat\delta} e^{\hat\xi\theta} = e^{\hat\xi\theta} e^{\hat\delta}$. So "
     r"they can be added to the displacement of the next joint, and in the end to that of the tool. A turn "
     r"about the joint's own axis is an error of its zero. So your arm has at most"
@@ -207,8 +206,7 @@ of_base = np.concatenate([np.tile(np.eye(3), (60, 1, 1)), -p_hat], axis=2).resha
 with_base = np.linalg.matrix_rank(np.hstack([A * unit, of_base * build]) / noise, tol=1e-9 * s[0])
 guide.predict(
     "The camera's frame is unknown too: six more numbers, a displacement of the base. How many more "
-    "combinations does the log then show? And how many if the last joint never moves?"
-    "",
+    "combinations does the log then show? And how many if the last joint never moves?",
     f"{with_base - rank or 'None'} more. The base comes before joint 1, as $\\delta_1$ does: both have the "
     f"same six columns. A log shows where the first axis is, seen from the camera. It cannot show how much of "
     f"that is an error of the arm. So `calibrate` fits the base, and holds the first axis."
@@ -331,8 +329,7 @@ guide.say(
 guide.predict(
     "Compare these numbers with the hidden displacements. Do you expect them to be equal?",
     "No. A shift of one axis and a longer tool may have the same effect. The fit chooses the smallest "
-    "numbers with that effect. The prediction of the tool's position is right, so check that, not the numbers."
-    "",
+    "numbers with that effect. The prediction of the tool's position is right, so check that, not the numbers.",
 )
 
 # %% [markdown]

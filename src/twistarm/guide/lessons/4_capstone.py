@@ -145,8 +145,7 @@ guide.table(
 guide.predict(
     "All agree. What do you know now about the arm on the table?",
     "About the arm on the table, nothing yet. You know that the programs agree on the *file*. No program can "
-    "say whether the file describes your arm. For that you need a tape measure, in the next step."
-    "",
+    "say whether the file describes your arm. For that you need a tape measure, in the next step.",
 )
 
 # %% [markdown]
