@@ -15,6 +15,7 @@ from browser.conftest import absent
 from test_joint_panel import AXE
 from twistarm import Arm, diagnose, load_arm
 from twistarm.viewer import Viewer
+from twistarm.viewer.messages import page_words
 from waiting import draw, until
 
 pytestmark = pytest.mark.browser
@@ -97,7 +98,7 @@ def test_findings_are_counted_and_there_in_words_and_nothing_in_them_is_markup(l
     texts = live.locator(".finding").all_inner_texts()
     assert len(texts) == len(found)
     for text, one in zip(texts, found, strict=True):
-        for part in (one.code, str(one.place), one.what, one.remedy):
+        for part in (one.code, str(one.place), *map(page_words, (one.what, one.remedy))):
             assert part in text
         nowhere = "Concerns the whole arm." in text
         assert nowhere == (one.place.element == "")

@@ -223,7 +223,6 @@ FOLLOW = "follow rr_planar nowhere.json --no-browser "  # What is refused is ref
 BAD = (
     ("info rover_amr", "'rover_amr'"),
     ("inof rover_arm", "inof"),
-    ("fk", "ARM"),
     ("info --tip tool0", "ARM"),
     ("info rover_arm --xacro deck=1", "--xacro deck:=1"),
     ("info rover_arm --package-dir nowhere", "nowhere"),

@@ -64,6 +64,7 @@ def test_a_page_offers_only_what_its_reader_can_set() -> None:
     assert text == "1.78 rad off: give another goal, a larger tol=..., or a wider position_tol=0.002"
     assert words(text) == "102° off: give another goal, a larger --keep-tol ANGLE, or a wider --position-tol 0.002"
     assert page_words(text) == "102° off: give another goal or a wider Tolerance in the Move panel: 0.002 m"
+    assert "tip=... (or its option)" in page_words(Text("pass {tip}", tip=Argument("tip")))
     assert page_words(Posture((0.5, 0.25), ("rad", "m"))) == "[28.65°, 0.25 m]"
 
 

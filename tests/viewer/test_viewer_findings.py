@@ -16,6 +16,7 @@ from twistarm import Arm, arm_from_screws, diagnose, joints, load_arm
 from twistarm.checking.doctor import Diagnosis
 from twistarm.description.findings import Finding, Place, finding
 from twistarm.viewer import Viewer, save_html
+from twistarm.viewer.messages import page_words
 from twistarm.viewer.parts import arm_data as module
 from twistarm.viewer.parts.arm_data import PENDING, doctor_findings, loading_findings, node_of
 from twistarm.viewer.server import server as server_module
@@ -111,7 +112,7 @@ def test_the_findings_are_those_of_diagnose_gravest_first(arm: Arm) -> None:
     found, message = diagnose(arm), doctor_findings(arm)
     assert len(found) > len(arm.findings) > 0
     told = [(one["severity"], one["code"], one["place"], one["what"], one["remedy"]) for one in message["findings"]]
-    assert told == [(one.severity, one.code, str(one.place), one.what, one.remedy) for one in found]
+    assert told == [(one.severity, one.code, str(one.place), *map(page_words, (one.what, one.remedy))) for one in found]
     assert message["counts"] == Counter(one.severity for one in found)
     assert message["note"] == ""
 

@@ -81,8 +81,8 @@ def _written(value: Value) -> str:
     if not isinstance(value, Argument):
         return value.in_degrees()
     field = FIELDS.get(value.name)
-    if field is None:
-        return str(value)
+    if field is None:  # who started the page typed arguments or options
+        return f"{value} (or its option) when you start the view"
     return f"{field}: {value.value.in_degrees()}" if isinstance(value.value, Quantity) else field
 
 
