@@ -33,13 +33,12 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_files_to_fill_in_are_written_and_never_overwritten(written: Path, capsys: Capture) -> None:
     assert {f"{lesson}.py" for lesson in LESSONS} <= {path.name for path in written.iterdir()}
     assert {"run_rotations.m", "rotation_z.m", "run_manipulator.m"} <= {p.name for p in (written / "octave").iterdir()}
-    mine = written / f"{LESSONS[0]}.py"
+    mine, deleted = (written / f"{lesson}.py" for lesson in LESSONS[:2])
     mine.write_text(RIGHT)
-    (written / f"{LESSONS[1]}.py").unlink()
+    deleted.unlink()
     assert run(["guide", "exercises", "-o", str(written)]) == 0
     assert mine.read_text() == RIGHT
-    file = written / f"{LESSONS[1]}.py"
-    assert f"guide check {file}\n" in file.read_text()
+    assert f"guide check {deleted}\n" in deleted.read_text()
     assert "1 files written; 34 existing files kept" in capsys.readouterr().out
 
 
