@@ -271,9 +271,9 @@ class Scene(Checkers):
     def clearance(self, breakpoints: Given, coefficients: Given) -> Distance:
         """The nearest pair of bodies along a motion, with its `time` [s]; margins are not counted.
 
-        The distance is measured there. No pair comes nearer anywhere, between samples either, than that less 1 mm or
-        5 % of it, the larger. An interval is left when no pair can lose enough of its distance within it. Otherwise it
-        is halved, for the pairs that can. The bounds are those of `first_collision`.
+        The distance is exact at that time. At other times a pair may come nearer by at most 1 mm or 5 % of it, the
+        larger. An interval is left when no pair can lose enough of its distance within it. Otherwise it is halved, for
+        the pairs that can. The bounds are those of `first_collision`.
 
         Args:
             breakpoints: (s + 1,) [s].
