@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import re
+import socket
 import threading
 import time
 import urllib.error
@@ -19,7 +20,6 @@ from numpy.typing import NDArray
 from tornado.httpclient import HTTPRequest
 from tornado.websocket import WebSocketClientConnection, websocket_connect
 
-from hostile.target import Target
 from twistarm import Arm, load_arm
 from twistarm.planning.joint_space import plan_joint
 from twistarm.planning.trajectory import Trajectory
@@ -158,9 +158,14 @@ def port_of(viewer: Viewer) -> int:
     return int(viewer.url.split(":")[2].split("/")[0])
 
 
-def target(viewer: Viewer) -> Target:
-    """As an attack sees it."""
-    return Target("127.0.0.1", port_of(viewer), viewer.url.split("/")[3], WAIT)
+def connection(viewer: Viewer, receive: int = 0) -> socket.socket:
+    """A bare connection to the server, with a window of `receive` bytes."""
+    made = socket.socket()
+    made.settimeout(5.0)
+    if receive:
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive)
+    made.connect(("127.0.0.1", port_of(viewer)))
+    return made
 
 
 def until(reached: Callable[[], bool]) -> None:

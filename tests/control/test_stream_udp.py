@@ -8,6 +8,7 @@ import json
 import os
 import re
 import socket
+import statistics
 import threading
 import time
 from contextlib import suppress
@@ -101,6 +102,23 @@ def test_a_flood_costs_a_bounded_time_per_cycle_and_the_latest_counts(rover, cli
     assert time.perf_counter() - began < 0.1
     send(client, JOG, source)
     assert source.read(0.1).command is not None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "datagram", [b"[" * 60_000, b'{"theta":[' + b"0," * 30_000 + b"0]}", b'{"theta":[1' + b"0" * 60_000 + b"]}"]
+)
+def test_a_cycle_stays_short_while_nonsense_floods_in(client, source, datagram):
+    """At 100 Hz a cycle has 10 ms. What arrives may take half of them, in the processor's time."""
+    spent = []
+    for cycle in range(1, 11):
+        for _ in range(200):
+            with suppress(OSError):
+                client.sendto(datagram, socket.MSG_DONTWAIT, source.address)
+        began = time.thread_time()
+        assert source.read(0.01 * cycle).command is None
+        spent.append(time.thread_time() - began)
+    assert statistics.median(spent) < 0.005
 
 
 def test_joint_states_arrive_by_name(rover, client):

@@ -9,17 +9,25 @@ import socket
 import subprocess
 import sys
 from contextlib import ExitStack
+from urllib.parse import urlsplit
 
 import pytest
 
 from twistarm.viewer import Viewer
-from viewer_page import WAIT, Page, target
+from viewer_page import WAIT, Page, address, connection
+
+HANDSHAKE = (
+    "GET {} HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+    "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n"
+)
 
 
 def test_pages_that_never_read_do_not_keep_frames_from_the_others(viewer: Viewer) -> None:
     with ExitStack() as stack:
         for _ in range(5):
-            stack.enter_context(target(viewer).upgrade(receive=4096))
+            mute = stack.enter_context(connection(viewer, receive=4096))
+            mute.sendall(HANDSHAKE.format(urlsplit(address(viewer)).path).encode())
+            mute.recv(1)
         page = stack.enter_context(Page(viewer))
         for k in range(1, 121):
             viewer.show([0.0, 0.0, k / 2**16])

@@ -20,7 +20,7 @@ from twistarm.support.errors import InputError, MissingExtraError
 from twistarm.viewer import Viewer, save_html
 from twistarm.viewer.server import server
 from twistarm.viewer.server.handlers import admits_host
-from viewer_page import THETA, Page, get, port_of, swing, target, visit
+from viewer_page import THETA, Page, connection, get, port_of, swing, visit
 
 
 def test_the_page_and_its_files_are_served_under_the_token_only(viewer: Viewer) -> None:
@@ -111,7 +111,7 @@ def test_odd_requests_are_refused_in_a_line_and_nothing_is_printed(
 
 def raw(viewer: Viewer, head: bytes) -> bytes:
     """What comes back for this request, as far as its first packet."""
-    with target(viewer).open() as sent:
+    with connection(viewer) as sent:
         sent.sendall(head + b"\r\n")
         with suppress(ConnectionResetError):
             return sent.recv(4096)
@@ -244,7 +244,7 @@ def test_no_answer_s_type_is_guessed_by_the_browser(arm: Arm, viewer: Viewer) ->
 
 def test_who_sends_no_whole_request_in_time_is_closed(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(server, "IDLE_TIME", 0.3)
-    with Viewer(arm, open_browser=False) as viewer, target(viewer).open() as one:
+    with Viewer(arm, open_browser=False) as viewer, connection(viewer) as one:
         one.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX: y")
         with suppress(ConnectionResetError):
             assert one.recv(1) == b""

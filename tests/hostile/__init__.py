@@ -1,1 +1,0 @@
-"""The view's server as a stranger reaches it."""
