@@ -145,7 +145,7 @@ def collisions(arm: Arm, browser: Any) -> None:
         for layer in ("Screws", "Frames"):
             page.get_by_label(layer, exact=True).uncheck()
         viewer.show_path(motion)
-        nearest = scene.clearance(motion.breakpoints, motion.coefficients)
+        nearest = scene.clearance(motion)
         hit = plan(arm, LineMove.by([0.0, 0.0, -0.27], frame="base"))
         for name, theta in (("free_move", motion(nearest.time)), ("in_the_table", hit(hit.duration))):
             viewer.show(theta)

@@ -36,9 +36,9 @@ b = -0.2
 
 def test_a_tip_that_does_not_exist_offers_the_closest(tmp_path: Path) -> None:
     path = write(tmp_path, two_joints())
-    with pytest.raises(UnknownNameError, match="no link for tip= 'tool_0' in tiny; closest: 'tool0'"):
+    with pytest.raises(UnknownNameError, match="tip='tool_0' is no link of tiny; closest: 'tool0'"):
         load_arm(path, tip="tool_0")
-    with pytest.raises(UnknownNameError, match="no link for base= 'base' in tiny; closest: 'base_link'"):
+    with pytest.raises(UnknownNameError, match="base='base' is no link of tiny; closest: 'base_link'"):
         load_arm(path, base="base")
 
 
@@ -334,5 +334,5 @@ def test_what_it_cannot_work_with(tmp_path: Path) -> None:
         draft_arm_file(toml)
     with pytest.raises(DescriptionError, match="no such file"):
         draft_arm_file(tmp_path / "no.urdf")
-    with pytest.raises(twistarm.UnknownNameError, match="no link for tip= 'tool9'"):
+    with pytest.raises(twistarm.UnknownNameError, match="tip='tool9' is no link of"):
         draft_arm_file(tmp_path / "arm.urdf", tip="tool9")

@@ -36,7 +36,7 @@ def test_arguments_raise_where_arm_toml_is_diagnosed(tmp_path: Path) -> None:
     with pytest.raises(UnknownNameError, match="no arm 'rover_amr' in the catalogue"):
         diagnose("rover_amr")
     path = write(tmp_path, two_joints())
-    with pytest.raises(UnknownNameError, match="no link for tip= 'tool'"):
+    with pytest.raises(UnknownNameError, match="tip='tool' is no link of"):
         diagnose(path, tip="tool")
     write(tmp_path, 'source = "arm.urdf"\ntip = "tool"\n', "arm.toml")
     (said,) = [one for one in diagnose(tmp_path / "arm.toml") if one.severity == "error"]

@@ -125,7 +125,7 @@ def test_the_first_collision_of_a_motion_is_that_of_dense_samples(name: str) -> 
     hits = 0
     for start, goal in zip(ends[::2], ends[1::2], strict=True):
         motion = plan(arm, JointMove(goal), start=start)
-        found = scene.first_collision(motion.breakpoints, motion.coefficients)
+        found = scene.first_collision(motion)
         t = np.linspace(0.0, motion.duration, 8000)
         colliding = scene.collides(motion(t), threads=2)
         assert (found is not None) == colliding.any()
@@ -282,6 +282,7 @@ def test_a_free_move_takes_a_gap_narrower_than_its_clearance(tmp_path: Path) -> 
     motion = plan(arm, FreeMove([0.6, -0.3]), start=[-0.6, 0.5], scene=scene, max_time=60.0)
     way = motion(np.linspace(0.0, motion.duration, 3000))
     assert not scene.collides(way).any()
+    assert "comes nearer than clearance=0.004: hand and block" in motion.notes[-1]
     with pytest.raises(InputError, match="clearance"):
         plan(arm, FreeMove([0.6, -0.3]), scene=scene, clearance=-1.0)
 

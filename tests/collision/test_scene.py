@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from twistarm import Arm, InputError, TwistarmError, UnknownNameError, arm_from_screws, load_arm
+from twistarm import Arm, InputError, Pose, TwistarmError, UnknownNameError, arm_from_screws, load_arm
 from twistarm.arm.solid import Solid
 from twistarm.collision import Scene
 from twistarm.collision.survey import srdf_text, survey
@@ -290,7 +290,7 @@ def test_an_obstacle_is_moved_and_sized_until_a_link_holds_it(tmp_path: Path) ->
     scene = Scene(slider(tmp_path, SHAPES["sphere"]))
     scene.add_box("wall", (1.0, 2.0, 2.0), (9.0, 0.0, 0.0))
     assert scene.distance([0.5, 0.0]).metres == pytest.approx(7.9, abs=1e-6)
-    scene.move("wall", (1.5, 0.0, 0.0))
+    scene.move("wall", Pose.from_rpy([1.5, 0.0, 0.0], [0.0, 0.0, 0.0]))
     assert scene.distance([0.5, 0.0]).metres == pytest.approx(0.4, abs=1e-6)
     scene.resize("wall", (0.4, 2.0, 2.0))
     assert scene.distance([0.5, 0.0]).metres == pytest.approx(0.7, abs=1e-6)
@@ -368,6 +368,7 @@ def test_bad_obstacles_and_arms_are_refused(tmp_path: Path) -> None:
         lambda: scene.add_mesh("a", tmp_path / "none.stl"),
         lambda: Scene(scene.arm, margin=-1.0),
         lambda: scene.collides([0.0]),
+        lambda: scene.clearance([0.0]),
         lambda: Scene(arm_from_screws(scene.arm.screws, scene.arm.home)),
     ):
         with pytest.raises(TwistarmError):

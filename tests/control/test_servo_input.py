@@ -36,6 +36,7 @@ REFUSED = [
     (lambda: TwistCommand(np.zeros(6), hold="elbow"), "hold must be 'position', 'orientation' or six booleans"),
     (lambda: TwistCommand([0, 0, 0, 0, 0, 1], hold="orientation"), "a held component cannot be commanded"),
     (lambda: JogCommand([[0.0]]), r"theta_dot must be one number per joint, shape \(n,\)"),
+    (lambda: JogCommand({"elbow": 0.1}), r"JogCommand\.of"),
     (lambda: PoseCommand(np.zeros((4, 4))), "g"),
     (lambda: PoseCommand(np.eye(4), linear_speed=0.0), "linear_speed must be above 0"),
     (lambda: TwistCommand([0, 0, 1e155, 0, 0, 0]), "twist must be at most 10000 in size, in SI units; got 1e.155"),

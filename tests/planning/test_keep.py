@@ -58,7 +58,7 @@ def angles(g: np.ndarray, axis: np.ndarray, direction: np.ndarray) -> np.ndarray
 def test_a_hanging_tool_stays_so_round_a_post(kind: str, tol: float) -> None:
     scene = beside_a_post()
     straight = plan(ARM, JointMove(GOAL), start=START)
-    assert scene.first_collision(straight.breakpoints, straight.coefficients) is not None
+    assert scene.first_collision(straight) is not None
     motion = plan(ARM, FreeMove(GOAL, keep=Keep(direction=DOWN, tol=tol)), start=START, scene=scene, kind=kind)
     g = poses(ARM, motion)
     assert angles(g, np.array([0.0, 0.0, 1.0]), DOWN).max() <= tol + 1e-8

@@ -253,7 +253,7 @@ class Obstacles:
             name: The obstacle.
             link: The link that carries it; by default that of the tip.
             theta: The configuration (n,) at which the link takes it.
-            touching: Further links that may touch it.
+            touching: Further links that may touch it (MoveIt's touch_links).
         """
         body = self._require_obstacle(name)
         carrier = self._description.require_link(link or self.arm.tip_link, "link")
@@ -375,6 +375,7 @@ def _as_place(pose: Given | None) -> Array:
     """A pose (4, 4) from a pose, a position (3,) or None."""
     if pose is None:
         return np.eye(4)
+    pose = getattr(pose, "g", pose)  # of a Pose
     array = np.asarray(pose, dtype=object)
     if array.shape == (3,):
         g = np.eye(4)

@@ -17,7 +17,7 @@ from ..arm.arm import Arm, require_arm
 from ..arm.bodies import Body, Pair, in_words
 from ..description.findings import Finding, Place, finding
 from ..support.checks import Array, Given, as_floats, as_whole, require
-from ..support.errors import InputError, TwistarmError, listed
+from ..support.errors import InputError, TwistarmError, listed, quote
 from ..support.files import as_path, writable, write_whole
 from .answers import Collision, Contact, Distance
 from .checkers import Checkers
@@ -255,20 +255,19 @@ class Scene(Checkers):
             worst.setdefault((first, second), Contact((first, second), metres, checker.margins[k]))
         return tuple(worst.values())
 
-    def first_collision(self, breakpoints: Given, coefficients: Given) -> Collision | None:
+    def first_collision(self, motion: Any, coefficients: Given | None = None) -> Collision | None:
         """The first collision of a motion, without gaps, or None.
 
-        The motion is a piecewise polynomial as in `Trajectory`. A pair that is nearer than its margin by less than
-        0.5 mm may be missed.
+        A pair that is nearer than its margin by less than 0.5 mm may be missed.
 
         Args:
-            breakpoints: (s + 1,) [s].
-            coefficients: (degree + 1, s, n), highest power first.
+            motion: A `Trajectory`, or the breakpoints (s + 1,) [s] of a piecewise polynomial.
+            coefficients: Those of the polynomial, (degree + 1, s, n), highest power first.
         """
-        found = self._sweep.first(*self._pieces(breakpoints, coefficients))
+        found = self._sweep.first(*self._pieces(motion, coefficients))
         return None if found is None else Collision(*found, self.contacts(found[1]))
 
-    def clearance(self, breakpoints: Given, coefficients: Given) -> Distance:
+    def clearance(self, motion: Any, coefficients: Given | None = None) -> Distance:
         """The nearest pair of bodies along a motion, with its `time` [s]; margins are not counted.
 
         The distance is exact at that time. At other times a pair may come nearer by at most 1 mm or 5 % of it, the
@@ -276,11 +275,11 @@ class Scene(Checkers):
         the pairs that can. The bounds are those of `first_collision`.
 
         Args:
-            breakpoints: (s + 1,) [s].
-            coefficients: (degree + 1, s, n), highest power first.
+            motion: A `Trajectory`, or the breakpoints (s + 1,) [s] of a piecewise polynomial.
+            coefficients: Those of the polynomial, (degree + 1, s, n), highest power first.
         """
         near, best, time, theta = self.near_pairs, np.inf, 0.0, self.arm.ready
-        times, pieces = self._pieces(breakpoints, coefficients)
+        times, pieces = self._pieces(motion, coefficients)
         every, halves = np.arange(len(near.body_pairs)), (0.5 * np.diff(times)).tolist()
         waiting = deque((times[k], pieces[:, k], half, half, every) for k, half in enumerate(halves))
         while waiting:
@@ -299,9 +298,13 @@ class Scene(Checkers):
                 waiting += [(begin, piece, middle + side, 0.5 * half, pairs) for side in (-0.5 * half, 0.5 * half)]
         return replace(self.distance(theta), time=time)
 
-    def _pieces(self, breakpoints: Given, coefficients: Given) -> tuple[Array, Array]:
+    def _pieces(self, motion: Any, coefficients: Given | None) -> tuple[Array, Array]:
         """The breakpoints (s + 1,) and coefficients (degree + 1, s, n) of a motion, checked."""
-        times, pieces = as_floats(breakpoints, "breakpoints"), as_floats(coefficients, "coefficients")
+        if coefficients is None:
+            if not hasattr(motion, "coefficients"):
+                raise InputError(f"motion must be a Trajectory, or breakpoints and coefficients; got {quote(motion)}")
+            motion, coefficients = motion.breakpoints, motion.coefficients
+        times, pieces = as_floats(motion, "breakpoints"), as_floats(coefficients, "coefficients")
         wrong = times.ndim != 1 or pieces.shape[1:] != (len(times) - 1, self.arm.n) or not pieces.shape[0]
         if wrong or (np.diff(times) < 0.0).any():
             raise InputError(

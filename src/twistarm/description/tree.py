@@ -12,7 +12,7 @@ import numpy as np
 
 from ..limits.joint_limits import slides
 from ..support.checks import Array
-from ..support.errors import listed, unknown_name
+from ..support.errors import QUOTED, UnknownNameError, closest, listed, one_line, unknown_name
 from ..support.messages import Argument, Text
 from ..theory.screws import exp
 from .findings import Finding, Place, finding, refusal
@@ -210,8 +210,11 @@ class Description:
         """`link` itself, or an UnknownNameError with the closest names."""
         if not isinstance(link, str) or link not in self.links:
             listing = f"{len(self.links)} links: {listed(self.links)}"
-            what = "link" if role == "link" else Text("link for {argument}", argument=Argument(role, None))
-            raise unknown_name(what, link, self.links, within=self.name, listing=listing)
+            if role in ("link", "link or obstacle"):
+                raise unknown_name(role, link, self.links, within=self.name, listing=listing)
+            what, given = "{given} is no link of {arm}{near} ({listing})", Argument(role, one_line(str(link), QUOTED))
+            near = closest(link, self.links)
+            raise UnknownNameError(Text(what, given=given, arm=self.name, near=near, listing=listing))
         return link
 
     @cached_property

@@ -178,7 +178,7 @@ class Hit(NamedTuple):
 
 def first_collision(scene: Scene, motion: Trajectory) -> Hit | None:
     """The first collision of a motion, or None."""
-    found = scene.first_collision(motion.breakpoints, motion.coefficients)
+    found = scene.first_collision(motion)
     if found is None:
         return None
     leg = int(np.clip(np.searchsorted(motion.times, found.time, side="right") - 1, 0, max(len(motion.times) - 2, 0)))

@@ -104,7 +104,7 @@ def _roomy(scene: Scene, clearance: float, ends: Array) -> Callable[[Array], boo
 
 def _free(scene: Scene, path: JointPath, proven: bool) -> bool:
     if proven:
-        return scene.first_collision(path.breakpoints, path.coefficients) is None
+        return scene.first_collision(path) is None
     is_free = scene.checks(0.0)
     return all(map(is_free, path(np.linspace(0.0, path.length, int(path.length / SMALL) + 2))))
 

@@ -15,7 +15,7 @@ from ..arm.arm import Arm, require_arm
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, Row, as_flag, as_number, as_positive, require_callback, require_choice
 from ..support.errors import InputError, NotConvergedError
-from ..support.messages import Argument, Text
+from ..support.messages import Argument, Quantity, Text
 from .goals import Goals
 from .joint_space import Motion, best_stops, completed, joined, straight_s_curve
 from .piecewise import JointPath
@@ -100,7 +100,8 @@ def plan(
 
     Returns:
         The `Trajectory`. Its waypoints are the start and the end of every segment, its labels those of the segments.
-            Its `notes` name usual limits for missing ones, shorter ways by whole turns, and curves without motion.
+            Its `notes` name usual limits for missing ones, shorter ways by whole turns, curves without motion, and
+            where free moves come nearer than `clearance`.
 
     Raises:
         PathError: A curve cannot be followed. The message says where it stops, why, and what would help. Or the motion
@@ -158,6 +159,12 @@ def plan(
     if scene is not None and around is not scene and (contacts := scene.contacts(motion.waypoints[-1])):
         raise PathError(f"the motion ends in collision, as it began: {contacts[0]}", reason="collision")
     report(1.0)
+    if around is not None and any(isinstance(move, FreeMove) for move in moves):
+        nearest = around.clearance(motion)
+        if nearest.metres < how["clearance"]:
+            kept = Argument("clearance", Quantity(how["clearance"], "m"))
+            note = Text("comes nearer than {clearance}: {nearest}", clearance=kept, nearest=nearest)
+            motion = replace(motion, notes=(*motion.notes, note))
     return motion
 
 

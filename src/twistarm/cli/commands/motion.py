@@ -219,7 +219,7 @@ def plan(
     for remark in found.notes:
         note(remark, radians=out.radians)
     assumed = defaults_line(arm, given)
-    nearest = None if scene is None else scene.clearance(found.breakpoints, found.coefficients)
+    nearest = None if scene is None else scene.clearance(found)
     data = {"arm": arm, "start": origin or "ready", "assumed": assumed or None, "nearest": nearest}
     out.show(
         data | entries(found, "duration times waypoints notes"),

@@ -77,6 +77,8 @@ class JogCommand(Brief):
     kind: ClassVar[int] = 1
 
     def __init__(self, theta_dot: Row) -> None:
+        if isinstance(theta_dot, Mapping):
+            raise InputError("theta_dot must be one number per joint; of names take JogCommand.of(arm, {'elbow': 0.1})")
         rates = _moderate(as_floats(theta_dot, "theta_dot"), "theta_dot", FASTEST)
         if rates.ndim != 1:
             raise InputError(f"theta_dot must be one number per joint, shape (n,); got {rates.shape}")

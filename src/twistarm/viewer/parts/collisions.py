@@ -206,7 +206,7 @@ def _band(scene: Scene | None, motion: Trajectory, progress: Progress) -> list[l
     edges = np.flatnonzero(np.diff([0, *hit, 0]))
     step = 1.0 / (SAMPLES - 1)
     band = [[first * step, (last - 1) * step] for first, last in edges.reshape(-1, 2).tolist()]
-    if not band and (found := scene.first_collision(motion.breakpoints, motion.coefficients)) is not None:
+    if not band and (found := scene.first_collision(motion)) is not None:
         share = found.time / motion.duration if motion.duration > 0.0 else 0.0
         band = [[share, share]]
     return band
