@@ -226,5 +226,5 @@ def test_counts_on_the_command_line(here, capsys):
     assert run([*arguments, "-o", "motion.json"]) == 2
     assert "--counts goes with *.csv and *.h: a JointTrajectory is in rad and m" in capsys.readouterr().err
     assert run([*arguments, "-o", "motion.csv"]) == 2
-    assert "this trajectory knows no motors" in capsys.readouterr().err
+    assert "[actuators.NAME]" in capsys.readouterr().err
     assert list(here.iterdir()) == []
