@@ -81,7 +81,7 @@ int main() {
     int active = 0;
     for (int trial = 0; trial < 120; ++trial) {
         problem drawn = made(random, 1 + trial % N, trial % 9, trial % 4 == 0);
-        const auto* rows = drawn.rows.count > 0 ? &drawn.rows : nullptr;
+        auto* rows = drawn.rows.count > 0 ? &drawn.rows : nullptr;
         least_within(drawn.H, drawn.r, drawn.lower, drawn.upper, drawn.n, drawn.at, drawn.x, rows);
         double wanted[N], missed = 0;
         by_multipliers(drawn, wanted);
