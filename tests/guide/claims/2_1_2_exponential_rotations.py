@@ -2,8 +2,8 @@
 assert np.isclose(halves, 0, atol=1e-5)
 
 # ## A point goes round
-assert np.allclose(rotations.skew(omega) @ q0, np.cross(omega, q0))
-assert np.allclose(orbit, rotations.exp(omega, times) @ q0)
+assert np.allclose(rotations.skew(omega) @ p0, np.cross(omega, p0))
+assert np.allclose(orbit, rotations.exp(omega, times) @ p0)
 rates = np.gradient(orbit, times, axis=0)[1:-1]
 assert np.abs(rates - np.cross(omega, orbit[1:-1])).max() < 1e-3
 

@@ -136,9 +136,9 @@ guide.figure(
 # points of a sphere in four dimensions. Opposite points of this sphere are the same rotation. Unit quaternions *cover
 # the rotations twice*.
 #
-# This is the price of four numbers that fail nowhere. The set of rotations closes upon itself, and no part of space
-# does that. So three numbers cannot list each rotation once without a seam. Four numbers have no seam, but they list
-# each rotation twice.
+# This is the price of four numbers that fail nowhere. The set of rotations has no edge, as the surface of the globe has
+# none. A flat map of the globe must have one. In the same way three numbers cannot list each rotation once without an
+# edge. Four numbers have no edge, but they list each rotation twice.
 
 # %%
 guide.slider(

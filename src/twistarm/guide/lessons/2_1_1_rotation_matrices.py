@@ -197,12 +197,18 @@ guide.slider(
 # $$E = \begin{bmatrix} 0 & -\sin\alpha & \cos\alpha \sin\beta \\ 0 & \cos\alpha & \sin\alpha \sin\beta \\
 # 1 & 0 & \cos\beta \end{bmatrix}, \qquad \det E = -\sin\beta$$
 #
-# At $\beta = 0$ the first and the third column are equal, and $E$ has no inverse. The **condition number** of $E$ says
-# how bad it is nearby. Let the three rates be a vector of length one. The length of $\omega$ depends on the direction
-# of this vector. The condition number is the greatest length of $\omega$ divided by the least. For the same rate of the
-# tool, the angles change that many times faster in the worst direction than in the best.
+# At $\beta = 0$ the first and the third column are equal, and $E$ has no inverse. An example shows what happens nearby.
 
 # %%
+E_30 = rotations.euler_rate_map("ZYZ", np.radians([0, 30, 0]))
+same, opposite = (np.linalg.norm(E_30 @ rates) for rates in ([1, 0, 1], [1, 0, -1]))
+guide.say(
+    r"Let $\beta = 30°$, and let $\alpha$ and $\gamma$ change at 1 rad/s each. In the same sense they turn the tool "
+    rf"at {same:.2f} rad/s, in opposite senses at {opposite:.2f} rad/s. The ratio, {same / opposite:.1f}, is the "
+    r"**condition number** of $E$ here: the greatest length of $\omega$ divided by the least, where the three rates "
+    r"form a vector of length one. For the same rate of the tool, the angles change that many times faster in the worst direction than "
+    "in the best."
+)
 beta = np.radians(np.linspace(1, 179, 179))
 E = rotations.euler_rate_map("ZYZ", np.stack([0 * beta, beta, 0 * beta], axis=-1))
 condition = np.linalg.cond(E)
@@ -229,13 +235,13 @@ guide.figure(
 # ## On your arm
 #
 # Does this affect your arm? That depends on where its tool points. The table has the condition numbers for three
-# orientations: the arm waits, the arm is on its way as above, and the tool points straight down.
+# orientations: the arm waits, the arm is in the random configuration above, and the tool points straight down.
 
 # %%
 down = rotations.exp([1, 0, 0], np.pi)
 rows = []
 waiting = arm.fk(arm.ready)[:3, :3]
-for words, orientation in (("waiting", waiting), ("on its way", R), ("pointing straight down", down)):
+for words, orientation in (("waiting", waiting), ("as above", R), ("pointing straight down", down)):
     conditions = []
     for order in orders:
         angles = rotations.to_euler(order, orientation)

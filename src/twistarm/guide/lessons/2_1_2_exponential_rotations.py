@@ -22,7 +22,7 @@ from twistarm import guide, rotations
 arm = guide.arm()
 theta = 0.6 * arm.ready + 0.4 * arm.random_theta(3)  # between ready and a random configuration
 R = arm.fk(theta)[:3, :3]
-guide.say(rf"The tool of `{arm.name}` on its way: $$R_{{st}} = {guide.tex(R)}$$")
+guide.say(rf"The tool of `{arm.name}` in a random configuration: $$R_{{st}} = {guide.tex(R)}$$")
 
 
 # %%
@@ -76,28 +76,30 @@ guide.predict(
 # %% [markdown]
 # ## A point goes round
 #
-# Fix a unit vector $\omega$, the shaft, and let a body turn about it at one radian per second. Measure a point $q$ of
-# the body from a point of the shaft. It moves at right angles to the shaft and to $q$:
+# Fix a unit vector $\omega$, the shaft, and let a body turn about it at one radian per second. Measure a point $p$ of
+# the body from a point of the shaft. It moves at right angles to the shaft and to $p$:
 #
-# $$\dot q(t) = \omega \times q(t) = \hat\omega\, q(t), \qquad
+# $$\dot p(t) = \omega \times p(t) = \hat\omega\, p(t), \qquad
 # \hat\omega = \begin{bmatrix} 0 & -\omega_3 & \omega_2 \\ \omega_3 & 0 & -\omega_1 \\
 # -\omega_2 & \omega_1 & 0 \end{bmatrix}$$
 #
 # The hat writes the cross product as a matrix. Such matrices are *skew-symmetric*, $\hat\omega^T = -\hat\omega$, and
-# their set is called $so(3)$. This is a linear differential equation with a constant matrix. For numbers, $\dot q = c
-# q$ has the solution $q = e^{ct} q(0)$. For matrices it is the same:
+# their set is called $so(3)$. This is a linear differential equation: the rate of $p$ is a constant matrix times $p$.
+# For numbers, $\dot x = c\,x$ has the solution $x = e^{ct} x(0)$. For vectors it is the same, with the exponential of a
+# matrix:
 #
-# $$q(t) = e^{\hat\omega t} q(0)$$
+# $$p(t) = e^{\hat\omega t} p(0)$$
 #
-# After $\theta$ seconds at one radian per second the body has turned by $\theta$. Therefore
+# The next section defines this exponential as a series. Differentiate it term by term to check the law. After $\theta$
+# seconds at one radian per second the body has turned by $\theta$. Therefore
 #
 # $$R(\omega, \theta) = e^{\hat\omega\theta}$$
 
 # %%
 omega = np.array([1.0, 0.5, 2.0]) / np.linalg.norm([1.0, 0.5, 2.0])
-q0 = np.array([0.8, -0.3, 0.4])
+p0 = np.array([0.8, -0.3, 0.4])
 times = np.linspace(0, 1.5 * np.pi, 100)
-orbit = np.array([expm(rotations.skew(omega) * t) @ q0 for t in times])  # SciPy's, of any matrix
+orbit = np.array([expm(rotations.skew(omega) * t) @ p0 for t in times])  # SciPy's, of any matrix
 
 
 # %%
@@ -106,40 +108,41 @@ ax.plot(*orbit.T, color=guide.GREY, linestyle="-")
 guide.plot_vector(ax, [0, 0, 0], 1.1 * omega, r"$\omega$", guide.PINK)
 
 
-def draw_point(ax, q, name):
-    guide.plot_vector(ax, [0, 0, 0], q, "", guide.INK)
-    ax.text(*(0.6 * q - [0.1, 0.1, 0.05]), name, color=guide.INK, ha="center", va="center")
-    velocity = 0.6 * np.cross(omega, q)
-    guide.plot_vector(ax, q, velocity, "", guide.ORANGE)
+def draw_point(ax, p, name):
+    guide.plot_vector(ax, [0, 0, 0], p, "", guide.INK)
+    ax.text(*(0.6 * p - [0.1, 0.1, 0.05]), name, color=guide.INK, ha="center", va="center")
+    velocity = 0.6 * np.cross(omega, p)
+    guide.plot_vector(ax, p, velocity, "", guide.ORANGE)
     words = {"color": guide.ORANGE, "ha": "center", "va": "center"}
-    ax.text(*(q + 1.35 * velocity), r"$\omega\times q$", **words)
+    ax.text(*(p + 1.35 * velocity), r"$\omega\times p$", **words)
 
 
-draw_point(ax, q0, "$q(0)$")
-guide.plot_motion(draw_point, ax, orbit[::3], "$q(t)$")
+draw_point(ax, p0, "$p(0)$")
+guide.plot_motion(draw_point, ax, orbit[::3], "$p(t)$")
 guide.figure(
     fig,
     "A point on a circle around an axis omega, at two instants. An arrow along the circle is its velocity, omega cross "
-    "q, at right angles to the axis and to q.",
-    r"The point keeps its distance from the shaft. Its velocity is $\omega \times q$ at every instant.",
+    "p, at right angles to the axis and to p.",
+    r"The point keeps its distance from the shaft. Its velocity is $\omega \times p$ at every instant.",
 )
 
 # %% [markdown]
 # ## The series becomes Rodrigues' formula
 #
-# The exponential of a matrix is the same series as that of a number:
+# The exponential of a number is a series, $e^x = 1 + x + \frac{x^2}{2!} + \cdots$. For a matrix it is the same series:
 #
 # $$e^{\hat\omega\theta} = I + \hat\omega\theta + \frac{(\hat\omega\theta)^2}{2!}
 # + \frac{(\hat\omega\theta)^3}{3!} + \cdots$$
 #
-# The powers repeat. For any $a$, the rule for a double cross product says $\hat a^2 = a a^T - \|a\|^2 I$. Because $\hat
-# a a = a \times a = 0$, it follows that $\hat a^3 = -\|a\|^2\,\hat a$ (MLS, lemma 2.3). For the unit vector $\omega$
-# this is $\hat\omega^3 = -\hat\omega$. Sort the terms by $\hat\omega$ and $\hat\omega^2$:
+# The powers repeat. The rule for a double cross product says $a \times (a \times x) = a\,(a^T x) - \|a\|^2 x$. So $\hat
+# a^2 = a a^T - \|a\|^2 I$, where $a a^T$ is the $3 \times 3$ matrix of the products $a_i a_j$. Because $\hat a a = a
+# \times a = 0$, it follows that $\hat a^3 = -\|a\|^2\,\hat a$ (MLS, lemma 2.3). For the unit vector $\omega$ this is
+# $\hat\omega^3 = -\hat\omega$. Sort the terms by $\hat\omega$ and $\hat\omega^2$:
 #
 # $$e^{\hat\omega\theta} = I + \left(\theta - \frac{\theta^3}{3!} + \frac{\theta^5}{5!} - \cdots\right)\hat\omega
 # + \left(\frac{\theta^2}{2!} - \frac{\theta^4}{4!} + \frac{\theta^6}{6!} - \cdots\right)\hat\omega^2$$
 #
-# The first bracket is the sine, the second one minus the cosine. This is **Rodrigues' formula**:
+# The brackets are the series of $\sin\theta$ and of $1 - \cos\theta$. This is **Rodrigues' formula**:
 #
 # $$e^{\hat\omega\theta} = I + \hat\omega\sin\theta + \hat\omega^2(1 - \cos\theta), \qquad \|\omega\| = 1$$
 #
@@ -157,8 +160,8 @@ def rodrigues(omega, theta):
 
 def series(omega, theta, terms):
     """The first terms of the series."""
-    X = rotations.skew(omega) * theta
-    return sum(np.linalg.matrix_power(X, k) / factorial(k) for k in range(terms))
+    W = rotations.skew(omega)
+    return sum(np.linalg.matrix_power(W * theta, k) / factorial(k) for k in range(terms))
 
 
 # %%
@@ -244,7 +247,8 @@ guide.table(
 #
 # $$\det(R - I) = \det(R - RR^T) = \det R\,\det(I - R)^T = -\det(R - I)$$
 #
-# A number that equals its own negative is 0. To find the axis, read Rodrigues' formula backwards. The trace holds the
+# The last step changes the sign of three rows, and each changes the sign of the determinant. A number that equals its
+# own negative is 0. To find the axis, read Rodrigues' formula backwards. The trace, the sum of the diagonal, holds the
 # angle, and the differences of opposite entries hold the axis:
 #
 # $$\theta = \cos^{-1}\frac{\mathrm{tr}\,R - 1}{2}, \qquad
@@ -254,7 +258,7 @@ guide.table(
 # the exponential coordinates. So one turn takes the tool from one orientation to another, even if many joints moved.
 
 # %%
-start, end = arm.fk(arm.ready)[:3, :3], R  # from where the arm waits to where it is on its way
+start, end = arm.fk(arm.ready)[:3, :3], R  # from where the arm waits to the random configuration
 change = end @ start.T  # seen from the base: change · start = end
 w = rotations.log(change)
 turn = np.linalg.norm(w)

@@ -123,7 +123,7 @@ guide.say(
 #
 # ## In use: the camera and the rock
 #
-# Camera C sits on a link of your arm, half way along the chain if the description has links. It reports the rock at
+# Camera C sits on a link half way along your arm. The table names the link. The camera reports the rock at
 # $q_c$. Let $p_{tf}$ be the tip, seen from the tool. Three equations answer the questions of the beginning:
 #
 # $$\bar q_s = g_{sc}\,\bar q_c, \qquad \bar q_t = g_{st}^{-1}\,\bar q_s, \qquad d_t = q_t - p_{tf}$$

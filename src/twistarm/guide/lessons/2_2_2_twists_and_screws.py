@@ -17,7 +17,8 @@
 #
 # $$\dot p = \omega \times (p - q) + h\,\omega, \qquad\qquad \dot p = v$$
 #
-# One pair of vectors describes all three. With $v = -\omega \times q + h\,\omega$,
+# One pair of vectors describes all three. For a joint that turns, let $v = -\omega \times q + h\,\omega$, with $h = 0$
+# for the revolute one. A slide has its own $v$, and $\omega = 0$. Then
 #
 # $$\begin{bmatrix} \dot p \\ 0 \end{bmatrix}
 # = \begin{bmatrix} \hat\omega & v \\ 0 & 0 \end{bmatrix} \begin{bmatrix} p \\ 1 \end{bmatrix} = \hat\xi\,\bar p,
@@ -86,7 +87,8 @@ guide.predict(
 # ## The twists of your arm
 #
 # The table shows the twist of each moving joint and the screw that the twist describes. Both are seen from the base,
-# with all joints at zero. A twist with $\omega \neq 0$ gives the pitch and a point of the axis by
+# with all joints at zero. The $\omega$ of a twist may have any length: at one radian per second it is one, as for the
+# joints. A twist with $\omega \neq 0$ gives the pitch and a point of the axis by
 #
 # $$h = \frac{\omega^T v}{\|\omega\|^2}, \qquad q = \frac{\omega \times v}{\|\omega\|^2}, \qquad M = \|\omega\|$$
 #
@@ -146,7 +148,7 @@ def exponential(xi, theta):
     if np.linalg.norm(w) < 1e-9:
         g[:3, 3] = v * theta
         return g
-    W = screws.hat(w)
+    W = rotations.skew(w)
     g[:3, :3] = np.eye(3) + W * np.sin(theta) + W @ W * (1 - np.cos(theta))
     g[:3, 3] = (np.eye(3) - g[:3, :3]) @ np.cross(w, v) + w * (w @ v) * theta
     return g
@@ -202,7 +204,7 @@ def logarithm(g):
     if theta < 1e-9:
         return np.concatenate([p, np.zeros(3)])
     w = turned / theta
-    G = (np.eye(3) - R) @ screws.hat(w) + np.outer(w, w) * theta
+    G = (np.eye(3) - R) @ rotations.skew(w) + np.outer(w, w) * theta
     return np.concatenate([np.linalg.solve(G, p) * theta, turned])
 
 
@@ -273,11 +275,12 @@ guide.figure(
 
 # %% [markdown]
 # A twist is a velocity: the screw motion at one instant. If it stays constant for a while, the result is a screw
-# motion. (Some texts call the twist the time derivative of the screw motion. This is true at the start only.)
+# motion. (Some texts call the twist the derivative of the screw motion. The derivative is $\hat\xi e^{\hat\xi\theta}$,
+# which is $\hat\xi$ at $\theta = 0$ only.)
 #
 # The logarithm is not unique. One more full turn about the same line, with the same total slide, leads to the same
-# pose. The turn is then $\theta + 2\pi$, and the pitch is smaller. At a half turn the line may have either direction.
-# `screws.log` takes the turn of at most half a circle.
+# pose. The turn is then $\theta + 2\pi$. If $\theta$ is 90°, it is 450°, and the pitch is a fifth. At a half
+# turn the line may have either direction. `screws.log` takes the turn of at most half a circle.
 #
 # ## What goes wrong in practice
 #

@@ -28,7 +28,7 @@
 # %%
 import numpy as np
 
-from twistarm import Position, calibrate, guide, screws, solve_ik
+from twistarm import Position, calibrate, guide, rotations, screws, solve_ik
 from twistarm.calibration import Measurements
 
 arm = guide.arm()
@@ -201,7 +201,7 @@ guide.say(
 still = theta.copy()
 still[:, -1] = arm.ready[-1]
 frozen = np.linalg.svd(slopes(still).reshape(180, -1) * unit / noise, compute_uv=False)
-p_hat = screws.hat(np.pad(arm.fk(theta)[:, :3, 3], ((0, 0), (3, 0))))[:, :3, :3]
+p_hat = rotations.skew(arm.fk(theta)[:, :3, 3])
 of_base = np.concatenate([np.tile(np.eye(3), (60, 1, 1)), -p_hat], axis=2).reshape(180, 6)
 with_base = np.linalg.matrix_rank(np.hstack([A * unit, of_base * build]) / noise, tol=1e-9 * s[0])
 guide.predict(
