@@ -14,6 +14,7 @@ from catalogue import load
 from family_arms import CASES, family_arm, joint_distance, missed, pose_of, screws_of
 from ik_targets import pinocchio_fk, require_core
 from twistarm import Approach, Arm, Pose, Position, solve_ik_all, solve_ik_all_batch
+from twistarm.arm import arm_data
 from twistarm.ik import AllSolutions, AnyTarget, gathering
 from twistarm.ik.answer import Configurations
 from twistarm.ik.closed_form import methods
@@ -70,7 +71,7 @@ def gathered(
     """The answer by Python's own verification of candidates, and by searches beside elimination."""
     doubtful = Configurations(np.empty((0, 2, arm.n)), 0, 0, 0, families=1)
     with monkeypatch.context() as patch:
-        patch.setattr(methods, "_KEPT", type(methods._KEPT)())
+        patch.setattr(arm_data, "_KEPT", type(arm_data._KEPT)())
         patch.setattr(gathering.Gathering, "compiled", lambda self, values: None)
         patch.setattr(gathering.Gathering, "_verified", lambda self, candidates: doubtful)
         return solve_ik_all(arm, target, near, fixed_joints=given)

@@ -5,7 +5,6 @@ Servo, inverse kinematics, the doctor and the page ask here, so all have one tol
 
 from __future__ import annotations
 
-import weakref
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -15,6 +14,7 @@ from ..support.checks import Array
 from ..support.directions import axis_in_words, nearest_axes
 from ..theory.manipulability import scaled_jacobian
 from .arm import Arm
+from .arm_data import kept
 
 CANNOT_MOVE = "this arm cannot move that way"
 CANNOT_TURN = "this arm cannot turn that way"
@@ -91,16 +91,13 @@ def largest_rank(arm: Arm, half: Half, before: Sequence[int], frame: str) -> int
 
 def spans(arm: Arm, half: Half, before: Sequence[int], frame: str) -> list[Array]:
     """The directions U of `span` at those random configurations that have the largest rank, kept with the arm."""
-    kept = _SPANS.setdefault(arm, {})
-    key = (half, tuple(before), frame)
-    if key not in kept:
+
+    def make() -> list[Array]:
         found = [span(arm, theta, half, before, frame)[0] for theta in arm.random_theta(0, SAMPLES)]
         rank = max(U.shape[1] for U in found)
-        kept[key] = [U for U in found if U.shape[1] == rank]
-    return kept[key]
+        return [U for U in found if U.shape[1] == rank]
 
-
-_SPANS: weakref.WeakKeyDictionary[Arm, dict[tuple[object, ...], list[Array]]] = weakref.WeakKeyDictionary()
+    return kept(arm, ("spans", half, tuple(before), frame), make)
 
 
 def span(arm: Arm, theta: Array, half: Half, before: Sequence[int], frame: str) -> tuple[Array, Array]:

@@ -14,6 +14,8 @@ from itertools import pairwise
 import numpy as np
 
 from ..support.checks import Array
+from ..support.directions import angle_in_words, length_in_words
+from ..theory.lower_pairs import meeting_point
 
 EXACT_ANGLE, EXACT_DISTANCE = 1e-9, 1e-9  # [rad], [m]: closer than this counts as exact.
 ALMOST_ANGLE, ALMOST_DISTANCE = math.radians(0.5), 2e-3  # [rad], [m]: more is intended.
@@ -78,23 +80,10 @@ def _wrist(joints: Sequence[str], axes: Array, points: Array, turning: Array) ->
     """The relation of the last three axes if all turn and almost meet in one point."""
     if len(axes) < 3 or not turning[-3:].all():
         return []
-    across = np.eye(3) - axes[-3:, :, None] * axes[-3:, None, :]
-    total = across.sum(axis=0)
-    if np.linalg.eigvalsh(total)[0] < ALMOST_ANGLE**2:
-        return []
-    centre = np.linalg.solve(total, np.einsum("kij,kj->i", across, points[-3:]))
-    distance = float(np.linalg.norm(np.einsum("kij,kj->ki", across, centre - points[-3:]), axis=1).max())
+    if np.linalg.norm(np.linalg.svd(axes[-3:], compute_uv=False)[1:]) < ALMOST_ANGLE:
+        return []  # almost parallel axes have no one point
+    _, distance = meeting_point(axes[-3:], points[-3:])
     if not EXACT_DISTANCE < distance < ALMOST_DISTANCE:
         return []
     what = f"are almost a spherical wrist, off by {length_in_words(distance)}"
     return [Near("–".join(joints[-3:]), what, distance)]
-
-
-def angle_in_words(radians: float) -> str:
-    """An angle in degrees; a tiny angle in rad."""
-    return f"{math.degrees(radians):.2g}°" if radians > 1e-4 else f"{radians:.1e} rad"
-
-
-def length_in_words(metres: float) -> str:
-    """A length in mm; a tiny length in µm."""
-    return f"{1e3 * metres:.2g} mm" if metres >= 1e-5 else f"{1e6 * metres:.2g} µm" if metres >= 1e-8 else "nothing"

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,6 +38,8 @@ from ..theory.rotations import cross
 from ..theory.screws import adjoint, inverse
 from .pinocchio_model import PinocchioModel, why_no_pinocchio
 from .ready_pose import Mechanism, overlapping_links, round_configuration
+
+T = TypeVar("T")
 
 READY, ZERO = "ready", "zero"
 
@@ -357,6 +360,24 @@ class ArmData:
         if self.source == "screws":
             return "made from screws, not from a description"
         return f"baked without its description (load {self.source!r} for that)"
+
+
+# Beside the arm and not in it: an arm is plain data that is compared, copied and pickled.
+_KEPT: WeakKeyDictionary[ArmData, dict[Hashable, Any]] = WeakKeyDictionary()
+
+
+def kept(arm: ArmData, key: Hashable, make: Callable[[], T]) -> T:
+    """The value of `make`, which follows from the arm and `key` alone, computed once for as long as the arm lives.
+
+    The key begins with a name, so that no two modules have one key.
+    """
+    of_arm = _KEPT.get(arm)
+    if of_arm is None:  # `setdefault` alone would make a weak reference in each step of a servo
+        of_arm = _KEPT.setdefault(arm, {})
+    if key not in of_arm:
+        of_arm[key] = make()
+    value: T = of_arm[key]
+    return value
 
 
 Z = frozen([0.0, 0.0, 1.0])  # The axis if no joint rolls the tool. By convention a tool points along z.

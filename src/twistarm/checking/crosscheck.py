@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from ..arm.arm import Arm, require_arm
 from ..arm.pinocchio_model import why_no_pinocchio
 from ..description.bounds import NO_LIMIT
-from ..support.checks import Array, as_whole, frozen, reporting
+from ..support.checks import Array, Progress, as_whole, frozen, reporting
 from ..support.display import Brief
 from ..support.errors import ComparisonError, InputError, MissingExtraError
 from ..theory.screws import adjoint, inverse
@@ -31,7 +31,6 @@ SLOW_SAMPLES = 100  # Configurations for the readers that walk all links in Pyth
 # fewer configurations are compared, so that it takes as long and as much memory.
 USUAL_LINKS, YOURDFPY_LINKS, USUAL_PRODUCT = 150, 20, 1024
 MOST_SAMPLES = 10_000_000  # Of an hour or so; more are a mistake.
-Progress = Callable[[float], object]  # Called with the fraction done, 0 to 1.
 
 
 @dataclass(frozen=True, repr=False)

@@ -5,7 +5,7 @@ The rules and their names are those of MoveIt's setup assistant (compute_default
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -17,7 +17,7 @@ from ..arm.pinocchio_model import PinocchioModel
 from ..description.chain import coupling_matrix
 from ..description.tree import Description
 from ..limits.joint_limits import slides
-from ..support.checks import Array
+from ..support.checks import Array, Progress
 
 SAMPLES = 10_000  # Random configurations of the whole robot.
 TRIALS, ALWAYS = 200, 0.95  # Samples that look for pairs in constant collision, and the share of them that is constant.
@@ -30,7 +30,7 @@ def allowed_pairs(
     description: Description,
     bodies: Sequence[Body],
     samples: int = SAMPLES,
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
 ) -> dict[Pair, str]:
     """Sorted pairs of links that need no check, each with its reason.
 

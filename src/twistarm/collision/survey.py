@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from xml.sax.saxutils import quoteattr
 
 from ..arm.bodies import Pair, adjacent_pairs, sorted_pair
-from ..support.checks import Array, as_whole
+from ..support.checks import Array, Progress, as_whole
 from .allowed_pairs import collision_counts
 from .scene import Scene
 
 REASONS = ("Never", "Default", "Adjacent", "Always", "User")
 """The reasons that MoveIt's setup assistant knows."""
-
-Progress = Callable[[float], object]
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 import twistarm
 
-from ..support.checks import as_whole, reporting, require_method
+from ..support.checks import Progress, as_whole, reporting, require_method
 from ..support.errors import QUOTED, InputError, TwistarmError, one_line
 from ..support.files import as_path, open_regular, write_whole
 
@@ -51,7 +51,7 @@ class Sweep:
         workers: int | None = 1,
         executor: Executor | None = None,
         folder: str | os.PathLike[str] | None = None,
-        progress: Callable[[float], object] | None = None,
+        progress: Progress | None = None,
     ) -> Iterator[tuple[int, Arrays]]:
         """Yield each chunk once: its first item and its arrays, in the order in which they are done.
 

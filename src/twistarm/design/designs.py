@@ -11,14 +11,14 @@ from ..arm.arm import Arm, require_arm
 from ..ik import reachable, solve_ik
 from ..ik.targets import Target
 from ..planning import JointMove, PathError, plan
-from ..support.checks import Array, reporting, require
+from ..support.checks import Array, Progress, reporting, require
 from ..support.display import Brief
 from ..support.errors import InputError, LimitError, NotConvergedError, TwistarmError, quote
 from ..support.messages import joined
 from ..theory.manipulability import POOR, Manipulability, scaled_jacobian
 from .mapping import sphere
 from .panel import Panel
-from .parking import Progress, best_parking
+from .parking import best_parking
 from .payload import payload, with_extremes
 from .voxel_map import Grid
 

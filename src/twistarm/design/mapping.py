@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import pickle
-from collections.abc import Callable
 from concurrent.futures import Executor
 from functools import lru_cache
 from itertools import product
@@ -18,7 +17,7 @@ from ..arm.arm import Arm, require_arm
 from ..arm.baking import text_of
 from ..ik import Approach, Position, reachable, solve_ik_batch
 from ..ik.reached import reach_ball
-from ..support.checks import Array, as_direction, as_positive, as_whole, require_choice
+from ..support.checks import Array, Progress, as_direction, as_positive, as_whole, require_choice
 from ..support.errors import InputError
 from ..theory.manipulability import scaled_jacobian
 from .chunks import Arrays, Sweep
@@ -49,7 +48,7 @@ def reach_map(
     workers: int | None = None,
     executor: Executor | None = None,
     folder: str | os.PathLike[str] | None = None,
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
 ) -> ReachMap:
     """Map which directions of the tool an arm reaches in each cube of space.
 

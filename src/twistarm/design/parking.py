@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from copy import copy
 from dataclasses import dataclass, replace
 from typing import Any
@@ -17,7 +17,7 @@ from ..ik.solution import in_one_line
 from ..ik.targets import Approach
 from ..planning import FreeMove, JointMove, PathError, Segment, Trajectory, plan
 from ..planning.configurations import branches
-from ..support.checks import Array, Matrix, as_frame, as_pose, reporting, require
+from ..support.checks import Array, Matrix, Progress, as_frame, as_pose, reporting, require
 from ..support.display import Brief
 from ..support.errors import InputError
 from ..support.messages import joined
@@ -34,8 +34,6 @@ YAW, FINEST = np.radians(15.0), 0.02  # The steps of a grid: in yaw, and at leas
 CODES = {"limit": "blocked_by_limits", "collision": "in_collision"}
 # Words for the checkpoints of a task.
 POINTS = "in front of it", "at its place", "half-way", "at its end", "away from it"
-
-Progress = Callable[[float], object]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

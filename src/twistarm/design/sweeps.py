@@ -17,7 +17,7 @@ import numpy as np
 from ..arm.arm import Arm, require_arm
 from ..arm.baking import text_of
 from ..arm.loading.load import load_arm
-from ..support.checks import Array, require_mapping, require_names
+from ..support.checks import Array, Progress, require_mapping, require_names
 from ..support.errors import InputError, TwistarmError, listed, quote
 from .chunks import Arrays, Sweep
 
@@ -71,7 +71,7 @@ def sweep(
     workers: int | None = 1,
     executor: Executor | None = None,
     folder: str | os.PathLike[str] | None = None,
-    progress: Callable[[float], object] | None = None,
+    progress: Progress | None = None,
 ) -> DesignTable:
     """Measure every design: each combination of the parameters' values.
 

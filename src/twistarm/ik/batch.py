@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
-from ..support.checks import Array, RealArray, as_given, as_positive, as_whole, frozen, require_callback
+from ..support.checks import Array, Progress, RealArray, as_given, as_positive, as_whole, frozen, require_callback
 from ..support.errors import InputError, quote
 from .answer import CONVERGED, NOT_FINISHED, STOPS, Record, StopReason, record_type
 from .certainty import decide
@@ -27,7 +27,6 @@ from .task_space import ORIENTATION_TOL, POSITION_TOL
 if TYPE_CHECKING:
     from ..collision import Contact, Scene
 
-Progress = Callable[[float], object]  # Called with the fraction done.
 
 MAX_THREADS = 256
 

@@ -11,10 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..support.checks import Array
+from ..support.checks import Array, Progress
 from .all_solutions import AllSolutions
 from .answer import Configurations
-from .batch import Progress
 from .certainty import EXACT
 from .closed_form.methods import Method
 from .closed_form.roots import ROUNDED_LIMIT, Root, Task, copies_inside, joint_difference

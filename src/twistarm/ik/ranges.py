@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arm.arm import Arm
+from ..arm.arm_data import kept
 from ..support.checks import Array
 
 TURN = 2.0 * math.pi
@@ -61,15 +61,10 @@ class JointRanges:
         return theta + TURN * (below - above)
 
 
-# Beside the arm and not in it: an Arm is plain data that is compared, copied and pickled.
-_KEPT: WeakKeyDictionary[Arm, JointRanges] = WeakKeyDictionary()
-
-
 def joint_ranges(arm: Arm) -> JointRanges:
     """The ranges of an arm's joints, kept with the arm."""
-    if arm not in _KEPT:
-        _KEPT[arm] = JointRanges(arm.limits.lower, arm.limits.upper, periodic(arm.screws, arm.coupling.A))
-    return _KEPT[arm]
+    lower, upper = arm.limits.lower, arm.limits.upper
+    return kept(arm, "joint ranges", lambda: JointRanges(lower, upper, periodic(arm.screws, arm.coupling.A)))
 
 
 def locked_joints(arm: Arm) -> tuple[int, ...]:

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
-from ..support.checks import Array, RealArray, as_direction, as_floats, as_pose, as_whole, require_callback
+from ..support.checks import Array, Progress, RealArray, as_direction, as_floats, as_pose, as_whole, require_callback
 from ..support.errors import InputError
 from ..theory.screws import to_screw
 from .answer import ConfigurationsBatch
-from .batch import MAX_THREADS, Progress, targets_for
+from .batch import MAX_THREADS, targets_for
 from .certainty import EXACT
 from .closed_form.chain import NO_PITCH
 from .closed_form.methods import family_for

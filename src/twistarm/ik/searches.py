@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arm.arm import Arm
-from ..support.checks import Array
-from .batch import Progress, solve_ik_batch
+from ..support.checks import Array, Progress
+from .batch import solve_ik_batch
 from .request import Deadline
 from .solve import solve_ik
 from .targets import AnyTarget

@@ -11,7 +11,7 @@ import numpy as np
 from ..arm.abilities import abilities_of, cannot_move, cannot_turn, position_limit
 from ..arm.arm import Arm
 from ..support.checks import Array
-from ..support.directions import metres, numbers, value_in_words
+from ..support.directions import length_in_words, metres, numbers, value_in_words
 from ..support.display import short_repr
 from ..support.errors import NotConvergedError, printable
 from ..support.messages import Argument, Quantity, Text, joined, plural
@@ -250,7 +250,8 @@ def errors_in_words(solution: IKResult) -> str:
         wider = _wider(solution.position_error, tolerances.position, "position_tol", "m")
         hint = length_hint(solution.target.position_error(np.eye(4)), solution.arm.reach)
         hint = f" ({hint}: lengths are in metres)" if hint else ""
-        off = Text("position {off} off{wider}{hint}", off=_length(solution.position_error), wider=wider, hint=hint)
+        far = length_in_words(solution.position_error)
+        off = Text("position {far} off{wider}{hint}", far=far, wider=wider, hint=hint)
         parts.append(off if solution.position_error > tolerances.position else "position reached")
     if len(solution.target._rotation_tolerance):
         wider = _wider(
@@ -357,9 +358,8 @@ def _missing(solution: IKResult) -> list[str]:
         return _missing_rotation(solution)
     arm, g = solution.arm, solution.arm.fk(solution.theta)
     place = f", at {metres(np.round(g[:3, 3], 3))}" if len(solution.target._position_tolerance) == 3 else ""
-    lines = [
-        f"the nearest position the arm reaches inside its limits is {_length(solution.position_error)} away{place}"
-    ]
+    far = length_in_words(solution.position_error)
+    lines = [f"the nearest position the arm reaches inside its limits is {far} away{place}"]
     error, axes = solution.target._position_rows(g, np.eye(6, 3))
     offset = g[:3, :3] @ axes.T @ error
     immovable = [axis for axis in abilities_of(arm).immovable if abs(axis @ offset) > solution.tolerances.position]
@@ -396,10 +396,6 @@ def split_rotation(solution: IKResult, theta: Array) -> tuple[float, float, Arra
     chain, target = solution.arm.compiled, solution.target
     found = None if chain is None else chain.split_rotation(target.kind, target.numbers, theta)
     return (0.0, 0.0, np.zeros(3)) if found is None else (float(found[0]), float(found[1]), found[2:])
-
-
-def _length(metres: float) -> str:
-    return f"{metres:.3f} m" if metres >= 0.1 else f"{1e3 * metres:.3g} mm"
 
 
 def _degrees(radians: float) -> str:

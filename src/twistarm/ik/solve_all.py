@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
-from ..support.checks import Array, as_flag, as_given, as_number, as_whole, frozen, require_callback
+from ..support.checks import Array, Progress, as_flag, as_given, as_number, as_whole, frozen, require_callback
 from ..support.errors import InputError, NoClosedFormError, quote, unknown_name
 from ..support.messages import Quantity, Text
 from .all_solutions import AllSolutions
 from .answer import Configurations
-from .batch import Progress
 from .closed_form.methods import Method, closest_miss_of, known_method, method_for
 from .closed_form.roots import Root
 from .gathering import Gathering, Members

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from ..arm.arm import Arm, require_arm
 from ..arm.usual_limits import defaults_line, with_defaults
 from ..limits.joint_limits import JointLimits
-from ..support.checks import Array, as_flag, as_positive, require_callback, require_choice
+from ..support.checks import Array, Progress, as_flag, as_positive, require_callback, require_choice
 from ..support.errors import InputError, quote
 from ..support.messages import Text
 from . import spline
@@ -22,7 +22,7 @@ from .s_curve import double_s, double_s_durations, s_curve
 from .time_law import PathBounds
 from .time_optimal import line_durations, time_optimal
 from .torque_limits import Load, torque_limits
-from .trajectory import Progress, Trajectory
+from .trajectory import Trajectory
 from .waypoints import Waypoints, as_times, as_tolerances, as_waypoints, distinct, smoothed
 from .within import inside_from, on_limits, require_rates, require_span, returning
 

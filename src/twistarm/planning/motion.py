@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arm.arm import Arm, require_arm
 from ..limits.joint_limits import JointLimits
-from ..support.checks import Array, Row, as_flag, as_number, as_positive, require_callback, require_choice
+from ..support.checks import Array, Progress, Row, as_flag, as_number, as_positive, require_callback, require_choice
 from ..support.errors import InputError, NotConvergedError
 from ..support.messages import Argument, Quantity, Text
 from .goals import Goals
@@ -27,7 +27,7 @@ from .stretches import Corner, path_along, runs
 from .time_law import PathBounds, TimeLaw, quintic
 from .time_optimal import time_optimal
 from .torque_limits import HELD, Load, torque_limits
-from .trajectory import Progress, Trajectory
+from .trajectory import Trajectory
 from .within import inside_from
 
 if TYPE_CHECKING:

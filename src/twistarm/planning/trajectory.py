@@ -18,7 +18,6 @@ from ..support.display import in_brief, short_repr
 from ..support.errors import InputError, listed, quote
 from .piecewise import derivative, evaluate, largest
 
-Progress = Callable[[float], object]  # Called with the fraction done, in (0, 1].
 RATE_UNITS = ("", "/s", "/s²", "/s³")  # What follows a joint's unit for the derivative of each order.
 MAX_SAMPLES = 10_000_000  # More samples than this are a mistaken `dt`.
 LAST_STEP = 1e-3  # A last step shorter than this share of `dt` joins the step before it.

@@ -22,6 +22,8 @@ Matrix = RealArray | Sequence[Row]  # Rows of numbers, as a caller may write the
 
 Given = ArrayLike | Matrix
 
+Progress = Callable[[float], object]  # Called with the fraction done, in (0, 1].
+
 T = TypeVar("T")
 
 SEEDS = 2**64
@@ -195,7 +197,7 @@ def require_callback(value: Any, name: str, arguments: str) -> Callable[..., obj
     return value
 
 
-def reporting(progress: Any) -> Callable[[float], object]:
+def reporting(progress: Any) -> Progress:
     """What is called with the fraction done: `progress`, or nothing for None. InputError where it is no function."""
     return require_callback(progress, "progress", "(fraction)") or (lambda fraction: None)
 

@@ -59,6 +59,18 @@ def value_in_words(value: float, unit: str) -> str:
     return f"{value:.4g} m" if unit == "m" else f"{math.degrees(value):.1f}°"
 
 
+def length_in_words(metres: float) -> str:
+    """A length in m, mm or µm, by its size."""
+    if metres >= 0.1:
+        return f"{metres:.3f} m"
+    return f"{1e3 * metres:.3g} mm" if metres >= 1e-5 else f"{1e6 * metres:.2g} µm" if metres >= 1e-8 else "nothing"
+
+
+def angle_in_words(radians: float) -> str:
+    """An angle in degrees; a tiny angle in rad."""
+    return f"{math.degrees(radians):.2g}°" if radians > 1e-4 else f"{radians:.1e} rad"
+
+
 def metres(p: Array) -> str:
     """A point (3,) [m]."""
     return f"{numbers(p)} m"

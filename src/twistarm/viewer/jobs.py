@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Generic, TypeVar
 
+from ..support.checks import Progress
 from ..support.errors import TwistarmError
 from ..support.messages import Text
 
@@ -34,9 +35,6 @@ class Memo(Generic[T]):
 def same(first: tuple[object, ...], second: tuple[object, ...]) -> bool:
     """Whether both hold the same objects."""
     return len(first) == len(second) and all(a is b for a, b in zip(first, second, strict=True))
-
-
-Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True)

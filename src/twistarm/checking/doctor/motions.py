@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ...arm.abilities import Abilities
-from ...arm.almost_exact import ALMOST_ANGLE, EXACT_ANGLE, almost_exact, length_in_words
+from ...arm.almost_exact import ALMOST_ANGLE, EXACT_ANGLE, almost_exact
 from ...arm.arm import Arm
 from ...arm.pinocchio_model import why_no_pinocchio
 from ...collision import Scene
@@ -25,7 +25,7 @@ from ...description.tree import MOST_NAMES, Description, Geometry, Link, grouped
 from ...ik import closed_form_of
 from ...limits.joint_limits import slides
 from ...support.checks import Array
-from ...support.directions import axis_in_words, direction_in_words
+from ...support.directions import axis_in_words, direction_in_words, length_in_words
 from ...support.errors import TwistarmError, listed, one_line
 from ...support.messages import Argument, Text, plural
 from ...theory.manipulability import POOR, scaled_jacobian

@@ -18,8 +18,9 @@ from ...limits.joint_limits import JointLimits
 from ...planning.keep import AS_AT_START, Keep
 from ...planning.motion import MotionKind
 from ...planning.segments import OPTIONAL, as_segments
-from ...planning.trajectory import Progress, Writing
+from ...planning.trajectory import Writing
 from ...planning.trajectory_files import FORMATS, written
+from ...support.checks import Progress
 from ...support.errors import InputError
 from ..numbers import POSE, JointValues, OfJoints, argument, joint_values, of_joints, option, quantity, switch
 from ..options import ArmArgument, Avoid, Offset, answers, avoided

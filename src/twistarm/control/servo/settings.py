@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -11,6 +10,7 @@ import numpy as np
 from ...arm import engine
 from ...arm.abilities import NO_MOTION
 from ...arm.arm import Arm
+from ...arm.arm_data import kept
 from ...limits.actuators import MotionLimits
 from ...support.checks import Array, as_number, as_positive, frozen, require_choice, require_radians
 from ...support.errors import InputError
@@ -86,18 +86,9 @@ class ServoBounds:
         return self.motion.C / self.motion.limits.acceleration[:, None]
 
 
-_KNOWN: weakref.WeakKeyDictionary[Arm, dict[ServoSettings, ServoBounds]] = weakref.WeakKeyDictionary()
-
-
 def bounds_of(arm: Arm, settings: ServoSettings) -> ServoBounds:
     """The bounds of an arm, kept for as long as the arm lives."""
-    known = _KNOWN.get(arm)
-    if known is None:  # `setdefault` alone would make a weak reference in each step
-        known = _KNOWN.setdefault(arm, {})
-    found = known.get(settings)
-    if found is None:
-        found = known.setdefault(settings, _prepare(arm, settings))
-    return found
+    return kept(arm, ("servo bounds", settings), lambda: _prepare(arm, settings))
 
 
 Numbers = tuple[float, float, float]

@@ -20,9 +20,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...arm.almost_exact import angle_in_words
 from ...arm.arm import Arm
 from ...support.checks import Array
+from ...support.directions import angle_in_words, length_in_words
+from ...theory.lower_pairs import meeting_point
 from .chain import JointAxis, Plane, Point, product
 
 PARALLEL = 1e-6  # Sines below this are those of parallel axes: their distance is measured across them.
@@ -130,10 +131,7 @@ def _kinds(group: list[JointAxis]) -> list[str]:
 
 def _meeting(group: list[JointAxis]) -> tuple[Point, list[JointAxis], float]:
     """The point nearest to all axes, the axes through it, and their greatest distance [m]."""
-    across = [np.eye(3) - np.outer(axis.w, axis.w) for axis in group]
-    target = np.sum([P @ axis.o for P, axis in zip(across, group, strict=True)], axis=0)
-    centre = np.linalg.lstsq(np.sum(across, axis=0), target, rcond=1e-9)[0]
-    off = max(float(np.linalg.norm(P @ (centre - axis.o))) for P, axis in zip(across, group, strict=True))
+    centre, off = meeting_point(np.array([axis.w for axis in group]), np.array([axis.o for axis in group]))
     return Point(centre), [replace(axis, o=centre) for axis in group], off
 
 
@@ -231,7 +229,7 @@ def family_in_words(arm: Arm, fitted: FittedFamily, joints: Joints) -> str:
 
 def off_in_words(fitted: FittedFamily) -> str:
     """How much the axes miss the family: `0.4 mm`."""
-    return _length(fitted.off) if fitted.family.kind == SPHERICAL else angle_in_words(fitted.off)
+    return length_in_words(fitted.off) if fitted.family.kind == SPHERICAL else angle_in_words(fitted.off)
 
 
 def missed_in_words(arm: Arm, fitted: FittedFamily, axes: Sequence[JointAxis], joints: Joints) -> str:
@@ -243,9 +241,10 @@ def missed_in_words(arm: Arm, fitted: FittedFamily, axes: Sequence[JointAxis], j
     far, i, j = max(((between(axes[i], axes[j]), i, j) for i, j in pairs), default=(0.0, 0, 0))
     names = _names(arm, [joints[i], joints[j]])
     if spherical and far > fitted.off:
-        return f"the axes of {names} pass at {_length(far)}"
+        return f"the axes of {names} pass at {length_in_words(far)}"
     if spherical:  # each two of them meet, but not all three
-        return f"the axes of {_names(arm, [joints[i] for i in group])} pass a common point at {_length(fitted.off)}"
+        names = _names(arm, [joints[i] for i in group])
+        return f"the axes of {names} pass a common point at {length_in_words(fitted.off)}"
     kind = "square" if axes[i].slides != axes[j].slides else "parallel"
     return f"the axes of {names} are {angle_in_words(far)} from {kind}"
 
@@ -268,7 +267,3 @@ def _names(arm: Arm, joints: Joints) -> str:
     names = [arm.joint_names[i] for i in joints if i < arm.n]
     names += ["the turns that the target leaves free"] * (len(names) < len(joints))
     return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
-
-
-def _length(metres: float) -> str:
-    return f"{1e3 * metres:.3g} mm" if metres >= 1e-5 else f"{1e6 * metres:.2g} µm"

@@ -11,12 +11,12 @@ from collections.abc import Iterator, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from ...arm import engine
 from ...arm.arm import Arm
+from ...arm.arm_data import kept
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...theory.screws import inverse
@@ -205,13 +205,13 @@ class Method:
         return {**self.__dict__, "core": None, "verifier": None}  # what is compiled belongs to this process
 
 
-_KEPT: WeakKeyDictionary[Arm, dict[object, Method]] = WeakKeyDictionary()
+_METHODS = "closed-form methods"  # Their key among what is kept with an arm.
 
 
 def known_method(arm: Arm, like: type[AnyTarget], axis: bytes | None) -> Method | None:
     """The kept method for targets of this type, for an Approach with this tool axis. None before `method_for`."""
-    kept = _KEPT.get(arm)
-    return None if kept is None else kept.get((like, (), axis, False))
+    methods: dict[object, Method] = kept(arm, _METHODS, dict)
+    return methods.get((like, (), axis, False))
 
 
 def method_for(arm: Arm, target: AnyTarget, given: tuple[int, ...] = (), *, families_alone: bool = False) -> Method:
@@ -221,10 +221,10 @@ def method_for(arm: Arm, target: AnyTarget, given: tuple[int, ...] = (), *, fami
     """
     given = tuple(sorted({*given, *locked_joints(arm)}))
     key = type(target), given, target.axis.tobytes() if isinstance(target, Approach) else None, families_alone
-    kept = _KEPT.setdefault(arm, {})
-    if key not in kept:
-        kept[key] = _in_core(arm, target, _find_method(arm, target, given, families_alone=families_alone))
-    return kept[key]
+    methods: dict[object, Method] = kept(arm, _METHODS, dict)
+    if key not in methods:
+        methods[key] = _in_core(arm, target, _find_method(arm, target, given, families_alone=families_alone))
+    return methods[key]
 
 
 def family_for(arm: Arm, target: AnyTarget) -> Method | None:

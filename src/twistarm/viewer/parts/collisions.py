@@ -12,10 +12,10 @@ from ...arm.arm import Arm
 from ...arm.bodies import Body, outline
 from ...collision import Scene
 from ...planning.trajectory import Trajectory
-from ...support.checks import Array, as_vector
+from ...support.checks import Array, Progress, as_vector
 from ...support.errors import InputError
 from ...theory.rotations import from_xyzw
-from ..jobs import Job, Memo, Progress, same
+from ..jobs import Job, Memo, same
 from ..messages import Message, packed
 from ..scene.drawing import columns, link_path
 from .pose_list import RecordedPose

@@ -13,9 +13,9 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...support.checks import Array, as_floats, as_pose, as_positive, require_one
+from ...support.checks import Array, Progress, as_floats, as_pose, as_positive, require_one
 from ...support.errors import InputError, one_line, quote, unknown_name
-from ..jobs import Job, Progress
+from ..jobs import Job
 from ..messages import LARGEST_VALUE, Message, as_name
 from ..scene import drawing
 from ..scene.drawing import BLUE, Colour, drawn_path

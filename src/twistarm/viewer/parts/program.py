@@ -23,10 +23,10 @@ from ...planning.motion import plan
 from ...planning.refusal import PathError
 from ...planning.segments import ArcMove, FreeMove, JointMove, LineMove, ScrewMove
 from ...planning.trajectory import Trajectory
-from ...support.checks import Array
+from ...support.checks import Array, Progress
 from ...support.directions import value_in_words
 from ...support.errors import InputError
-from ..jobs import Job, Memo, Progress, same
+from ..jobs import Job, Memo, same
 from ..messages import Message, page_words
 from .arm_data import NO_PATH, distinct_points, tool_path
 from .pose_list import FREE, PoseList, RecordedPose

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from ...arm.arm import Arm
 from ...design import ReachMap, reach_map
 from ...design.mapping import sphere
-from ...support.checks import Array
-from ..jobs import Job, Progress
+from ...support.checks import Array, Progress
+from ..jobs import Job
 from ..messages import Message, packed
 from .show import Part, Show
 

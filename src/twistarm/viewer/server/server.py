@@ -20,9 +20,10 @@ from tornado.netutil import bind_sockets
 from tornado.web import Application
 
 from ...arm.arm import Arm
+from ...support.checks import Progress
 from ...support.errors import InputError, TwistarmError, quote
 from ...support.strict_json import encode
-from ..jobs import Job, Progress, Workers
+from ..jobs import Job, Workers
 from ..messages import ChangePublisher, Message, PageRequest, Source, failure, number_of, parse
 from ..parts.arm_data import doctor_findings
 from ..scene.arm_drawing import Drawing
