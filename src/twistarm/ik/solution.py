@@ -214,7 +214,9 @@ class IKResult:
 
 def why_not(solution: IKResult) -> list[str]:
     """The reason why the target is not reached, line by line."""
-    return [f"reason: {_reason(solution)}", *(f"  {line}" for line in _why(solution))]
+    why = _why(solution)
+    reason = why.pop(0) if why and why[0].startswith(solution.stop.value) else _reason(solution)
+    return [f"reason: {reason}", *(f"  {line}" for line in why)]
 
 
 def in_one_line(solution: IKResult) -> str:
@@ -380,7 +382,8 @@ def _impossible(solution: IKResult, theta: Array) -> list[str]:
 def _missing_rotation(solution: IKResult) -> list[str]:
     """The missing rotation and why, larger part first."""
     prevented, impossible = split_rotation(solution, solution.theta)[1], _impossible(solution, solution.theta)
-    limits = [f"{_degrees(prevented)} of the rotation are prevented by limits or reach"]
+    by = "limits or reach" if at_bounds(solution) else "its reach"
+    limits = [f"{_degrees(prevented)} of the rotation are prevented by {by}"]
     limits = limits if prevented > NEGLIGIBLE else []
     lines = [*impossible, *limits] if solution.stop is StopReason.IMPOSSIBLE_DIRECTION else [*limits, *impossible]
     return lines or [f"{_degrees(solution.orientation_error)} of the rotation are missing"]
