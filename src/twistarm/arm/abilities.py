@@ -44,7 +44,9 @@ def lacks(arm: Arm, theta: Array, half: Half, direction: Array, frame: str, befo
     less = largest_rank(arm, half, before, frame) - here.shape[1]
     if less <= 0:
         return True
-    U, size = span(arm, theta + _aside(arm, theta), half, before, frame)
+    unit = np.where(np.array(arm.units) == "m", arm.reach, 1.0)
+    way = (arm.random_theta(0) - theta) / unit  # in no particular direction
+    U, size = span(arm, theta + BESIDE * unit * way / np.linalg.norm(way), half, before, frame)
     beside = U * size
     rest = np.linalg.svd(beside - here @ (here.T @ beside))[0]
     return not _holds(rest[:, :less], direction)
@@ -162,10 +164,3 @@ def abilities_of(arm: Arm) -> Abilities:
 
 def _holds(span: Array, direction: Array) -> bool:
     return bool(np.linalg.norm(span.T @ direction) > MOSTLY)
-
-
-def _aside(arm: Arm, theta: Array) -> Array:
-    """A short way (n,) [rad, m] in no particular direction."""
-    unit = np.where(np.array(arm.units) == "m", arm.reach, 1.0)
-    way = (arm.random_theta(0) - theta) / unit
-    return BESIDE * unit * way / np.linalg.norm(way)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..description.meshes import extreme_points, read_mesh
-from ..description.tree import Description, Geometry, Link
+from ..description.tree import Description, Geometry, Link, Pair, sorted_pair
 from ..support.checks import Array
 from ..support.errors import InputError, TwistarmError
 from .cloud import Cloud
@@ -26,7 +26,6 @@ FLAT = 1e-6
 MANY_CORNERS = 4000
 # The most triangles of one exact mesh, and of one whose hull is made. A finer mesh is simplified.
 MOST_TRIANGLES, MOST_OF_A_HULL = 200_000, 50_000
-Pair = tuple[str, str]  # Two names of bodies in alphabetical order.
 
 
 class Triangles(NamedTuple):
@@ -237,11 +236,6 @@ def in_words(bodies: tuple[Body, ...]) -> Mapping[str, list[str]]:
         if body.name not in names:
             names.append(body.name)
     return kinds
-
-
-def sorted_pair(a: str, b: str) -> Pair:
-    """The two names in alphabetical order."""
-    return (a, b) if a < b else (b, a)
 
 
 def adjacent_pairs(description: Description, bodies: Iterable[Body]) -> set[Pair]:

@@ -144,7 +144,9 @@ class PinocchioModel:
 
         `gravity` (3,) is in axes of `base`. `load` is a point mass on `link` and its place (3,).
         """
-        model, data, frame = self._own_model(), self.data, self.model.frames[self._frames[link]]
+        if not hasattr(self._local, "model"):  # one for each thread, because it keeps gravity and bodies
+            self._local.model = self.model.copy()
+        model, data, frame = self._local.model, self.data, self.model.frames[self._frames[link]]
         body = frame.placement.act(self._pin.Inertia(load[0], load[1], np.zeros((3, 3))))
         model.inertias[frame.parentJoint] = self.model.inertias[frame.parentJoint] + body
         torques = np.zeros((len(motion[0]), len(self._A)))
@@ -158,12 +160,6 @@ class PinocchioModel:
                 model.gravity.linear = world_base.rotation @ gravity
             torques[row] = self._pin.rnea(model, data, q, v, a)
         return torques @ self._A
-
-    def _own_model(self) -> Any:
-        """A model for this thread, because Pinocchio keeps gravity and bodies in the model."""
-        if not hasattr(self._local, "model"):
-            self._local.model = self.model.copy()
-        return self._local.model
 
 
 def import_pinocchio() -> Any:

@@ -14,12 +14,12 @@ from itertools import combinations, islice
 
 import numpy as np
 
-from ..description.tree import Description
+from ..description.tree import Description, Pair, sorted_pair
 from ..support.checks import Array
 from ..theory import poe
 from ..theory.manipulability import scaled_jacobian
 from ..theory.rotations import cross
-from .bodies import Body, Pair, Shapes, adjacent_pairs, sorted_pair
+from .bodies import Body, Shapes, adjacent_pairs
 from .checker import Checker
 from .pinocchio_model import PinocchioModel, import_pinocchio
 

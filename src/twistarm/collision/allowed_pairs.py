@@ -11,11 +11,11 @@ from itertools import combinations
 import numpy as np
 
 from ..arm.arm import Arm
-from ..arm.bodies import Body, Pair, adjacent_pairs, sorted_pair
+from ..arm.bodies import Body, adjacent_pairs
 from ..arm.checker import Checker
 from ..arm.pinocchio_model import PinocchioModel
 from ..description.chain import coupling_matrix
-from ..description.tree import Description
+from ..description.tree import Description, Pair, sorted_pair
 from ..limits.joint_limits import slides
 from ..support.checks import Array, Progress
 

@@ -9,9 +9,10 @@ from typing import TypeVar
 import numpy as np
 
 from ..arm.arm import Arm
-from ..arm.bodies import Body, Pair, Shapes, sorted_pair
+from ..arm.bodies import Body, Shapes
 from ..arm.checker import Checker
 from ..arm.pinocchio_model import import_pinocchio
+from ..description.tree import Pair, sorted_pair
 from ..support.checks import Array, as_number, require_callback, require_mapping
 from .allowed_pairs import allowed_pairs
 from .near_pairs import NearPairs

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
-from ..arm.bodies import Body, Pair, Shapes, Triangles, sorted_pair
+from ..arm.bodies import Body, Shapes, Triangles
 from ..arm.pinocchio_model import import_pinocchio
+from ..description.tree import Pair, sorted_pair
 from ..support.checks import Array, Given, Row, as_flag, as_number, as_pose, as_positive, as_vector, require_names
 from ..support.errors import InputError, listed, quote, unknown_name
 from ..support.files import as_path

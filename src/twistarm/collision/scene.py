@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
-from ..arm.bodies import Body, Pair, in_words
+from ..arm.bodies import Body, in_words
 from ..description.findings import Finding, Place, finding
+from ..description.tree import Pair
 from ..support.checks import Array, Given, as_floats, as_whole, require
 from ..support.errors import InputError, TwistarmError, listed, quote
 from ..support.files import as_path, writable, write_whole

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from itertools import combinations
 from xml.sax.saxutils import quoteattr
 
-from ..arm.bodies import Pair, adjacent_pairs, sorted_pair
+from ..arm.bodies import adjacent_pairs
+from ..description.tree import Pair, sorted_pair
 from ..support.checks import Array, Progress, as_whole
 from .allowed_pairs import collision_counts
 from .scene import Scene

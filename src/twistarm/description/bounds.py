@@ -9,6 +9,7 @@ import numpy as np
 
 from ..support.checks import Array, number_in
 from ..support.errors import InputError, listed
+from ..support.messages import first_of
 from .document import Reading, floats
 from .tree import Joint
 
@@ -103,9 +104,9 @@ def note_softened(joints: Iterable[Joint], reading: Reading) -> None:
     """Add one finding for all joints with the range of a controller."""
     narrower = [joint for joint in joints if (joint.lower, joint.upper) != joint.hard]
     if narrower:
-        ranges = [f"{joint.name} [{joint.lower:g}, {joint.upper:g}]" for joint in narrower[:MOST_SHOWN]]
-        more = f" and {len(narrower) - MOST_SHOWN} more" if len(narrower) > MOST_SHOWN else ""
-        what = f"the soft limits of <safety_controller> are kept, inside those of <limit>: {', '.join(ranges)}{more}"
+        ranges = [f"{joint.name} [{joint.lower:g}, {joint.upper:g}]" for joint in narrower]
+        shown = first_of(ranges, MOST_SHOWN)
+        what = f"the soft limits of <safety_controller> are kept, inside those of <limit>: {shown}"
         reading.note("limits-adjusted", None, what, "give lower and upper in arm.toml for other limits")
 
 

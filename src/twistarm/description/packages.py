@@ -58,11 +58,7 @@ class PackageIndex:
 
     def find_for_mesh(self, package: str) -> Path | None:
         """As `find`, then in `mesh_dirs`. Meshes are only drawn, so their contents cannot leak."""
-        return self.find(package) or self.find_for_mesh_alone(package)
-
-    def find_for_mesh_alone(self, package: str) -> Path | None:
-        """The folder of `package` in `mesh_dirs`, or None. No text is read there."""
-        return self._in_mesh_dirs.get(package)
+        return self.find(package) or self.in_mesh_dirs.get(package)
 
     def names(self) -> list[str]:
         """The names of all packages that can be found."""
@@ -157,8 +153,8 @@ class PackageIndex:
         return _by_name([*folders, *(below for folder in ros for below in _through(folder, MAX_DEPTH))])
 
     @functools.cached_property
-    def _in_mesh_dirs(self) -> dict[str, Path]:
-        """Packages by the name in their package.xml, then other folders by their names."""
+    def in_mesh_dirs(self) -> dict[str, Path]:
+        """Packages in `mesh_dirs` by the name in their package.xml, then other folders by their names."""
         folders = [folder for top in self.mesh_dirs for folder in _through(top, MAX_DEPTH)]
         named = {folder.name: folder for folder in reversed(folders)}
         return named | {name: found[0] for name, found in _by_name(folders).items()}

@@ -19,10 +19,10 @@ from .findings import Finding, Place, finding, refusal
 
 MOST_NAMES = 6  # Names in one finding before the rest is counted.
 
-Pair = tuple[str, str]
+Pair = tuple[str, str]  # Two names of links, sorted where their order means nothing.
 
 
-def pair(a: str, b: str) -> Pair:
+def sorted_pair(a: str, b: str) -> Pair:
     """Two names, sorted."""
     return (a, b) if a <= b else (b, a)
 
@@ -79,7 +79,7 @@ class Semantics:
     def disabled_collisions(self, links: Iterable[str]) -> frozenset[Pair]:
         """The pairs of `links`, each sorted, that are not to be checked for collisions."""
         known = set(links)
-        default = {pair(a, b) for a in self.silent_links for b in known if a in known and a != b}
+        default = {sorted_pair(a, b) for a in self.silent_links for b in known if a in known and a != b}
         named = (default - self.checked_pairs) | self.disabled
         return frozenset(two for two in named if known.issuperset(two))
 

@@ -104,12 +104,9 @@ def number_in(text: str, name: str, least: float = -LARGEST, most: float = LARGE
 def _within(real: float, given: Any, name: str, least: float, most: float, unit: str) -> float:
     if least <= real <= most:  # False for NaN
         return real
-    bounds = {
-        (True, True): f" from {least:g} to {most:g}",
-        (True, False): f", {least:g} or more",
-        (False, True): f", {most:g} or less",
-    }
-    size = bounds.get((least > -LARGEST, most < LARGEST), "")
+    size = f", {least:g} or more" if least > -LARGEST else ""
+    if most < LARGEST:
+        size = f" from {least:g} to {most:g}" if size else f", {most:g} or less"
     of_unit = f" [{unit}]" if unit else ""
     kind = "a number" if least == -inf or most == inf else "a finite number"
     point = "; decimals have a point" if isinstance(given, str) and given.count(",") == 1 else ""
@@ -181,13 +178,11 @@ def require_mapping(value: Any, name: str, example: str) -> Mapping[str, Any]:
 
 def require_names(values: Any, name: str) -> tuple[str, ...]:
     """`values`, a sequence of texts, as a tuple. Raises InputError for a single text or anything else."""
-    try:
-        names = (None,) if isinstance(values, str) else tuple(values)
-    except TypeError:
-        names = (None,)
-    if not all(isinstance(entry, str) for entry in names):
-        raise InputError(f"{name} must be a sequence of names; got {quote(values)}")
-    return tuple(map(str, names))
+    with suppress(TypeError):  # of what is no sequence
+        names = tuple(values)
+        if not isinstance(values, str) and all(isinstance(entry, str) for entry in names):
+            return tuple(map(str, names))  # NumPy has texts of its own
+    raise InputError(f"{name} must be a sequence of names; got {quote(values)}")
 
 
 def require_callback(value: Any, name: str, arguments: str) -> Callable[..., object] | None:

@@ -29,7 +29,7 @@ def _handlers(new: Mapping[int, Any]) -> Iterator[None]:
 
 
 def _handled() -> dict[int, Any]:
-    """The signals and their handlers of Python. None outside the main thread, because Python sets no handlers there."""
+    """The signals and their handlers of Python. Empty outside the main thread, where Python sets no handlers."""
     here = threading.current_thread() is threading.main_thread()
     return {number: handler for number in SIGNALS if here and callable(handler := signal.getsignal(number))}
 

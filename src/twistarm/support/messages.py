@@ -10,7 +10,6 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from types import EllipsisType
 from typing import Any
 
 
@@ -145,13 +144,19 @@ def package_folder(held: str) -> str:
     return Text("{option} (the folder that holds {held})", option=Argument("package_dirs", [...]), held=held)
 
 
+def first_of(words: Sequence[str], count: int) -> str:
+    """`a, b and 3 more`: the first words, and the number of the others."""
+    more = f" and {len(words) - count} more" if len(words) > count else ""
+    return ", ".join(words[:count]) + more
+
+
 def plural(count: int, noun: str, nouns: str = "") -> str:
     """`1 joint`, `2 joints`, `3 axes`."""
     return f"{count} {noun if count == 1 else nouns or noun + 's'}"
 
 
 def _literal(value: Any) -> str:
-    if isinstance(value, EllipsisType):
+    if value is ...:
         return "..."
     if isinstance(value, Quantity):
         return f"{value.value:.{value.digits}g}"

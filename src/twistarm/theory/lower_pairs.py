@@ -71,7 +71,7 @@ def _planar(screw: Screw, A: Array, i: int) -> LowerPair | None:
     rows = (i, i + 1, i + 2)
     if not (_independent(A, rows) and _slides(screw, i) and _slides(screw, i + 1) and _turns(screw, i + 2)):
         return None
-    return LowerPair("planar", rows, 3, screw.axis[i + 2]) if _so3(screw.axis[list(rows)].T) else None
+    return LowerPair("planar", rows, 3, screw.axis[i + 2]) if _is_rotation(screw.axis[list(rows)].T) else None
 
 
 def _spherical(screw: Screw, A: Array, i: int) -> LowerPair | None:
@@ -79,10 +79,10 @@ def _spherical(screw: Screw, A: Array, i: int) -> LowerPair | None:
     if not (_independent(A, rows) and all(_turns(screw, row) for row in rows)):
         return None
     axes, lines = screw.axis[list(rows)], screw.point[list(rows)]  # axes z, y, x from base to tip
-    # The lines' points nearest to the origin are q − w wᵀq, and three orthonormal w make Σ w wᵀ = I.
+    # The lines' points nearest to the origin are q − w wᵀq, and three orthonormal w make Σ w wᵀ = I: they sum to 2q.
     centre = lines.sum(axis=0) / 2
     meet = np.abs(np.cross(axes, centre - lines)).max() <= SAME_TOL * (1 + np.abs(centre).max())
-    return LowerPair("spherical", rows, 3, axes[0]) if _so3(axes[::-1].T) and meet else None
+    return LowerPair("spherical", rows, 3, axes[0]) if _is_rotation(axes[::-1].T) and meet else None
 
 
 def _on_one_line(screw: Screw, A: Array, i: int) -> LowerPair | None:
@@ -91,7 +91,7 @@ def _on_one_line(screw: Screw, A: Array, i: int) -> LowerPair | None:
         return None
     turn, slide = (i, i + 1) if _turns(screw, i) else (i + 1, i)
     axis, sine = screw.axis[turn], np.linalg.norm(np.cross(screw.axis[turn], screw.axis[slide]))
-    if not (_turns(screw, turn) and _slides(screw, slide)) or not sine <= SAME_TOL:
+    if not (_turns(screw, turn) and _slides(screw, slide)) or sine > SAME_TOL:
         return None
     if _independent(A, (turn, slide)):
         return LowerPair("cylindrical", (turn, slide), 2, axis)
@@ -127,5 +127,5 @@ def _ratio(follower: Array, leader: Array) -> float:
     return ratio if np.abs(follower - ratio * leader).max() <= SAME_TOL * abs(ratio) else 0.0
 
 
-def _so3(R: Array) -> bool:
+def _is_rotation(R: Array) -> bool:
     return bool(np.abs(R.T @ R - np.eye(3)).max() <= SAME_TOL and np.linalg.det(R) > 0)

@@ -101,7 +101,7 @@ def _motion(moved: Array) -> Array:
 
 
 def columns(moved: Array, S: Array) -> Array:
-    """J^s (..., 6, m): each twist of S carried along. A joint's own motion leaves its twist where it is.
+    """J^s (..., 6, m): each twist of S carried along. Ad(e^{ξ̂ᵢxᵢ}) ξᵢ = ξᵢ, so a joint's own motion may count too.
 
     Args:
         moved: The joints' motions (..., m, 4, 4), as `motions` gives them.

@@ -108,8 +108,8 @@ def angle_between(R1: ArrayLike, R2: ArrayLike) -> Array:
 def split(w: Array) -> tuple[Array, Array]:
     """(u, ‖w‖): direction (..., 3) and length (...) of w (..., 3), both zero where ‖w‖ ≤ `TINY`."""
     length: Array = np.hypot(np.hypot(w[..., 0], w[..., 1]), w[..., 2])  # squares would overflow, or underflow
-    some = length > TINY
-    return w / np.where(some, length, np.inf)[..., None], np.where(some, length, 0.0)
+    nonzero = length > TINY
+    return w / np.where(nonzero, length, np.inf)[..., None], np.where(nonzero, length, 0.0)
 
 
 def cross(a: Array, b: Array) -> Array:
@@ -234,7 +234,11 @@ def _quaternion(R: Array) -> Array:
     products = _quaternion_products(R)
     largest = np.argmax(np.diagonal(products, axis1=-2, axis2=-1), axis=-1)
     row = np.take_along_axis(products, largest[..., None, None], axis=-2)[..., 0, :]  # nothing cancels in it
-    return _canonical(row / np.linalg.norm(row, axis=-1, keepdims=True))
+    Q = row / np.linalg.norm(row, axis=-1, keepdims=True)
+    Q = np.where((np.arange(4) == 0) & (np.abs(Q) <= HALF_TURN_TOL), 0.0, Q)
+    first = np.argmax(np.abs(Q) > HALF_TURN_TOL, axis=-1)  # beyond rounding: it is made positive
+    sign = np.sign(np.take_along_axis(Q, first[..., None], axis=-1))
+    return Q * sign + 0.0  # + 0.0 turns −0 into 0
 
 
 def _quaternion_products(R: Array) -> Array:
@@ -250,14 +254,6 @@ def _quaternion_products(R: Array) -> Array:
         products[..., 0, i + 1] = products[..., i + 1, 0] = R[..., k, j] - R[..., j, k]
     products[..., 0, 0] = 1.0 + trace
     return products
-
-
-def _canonical(Q: Array) -> Array:
-    """Of Q and −Q the one with a positive first component beyond rounding."""
-    Q = np.where((np.arange(4) == 0) & (np.abs(Q) <= HALF_TURN_TOL), 0.0, Q)
-    first = np.argmax(np.abs(Q) > HALF_TURN_TOL, axis=-1)
-    sign = np.sign(np.take_along_axis(Q, first[..., None], axis=-1))
-    return Q * sign + 0.0  # + 0.0 turns −0 into 0
 
 
 # Euler angles -----------------------------------------------------------------------------------------

@@ -57,7 +57,11 @@ def vee(matrix: ArrayLike) -> Array:
     if matrix.shape[-2:] not in ((3, 3), (4, 4)):
         raise InputError(f"matrix must have shape (..., 4, 4) or (..., 3, 3); got {matrix.shape}")
     W = matrix[..., :3, :3]
-    _require_algebra(matrix, np.abs(W + np.swapaxes(W, -1, -2)).max(initial=0.0))
+    symmetric, last_row = W + np.swapaxes(W, -1, -2), matrix[..., 3:, :]  # so(3) has no last row
+    off = max(np.abs(symmetric).max(initial=0.0), np.abs(last_row).max(initial=0.0))
+    if off > ALGEBRA_TOL * max(1.0, np.abs(matrix).max(initial=0.0)):
+        space = "so(3), skew-symmetric" if matrix.shape[-1] == 3 else "se(3), [ŵ, v; 0, 0]"
+        raise InputError(f"matrix is not in {space}: it is off by {off:.3g}; build it with hat")
     w = 0.5 * np.stack([W[..., k, j] - W[..., j, k] for j, k in ((1, 2), (2, 0), (0, 1))], axis=-1)
     return w if matrix.shape[-1] == 3 else np.concatenate([matrix[..., :3, 3], w], axis=-1)
 
@@ -106,16 +110,9 @@ def _swapped(value: ArrayLike, name: str, twists: Twists | None) -> Array:
         if array.ndim < 2 or array.shape[-2] != 6:
             raise InputError(f"{name} must have shape (..., 6, n), a twist in each column; got {array.shape}")
         return np.roll(array, 3, axis=-2)
-    if array.ndim > 1 and array.shape[-2] == 6 != array.shape[-1]:
+    if array.ndim > 1 and array.shape[-2] == 6 and array.shape[-1] != 6:
         raise InputError(f'{name} of shape {array.shape} holds twists in its columns: say twists="columns"')
     return np.roll(as_twist(array, name), 3, axis=-1)
-
-
-def _require_algebra(matrix: Array, off: float) -> None:
-    off = max(off, np.abs(matrix[..., 3:, :]).max(initial=0.0))
-    if off > ALGEBRA_TOL * max(1.0, np.abs(matrix).max(initial=0.0)):
-        space = "so(3), skew-symmetric" if matrix.shape[-1] == 3 else "se(3), [ŵ, v; 0, 0]"
-        raise InputError(f"matrix is not in {space}: it is off by {off:.3g}; build it with hat")
 
 
 # SE(3) ------------------------------------------------------------------------------------------------
@@ -127,6 +124,7 @@ def exp(xi: ArrayLike, theta: ArrayLike = 1.0) -> Array:
     By Chasles' theorem it turns about a line and slides along it. With u = w/‖w‖, φ = ‖w‖θ and v = v∥ + v⊥ along and
     across u, the turn is A = hat(v⊥/‖w‖, u) and the slide C = hat(v∥, 0):
     e^{ξ̂θ} = I + A sin φ + A² (1 − cos φ) + C θ. Where w = 0, A = 0 and C = hat(v, 0).
+    The series end so because A³ = −A and A C = C A = 0.
     This is MLS §2.3.2 (eq. 2.32 and 2.36, there for ‖w‖ = 1) in a form where nothing cancels: accurate to rounding for
     every ‖w‖.
 
@@ -223,7 +221,7 @@ def transform_wrench(g_ab: ArrayLike, F_b: ArrayLike) -> Array:
         g_ab: Poses (..., 4, 4) of frame b seen from frame a.
         F_b: Wrenches (f, τ) (..., 6) seen from b.
     """
-    g, F = as_pose(g_ab, "pose g_ab"), as_twist(F_b, "F_b")
+    g, F = as_pose(g_ab, "pose g_ab"), as_twist(F_b, "F_b")  # a wrench has the shape of a twist
     require_broadcast(g_ab=g.shape[:-2], F_b=F.shape[:-1])
     f, torque = _rotated(g, F)
     return np.concatenate([f, torque + cross(g[..., :3, 3], f)], axis=-1)
@@ -263,7 +261,7 @@ class Screw(Brief):
 
     axis: unit vector (..., 3); zero for the zero twist.
     point: the point of the line nearest the origin (..., 3) [m]; the origin for a pure translation.
-    pitch: slide per turn (...) [m/rad]; inf for a pure translation.
+    pitch: slide per radian (...) [m/rad]; inf for a pure translation.
     magnitude: ‖w‖ (...) [rad], or ‖v‖ [m] for a pure translation.
     """
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
@@ -27,7 +27,7 @@ from ...limits.joint_limits import slides
 from ...support.checks import Array
 from ...support.directions import axis_in_words, direction_in_words, length_in_words
 from ...support.errors import TwistarmError, listed, one_line
-from ...support.messages import Argument, Text, plural
+from ...support.messages import Argument, Text, first_of, plural
 from ...theory.manipulability import POOR, scaled_jacobian
 from .numbers import LONGEST_REACH, OTHER
 
@@ -64,14 +64,8 @@ def check_zero(arm: Arm) -> Iterator[Finding]:
     bounds = zip(arm.joint_names, arm.limits.lower, arm.limits.upper, strict=True)
     outside = [f"{name} [{lower:.4g}, {upper:.4g}]" for name, lower, upper in bounds if not lower <= 0.0 <= upper]
     if outside:
-        what = f"the zero pose is outside the limits of {_first(outside, MOST_NAMES)}"
+        what = f"the zero pose is outside the limits of {first_of(outside, MOST_NAMES)}"
         yield finding("zero-outside-limits", place_of(arm), what, "do not command zeros: start from the ready pose")
-
-
-def _first(words: list[str], count: int) -> str:
-    """The first words, and the number of the others."""
-    more = f" and {len(words) - count} more" if len(words) > count else ""
-    return ", ".join(words[:count]) + more
 
 
 def check_postures(arm: Arm, rank: int) -> Iterator[Finding]:
@@ -95,8 +89,9 @@ def check_postures(arm: Arm, rank: int) -> Iterator[Finding]:
         return
     best = arm.computed_ready
     at_best = condition(best)
-    advice = f"write in arm.toml (condition number {at_best:.1f}; check it in twistarm view first):\n"
-    snippet = advice + toml_table("poses.ready", arm.theta_to_dict(best))
+    advice = f"write in arm.toml (condition number {at_best:.1f}; check it in twistarm view first):"
+    values = [f"{toml_key(name)} = {value:.6g}" for name, value in arm.theta_to_dict(best).items()]
+    snippet = "\n".join([advice, "[poses.ready]", *values])
     if poor and at_best < at_ready / 10 and not any(np.array_equal(arm.ready, homes[pose]) for pose in singular):
         what = f"the ready pose is nearly singular: condition number {_condition_words(at_ready)}"
         yield finding("ready-singular", place_of(arm), what, snippet)
@@ -110,11 +105,6 @@ def check_postures(arm: Arm, rank: int) -> Iterator[Finding]:
 
 def _condition_words(value: float) -> str:
     return "∞" if value > 1e9 else f"{value:.3g}"
-
-
-def toml_table(header: str, values: Mapping[str, float]) -> str:
-    """A table of an arm.toml, a line for each entry."""
-    return "\n".join([f"[{header}]", *(f"{toml_key(name)} = {value:.6g}" for name, value in values.items())])
 
 
 # -- the tool ----------------------------------------------------------------------------------------------------------
@@ -239,7 +229,7 @@ def check_axes(arm: Arm) -> Iterator[Finding]:
         joints: dict[str, list[str]] = {}
         for near in found:
             joints.setdefault(near.what, []).append(near.joints)
-        kinds = _first([f"{', '.join(names)} {what}" for what, names in joints.items()], KINDS)
+        kinds = first_of([f"{', '.join(names)} {what}" for what, names in joints.items()], KINDS)
         off = length_in_words(sum(near.moves for near in found))
         what = f"{kinds}; exact axes would move the tool by about {off}"
         yield finding("axes-almost-exact", place_of(arm), what, _rewriting(arm))
@@ -266,7 +256,7 @@ def _rewriting(arm: Arm) -> str:
     rounded = [word for word in words if EXACT_ANGLE < abs(math.remainder(float(word), math.pi / 2)) < ALMOST_ANGLE]
     if not rounded:
         return "if the drawing says so, write the chain's origins and axes with 16 digits"
-    given = _first(list(dict.fromkeys(rounded)), WORDS)
+    given = first_of(list(dict.fromkeys(rounded)), WORDS)
     return f"write multiples of {math.pi / 2!r} for {given} in <origin rpy>"
 
 

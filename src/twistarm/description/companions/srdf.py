@@ -21,7 +21,7 @@ from ..expansion.expand import expand_xacro, is_xacro
 from ..expansion.expansion import arguments_in
 from ..findings import Finding, Place, finding, refusal
 from ..packages import package_index
-from ..tree import Description, EndEffector, Group, GroupState, Joint, Pair, Semantics, pair
+from ..tree import Description, EndEffector, Group, GroupState, Joint, Pair, Semantics, sorted_pair
 
 MAX_BYTES = 1_000_000  # A whole humanoid's SRDF has some 200 kB.
 FOLDERS = ("config", "srdf")  # Folders of packages with such files, in the description's folder or one above.
@@ -158,9 +158,9 @@ def _semantics(text: str, reading: Reading) -> Semantics:
         groups=groups,
         end_effectors=tuple(effectors),
         states=tuple(state for state in states if state is not None),
-        disabled=frozenset(pair(*both) for both in pairs(robot, "disable_collisions", "link1", "link2")),
+        disabled=frozenset(sorted_pair(*both) for both in pairs(robot, "disable_collisions", "link1", "link2")),
         silent_links=names(robot, "disable_default_collisions", "link"),
-        checked_pairs=frozenset(pair(*both) for both in pairs(robot, "enable_collisions", "link1", "link2")),
+        checked_pairs=frozenset(sorted_pair(*both) for both in pairs(robot, "enable_collisions", "link1", "link2")),
         passive_joints=names(robot, "passive_joint"),
         virtual_joints=names(robot, "virtual_joint"),
         findings=tuple(reading.findings),

@@ -168,7 +168,7 @@ def _missing_file(name: str, why: str, expansion: Expansion) -> DescriptionError
 
 def _missing_package(package: str, expansion: Expansion) -> DescriptionError:
     what = f"package {package!r} not found; searched {expansion.packages.searched()}"
-    if far := expansion.packages.find_for_mesh_alone(package):
+    if far := expansion.packages.in_mesh_dirs.get(package):
         what = (
             f"package {package!r} is in {far}. Only the arm.toml names this folder, so its meshes are drawn "
             "and its files are not included"

@@ -10,11 +10,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ...support.checks import Array
+from ...support.messages import first_of
 from ...theory.screws import exp
 from ..document import Reading
 from ..geometry import INERTIA
 from ..planar import free_name
-from ..tree import GRAVITY, GroupState, Semantics
+from ..tree import GRAVITY, GroupState, Semantics, sorted_pair
 from ..writing import add_joint, add_mimic, add_origin, number_text
 from .compilation import Compiled, Mjcf, compiled, pose
 
@@ -60,8 +61,7 @@ def translated(root: ET.Element, reading: Reading) -> tuple[str, Semantics | Non
     semantics, gravity = writer.semantics(reading), writer.gravity()
     for code, parts in mjcf.notes.items():
         what, remedy = WORDS_OF[code]
-        more = f" and {len(parts) - SHOWN} more" if len(parts) > SHOWN else ""
-        reading.note(code, None, f"{', '.join([*parts][:SHOWN])}{more}: {what}", remedy)
+        reading.note(code, None, f"{first_of([*parts], SHOWN)}: {what}", remedy)
     return ET.tostring(writer.robot, "unicode"), semantics, gravity
 
 
@@ -165,7 +165,7 @@ class _Writer:
         for j in joints:
             link, g = self._joint(j, link, g, name if j == joints[-1] else "")
         if link not in (parent, name):  # MuJoCo lets a body and its parent overlap
-            self.pairs.add((min(parent, name), max(parent, name)))
+            self.pairs.add(sorted_pair(parent, name))
         if link != name:
             self._fixed(name, link, g)
 
@@ -288,8 +288,7 @@ class _Writer:
         """The keyframes as named poses, and the pairs of `contact/exclude`; None if there are none."""
         model = self.model
         for signature in model.exclude_signature:
-            one, other = sorted((self.bodies[signature >> 16], self.bodies[signature & 0xFFFF]))
-            self.pairs.add((one, other))
+            self.pairs.add(sorted_pair(self.bodies[signature >> 16], self.bodies[signature & 0xFFFF]))
         names = self._names("KEY", model.nkey)
         names_used, states = {*names}, []
         for i, (name, qpos) in enumerate(zip(names, model.key_qpos, strict=True)):
