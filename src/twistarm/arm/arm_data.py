@@ -150,22 +150,26 @@ class ArmData:
     known_ready: Array | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        for name in ("screws", "home", "tool"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        arrays = {name: frozen(getattr(self, name)) for name in ("screws", "home", "tool")}
         A, b = (frozen(part) for part in self.coupling)
-        if A.shape != (len(b), len(self.joint_names)) or b.ndim != 1 or self.screws.shape != (6, len(b)):
+        if A.shape != (len(b), len(self.joint_names)) or b.ndim != 1 or arrays["screws"].shape != (6, len(b)):
             raise InputError(f"coupling must be A (m, n) and b (m,) for screws (6, m); got {A.shape} and {b.shape}")
-        object.__setattr__(self, "coupling", Coupling(A, b))
-        object.__setattr__(self, "tip_link", self.tip_link or self.tip)
-        if not self.moving_names:
-            chain = self.description.chain(self.base, self.tip_link) if self.description else ()
-            moving = tuple(joint.name for joint in chain if joint.moving) if self.description else self.joint_names
-            object.__setattr__(self, "moving_names", moving)
-        if self.known_ready is not None:
-            object.__setattr__(self, "known_ready", frozen(self.known_ready))
+        tip_link, moving = self.tip_link or self.tip, self.moving_names or self.joint_names
+        if self.description is not None and not self.moving_names:
+            chain = self.description.chain(self.base, tip_link)
+            moving = tuple(joint.name for joint in chain if joint.moving)
         states = {name: frozen(theta) for name, theta in self.named_states.items()}
-        object.__setattr__(self, "named_states", MappingProxyType(states))
-        object.__setattr__(self, "couplings", MappingProxyType(dict(self.couplings)))
+        read_only = {
+            **arrays,
+            "coupling": Coupling(A, b),
+            "tip_link": tip_link,
+            "moving_names": moving,
+            "known_ready": None if self.known_ready is None else frozen(self.known_ready),
+            "named_states": MappingProxyType(states),
+            "couplings": MappingProxyType(dict(self.couplings)),
+        }
+        for name, value in read_only.items():
+            object.__setattr__(self, name, value)
 
     def __reduce__(self) -> tuple[type[ArmData], tuple[Any, ...]]:
         values = (getattr(self, field.name) for field in fields(self))

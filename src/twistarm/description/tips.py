@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import Literal, NamedTuple
 
 from ..support.errors import DescriptionError, listed
-from ..support.messages import Argument, Text, plural
+from ..support.messages import Argument, Text, first_of, plural
 from .findings import Finding, finding, refusal
 from .tree import Description, Joint
 
@@ -93,7 +93,8 @@ def tool_rank(name: str) -> int | None:
 
 def is_tool(name: str) -> bool:
     """Whether the name is one that only a tool has."""
-    return tool_rank(name) in range(len(TOOLS) - 1)
+    rank = tool_rank(name)
+    return rank is not None and rank < len(TOOLS) - 1
 
 
 def is_flange(name: str) -> bool:
@@ -235,7 +236,7 @@ def _alike(short: Sequence[Body]) -> Sequence[Body]:
     for height, kind in sorted({(child.height, joint.type) for child, joint in joints.items()}, reverse=True):
         alike = [child for child in short if child.height == height and joints[child].type == kind]
         if len(alike) > 2:
-            return short  # a thumb has more joints, or fewer
+            return short  # the others are thumbs, which may have another number of joints
         if len(alike) == 2:
             one, other = (joints[child] for child in alike)
             followed = {joint.mimic.joint for joint in (one, other) if joint.mimic is not None}
@@ -322,14 +323,9 @@ def choose_ends(description: Description, base: str | None = None, groups: Itera
     why, tips, others = _tips(description, end)
     if len(tips) > 1:
         raise _unclear(description, found, [end], groups)
-    others = [*others, *_leaves(description, found)]
     why = f"{why}, {plural(end.depth, 'joint')} from {(base or description.root)!r}"
-    return Choice(
-        base or _first_link(description, end),
-        tips[0],
-        why,
-        tuple(link for link in dict.fromkeys(others) if link != tips[0]),
-    )
+    others = [link for link in dict.fromkeys([*others, *_leaves(description, found)]) if link != tips[0]]
+    return Choice(base or _first_link(description, end), tips[0], why, tuple(others))
 
 
 def note_choice(description: Description, choice: Choice) -> tuple[Finding, ...]:
@@ -449,14 +445,8 @@ def _unclear(
         remedy = Text("to use one of its chains anyway, pass {tip}", tip=Argument("tip", *[*likely, *moved][:1]))
         return refusal("no-tip", description.place(), what, remedy)
     candidates = [f"{listed([link])} ({plural(end.depth, 'joint')})" for link, end in likely.items()]
-    what = f"several links could be the tip: {', '.join(candidates[:SHOWN])}"
-    if len(likely) > SHOWN:
-        what += f", … ({len(likely)} in all)"
+    what = f"several links could be the tip: {first_of(candidates, SHOWN)}"
     if offered := ", ".join(groups):
         what += f"; so could the groups of its SRDF: {offered}"
-    return refusal(
-        "no-tip",
-        description.place(),
-        what,
-        Text("pass {tip}, or another of them", tip=Argument("tip", next(iter(likely)))),
-    )
+    remedy = Text("pass {tip}, or another of them", tip=Argument("tip", next(iter(likely))))
+    return refusal("no-tip", description.place(), what, remedy)

@@ -17,7 +17,7 @@ from ...description.planar import free_name
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...support.files import as_path
-from .load import assemble, proven, read, specify
+from .load import Wishes, assemble, proven, read, specify
 
 HEAD = """\
 # What we say about our arm beside its description. SI units and radians throughout.
@@ -46,7 +46,7 @@ def draft_arm_file(
     file = existing_file(source, "a URDF or xacro file")
     if file.suffix == ".toml":
         raise InputError(f"{file} is an arm.toml already; give the URDF or xacro file")
-    given = specify(file, **load)
+    given = specify(file, Wishes(**load))
     description = read(given)
     arm = proven(assemble(description, given, {}))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +38,20 @@ PROOF_SAMPLES = 5
 PROOF_TOL = 1e-9  # Largest difference of the two double precision accounts, relative to the arm's size.
 
 Folders = Iterable[str | os.PathLike[str]]
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """The options of `load_arm` that win over those of an arm.toml: all but `limits`, which do not need a file."""
+
+    base: str | None = None
+    tip: str | None = None
+    package_dirs: Folders = ()
+    xacro_args: Mapping[str, object] | None = None
+    locked_joints: Mapping[str, float] | None = None
+    srdf: str | os.PathLike[str] | None = None
+    ignore_packages: Iterable[str] = ()
+    env_vars: Iterable[str] = ()
 
 
 def load_arm(
@@ -88,19 +102,10 @@ def load_arm(
         InputError: An argument cannot be used.
         ComparisonError: The screws and Pinocchio's model disagree.
     """
-    wishes: dict[str, Any] = {
-        "base": base,
-        "tip": tip,
-        "package_dirs": package_dirs,
-        "xacro_args": xacro_args,
-        "locked_joints": locked_joints,
-        "srdf": srdf,
-        "ignore_packages": ignore_packages,
-        "env_vars": env_vars,
-    }
+    wishes = Wishes(base, tip, package_dirs, xacro_args, locked_joints, srdf, ignore_packages, env_vars)
     if is_baked(source):
         return _baked_arm(as_path(source), wishes, limits)
-    specification = specify(source, **wishes)
+    specification = specify(source, wishes)
     description = read(specification)
     return proven(assemble(description, specification, {} if limits is None else limits))
 
@@ -131,11 +136,11 @@ def arm_of(content: Mapping[str, Any]) -> Arm:
     return Arm(**fields, proof=None if proof is None else Proof(*proof))
 
 
-def _baked_arm(path: Path, wishes: Mapping[str, Any], changes: Changes | None) -> Arm:
+def _baked_arm(path: Path, wishes: Wishes, changes: Changes | None) -> Arm:
     """The arm of an arm.json with the caller's limits. InputError for any other wish."""
     content = unsealed(path, BAKED)
     arm = arm_of(content)
-    for name, wish in wishes.items():
+    for name, wish in vars(wishes).items():
         if wish and wish != getattr(arm, name, None):
             raise InputError(
                 f"{path}: {name} cannot be given for a baked arm, only for its description, {arm.source!r}"
@@ -151,38 +156,29 @@ def _baked_arm(path: Path, wishes: Mapping[str, Any], changes: Changes | None) -
     return replace(arm, limits=limits, named_states=states, findings=noted, known_ready=None)
 
 
-def specify(
-    source: str | os.PathLike[str],
-    *,
-    base: str | None = None,
-    tip: str | None = None,
-    package_dirs: Folders = (),
-    xacro_args: Mapping[str, object] | None = None,
-    locked_joints: Mapping[str, float] | None = None,
-    srdf: str | os.PathLike[str] | None = None,
-    ignore_packages: Iterable[str] = (),
-    env_vars: Iterable[str] = (),
-) -> ArmSpecification:
+def specify(source: str | os.PathLike[str], wishes: Wishes) -> ArmSpecification:
     """The specification of `load_arm`. The caller's wishes win over those of an arm.toml."""
+    base, tip, srdf = wishes.base, wishes.tip, wishes.srdf
     for name, value in {"base": base, "tip": tip}.items():
         if value is not None and not (isinstance(value, str) and value.strip()):
             raise InputError(f"{name} must be the name of a link; got {quote(value)}")
     if srdf is not None and not isinstance(srdf, (str, os.PathLike)):
         raise InputError(f"srdf must be the path of an SRDF file; got {quote(srdf)}")
-    arguments = {} if xacro_args is None else require_mapping(xacro_args, "xacro_args", "{'dof': 7}")
-    locked = {} if locked_joints is None else require_mapping(locked_joints, "locked_joints", "{'slide': 0.1}")
+    arguments, locked = wishes.xacro_args, wishes.locked_joints
+    arguments = {} if arguments is None else require_mapping(arguments, "xacro_args", "{'dof': 7}")
+    locked = {} if locked is None else require_mapping(locked, "locked_joints", "{'slide': 0.1}")
     specification = _specification(source)
-    ignored = (*checked_names(ignore_packages, "ignore_packages"), *specification.ignore_packages)
+    ignored = (*checked_names(wishes.ignore_packages, "ignore_packages"), *specification.ignore_packages)
     return replace(
         specification,
         other_chain=base not in (None, specification.base) or tip not in (None, specification.tip),
         base=base or specification.base,
         tip=tip or specification.tip,
         tool=None if tip else specification.tool,
-        package_dirs=(*as_paths(package_dirs, "package_dirs"), *specification.package_dirs),
+        package_dirs=(*as_paths(wishes.package_dirs, "package_dirs"), *specification.package_dirs),
         xacro_args={**specification.xacro_args, **arguments},
         ignore_packages=tuple(dict.fromkeys(ignored)),
-        env_vars=checked_names(env_vars, "env_vars"),
+        env_vars=checked_names(wishes.env_vars, "env_vars"),
         locked_joints={**specification.locked_joints, **locked},
         srdf=srdf or specification.srdf,
     )
