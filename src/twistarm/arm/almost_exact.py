@@ -41,14 +41,11 @@ def almost_exact(screws: Array, home: Array, joints: Sequence[str], reach: float
     points = np.cross(w, v)
     found: list[Near] = []
     for i, j in pairwise(range(len(axes))):
-        both = bool(turning[i] and turning[j])
-        names = f"{joints[i]}–{joints[j]}"
-        near = _pair(axes[i], axes[j], points[j] - points[i] if both else None, reach)
-        found += [Near(names, *pair) for pair in near]
-    first, last = _among(axes[0], np.eye(3), reach), _among(axes[-1], home[:3, :3].T, reach)
+        offset = points[j] - points[i] if turning[i] and turning[j] else None
+        found += [Near(f"{joints[i]}–{joints[j]}", *pair) for pair in _pair(axes[i], axes[j], offset, reach)]
     found += _wrist(joints, axes, points, turning)
-    found += [Near(f"base–{joints[0]}", *pair) for pair in first]
-    return found + [Near(f"{joints[-1]}–tool", *pair) for pair in last]
+    found += [Near(f"base–{joints[0]}", *pair) for pair in _among(axes[0], np.eye(3), reach)]
+    return found + [Near(f"{joints[-1]}–tool", *pair) for pair in _among(axes[-1], home[:3, :3].T, reach)]
 
 
 def _among(axis: Array, frame: Array, reach: float) -> list[tuple[str, float]]:

@@ -38,8 +38,9 @@ class Arm(ArmData):
     """A robot arm with n independent joint coordinates `theta` (..., n) [rad or m], base to tip.
 
     g_st(theta) = Π exp(ξ_i (A θ)_i) · home is the product of exponentials, MLS §3.2.2. `screws` (6, m) has the columns
-    ξ_i, and `home` (4, 4) is the pose at theta = 0. `coupling` is the mimic coupling (A, b). Poses are seen from the
-    base link. Every method accepts any finite theta, also outside the limits, with any leading axes.
+    ξ_i, and `home` (4, 4) is the pose at theta = 0. `coupling` is the mimic coupling (A, b), whose b is in `screws` and
+    `home`. Poses are seen from the base link. Every method accepts any finite theta, also outside the limits, with any
+    leading axes.
 
     `actuators` are the motors that an arm.toml describes. `disabled_collisions` are the sorted pairs of links that an
     SRDF exempts from collision checks. `moving_names` are the moving joints of the chain, base to tip. There is one per
@@ -124,8 +125,7 @@ class Arm(ArmData):
 
         Args:
             theta: Configurations (..., n) [rad, m].
-            other_joints: Values of joints outside the chain by name (fingers, a second arm) [rad, m]; 0 where not
-            given.
+            other_joints: Values of joints outside the chain by name (fingers, a second arm) [rad, m]; 0 where absent.
 
         Raises:
             InputError: theta does not fit the arm, or a value is not a finite number.
@@ -318,9 +318,7 @@ class Arm(ArmData):
         end = self.home[:3, 3]
         home = self.home @ g
         reach = self.reach + float(np.linalg.norm(home[:3, 3] - end))
-        return replace(
-            self, tip=name, tip_link=self.tip_link, tool=self.tool @ g, home=home, reach=reach, known_ready=None
-        )
+        return replace(self, tip=name, tool=self.tool @ g, home=home, reach=reach, known_ready=None)
 
     # -- inside --------------------------------------------------------------------------------------------------
 

@@ -409,7 +409,7 @@ def roll_axis(body_screws: Array, coupling: Array, reach: float) -> Array:
         return Z
     v, w = body_screws[:3].T, body_screws[3:].T
     last = w[turning[-1]]
-    near = cross(last, v[turning[-1]])  # of the axis, nearest to the tool's origin
+    near = cross(last, v[turning[-1]])  # the point of the axis that is nearest to the tool's origin
     aside, out = float(np.linalg.norm(near)), 0.0
     if len(turning) > 1:
         before = turning[-2]

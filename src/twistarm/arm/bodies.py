@@ -15,6 +15,7 @@ from ..description.meshes import extreme_points, read_mesh
 from ..description.tree import Description, Geometry, Link, Pair, sorted_pair
 from ..support.checks import Array
 from ..support.errors import InputError, TwistarmError
+from ..theory.joints import plane_axes
 from .cloud import Cloud
 from .solid import Solid
 
@@ -200,10 +201,8 @@ def _with_volume(points: Array) -> Array:
 
 def along(end: Array) -> Array:
     """The pose (4, 4) halfway to `end` (3,) with its z axis along it."""
-    g, z = np.eye(4), end / np.linalg.norm(end)
-    x = np.cross(np.eye(3)[np.abs(z).argmin()], z)
-    x /= np.linalg.norm(x)
-    g[:3, :3], g[:3, 3] = np.column_stack([x, np.cross(z, x), z]), 0.5 * end
+    g = np.eye(4)
+    g[:3, :3], g[:3, 3] = plane_axes(end), 0.5 * end
     return g
 
 

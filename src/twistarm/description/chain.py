@@ -145,7 +145,7 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
         home=home @ tool,
         coupling=(A, b),
         limits=limits,
-        reach=float(sum(np.linalg.norm(b - a) for a, b in pairwise([*points, (home @ tool)[:3, 3]]))),
+        reach=float(sum(np.linalg.norm(end - start) for start, end in pairwise([*points, (home @ tool)[:3, 3]]))),
         couplings=couplings,
         findings=(*findings, *_locked_outside(description, locked_joints)),
     )
@@ -179,15 +179,13 @@ def _narrowed(
     lower, upper = max(limits.lower[i], ends[0]), min(limits.upper[i], ends[1])
     if (lower, upper) == (limits.lower[i], limits.upper[i]):
         return limits, []
-    what = f"it follows {affine.master} beyond its own limits [{follower.lower:g}, {follower.upper:g}]; "
+    master, kept, code = coordinates[i], "its limits are not kept", "outside-limits"
+    if lower < upper:
+        limits = limits.with_({"lower": {master: lower}, "upper": {master: upper}}, coordinates)
+        kept, code = f"{master} is kept in [{lower:.4g}, {upper:.4g}]", "limits-adjusted"
+    what = f"it follows {master} beyond its own limits [{follower.lower:g}, {follower.upper:g}]; {kept}"
     remedy = "make both joints' limits fit the mimic's multiplier and offset"
-    if not lower < upper:
-        what += "its limits are not kept"
-        return limits, [finding("outside-limits", description.place(follower), what, remedy)]
-    master = coordinates[i]
-    what += f"{master} is kept in [{lower:.4g}, {upper:.4g}]"
-    noted = finding("limits-adjusted", description.place(follower), what, remedy)
-    return limits.with_({"lower": {master: lower}, "upper": {master: upper}}, coordinates), [noted]
+    return limits, [finding(code, description.place(follower), what, remedy)]
 
 
 def _locked_outside(description: Description, locked_joints: Mapping[str, float]) -> list[Finding]:

@@ -20,7 +20,7 @@ WRITTEN_YAML = "# written by twistarm"
 # What YAML of ours begins with, and URDF ends with: it is no team's own text and may be replaced.
 WRITTEN_XML = "<!-- written by twistarm -->"
 
-# How files begin that often go by another's name: what each is, and what to do.
+# How files begin that often go by another's name: what each is, and what to do. `404: Not Found` is a page too.
 KINDS = {
     rb"(?i)\s*(<!doctype\s+html|<html\b|\d{3}:? [a-z ]+\s*\Z)": (
         "a web page, as a failed download leaves one", "download it again, raw",

@@ -98,7 +98,7 @@ def plane_axes(normal: ArrayLike, x_axis: ArrayLike | None = None) -> Array:
         x_axis = (0.0, 1.0, 0.0) if abs(n[0]) > 0.9 else (1.0, 0.0, 0.0)  # in the plane it keeps 0.43 of its length
     x = _unit(x_axis, "x_axis")
     x = x - n * (n @ x)
-    if np.linalg.norm(x) <= 1e-6:  # ten digits of its direction are left there
+    if np.linalg.norm(x) <= 1e-6:  # ten of 16 digits of its direction are left there
         raise InputError("x_axis must not lie along the normal: give an axis in the plane, or leave it out")
     x = x / np.linalg.norm(x)
     return np.column_stack([x, np.cross(n, x), n])
