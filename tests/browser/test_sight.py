@@ -12,7 +12,6 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from arms import load
-from test_target import PROJECT
 from twistarm import load_arm, solve_ik
 from twistarm.ik import Pose
 from twistarm.viewer import Viewer
@@ -28,7 +27,7 @@ TOWARDS = """() => {
 }"""
 """The direction from what is looked at towards the camera, in base axes."""
 
-SIDES = {"front": [1, 0, 0], "right": [0, -1, 0], "top": [0, 0, 1], "back": [-1, 0, 0], "left": [0, 1, 0]}
+SIDES = {"front": [1, 0, 0], "right": [0, -1, 0], "top": [0, 0, 1]}
 
 
 ARM = load("rover_arm_6dof")
@@ -86,22 +85,6 @@ def test_the_faces_of_the_cube_show_the_arm_from_that_side(page: Any) -> None:
         assert in_view(page)
     page.get_by_role("button", name="Fit view", exact=True).click()
     assert_allclose(page.evaluate(TOWARDS), first, atol=1e-6)
-    for side in ("back", "left"):
-        page.evaluate(f"document.querySelector('#cube [title=\"Look from the {side}\"]').click()")
-        until(page, "twistarm.presets.moving === 0")
-        assert_allclose(page.evaluate(TOWARDS), SIDES[side], atol=2e-3)
-        after_frames(page)
-        assert in_front(page) == side
-    page.get_by_role("button", name="front", exact=True).focus()
-    page.keyboard.press("Tab")
-    assert page.evaluate("document.activeElement.textContent") == "back"
-
-
-def in_front(page: Any) -> str:
-    """The face of the cube that is seen in its middle, as a person would press it."""
-    x, y = page.evaluate("(({ left, top }) => [left, top])(document.getElementById('cube').getBoundingClientRect())")
-    name: str = page.evaluate("([x, y]) => document.elementFromPoint(x, y).textContent", [x, y])
-    return name
 
 
 def test_links_are_hidden_and_seen_through_and_another_page_can_be_told(page: Any) -> None:
@@ -163,32 +146,6 @@ def test_each_link_has_its_place_in_the_tree_a_frame_and_collision_shapes(page: 
     page.keyboard.press("Escape")
 
 
-def test_the_link_under_the_pointer_is_named_unless_the_view_turns(page: Any) -> None:
-    poses = ARM.poses(ARM.ready)
-    middle = (poses["upper_arm"][:3, 3] + poses["forearm"][:3, 3]) / 2
-    x, y, _ = page.evaluate(PROJECT, [middle.tolist()])
-    page.mouse.move(x, y)
-    label = page.locator("#link-name")
-    until(page, "!document.getElementById('link-name').hidden")
-    assert label.inner_text() == "upper_arm · shoulder_pitch"
-    page.mouse.down()
-    page.mouse.move(x + 3, y + 3)
-    assert label.is_hidden()
-    page.mouse.up()
-    page.evaluate("twistarm.parts.links.recall({ hidden: ['upper_arm'], opacity: 1 })")
-    page.mouse.move(x, y)
-    page.wait_for_timeout(100)
-    assert label.is_hidden() or "upper_arm" not in label.inner_text()
-    page.evaluate("twistarm.parts.links.recall({ hidden: [], opacity: 1 })")
-    page.evaluate("twistarm.view.fit()")
-    x, y, _ = page.evaluate(PROJECT, [middle.tolist()])
-    finger = page.context.new_cdp_session(page)
-    finger.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x, "y": y}]})
-    finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
-    until(page, "document.getElementById('link-name').textContent === 'upper_arm · shoulder_pitch'")
-    page.mouse.move(700, 600)
-
-
 def forbidden() -> Any:
     """A pose that the arm would meet but for the limit of its elbow."""
     theta = ARM.ready.copy()
@@ -235,105 +192,10 @@ def test_an_unmet_target_is_drawn_with_the_arm_that_would_meet_it(page: Any) -> 
     )
     copy, in_node = (np.array(each).reshape(4, 4).T for each in drawn[1:])
     assert_allclose(copy, poses[drawn[0].removeprefix("/arm/link:")] @ in_node, atol=1e-9)
-    page.evaluate(ASK, [[0.0, 0.0, 9.0], [0, 0, 0, 1]])  # beyond any reach: nothing to draw the arm at
-    after_frames(page)
-    assert page.evaluate(GHOST)[:3] == [None, 0, 4]
     page.get_by_role("button", name="Clear target").click()
     until(page, "twistarm.parts.target.given === null")
     after_frames(page)
     assert page.evaluate(GHOST)[1:3] == [0, 0]
-
-
-def outside(page: Any, point: Any) -> float:
-    """How far a point of the base frame lies beyond the nearest edge of the picture [px]; below 0: inside."""
-    x, y, _ = page.evaluate(PROJECT, [list(point)])
-    box = page.locator("#pane").bounding_box()
-    over = page.locator("#switches").bounding_box()
-    top = over["y"] + over["height"]
-    return float(max(box["x"] - x, x - box["x"] - box["width"], top - y, y - box["y"] - box["height"]))
-
-
-def release(page: Any) -> None:
-    page.get_by_role("button", name="Clear target").click()
-    until(page, "twistarm.parts.target.given === null")
-
-
-def test_the_whole_view_holds_a_target_that_is_far_away(page: Any) -> None:
-    far = [3.0, 1.0, 0.4]
-    page.evaluate(ASK, [far, [0, 0, 0, 1]])
-    until(page, "twistarm.parts.target.given?.position[0] === 3")
-    page.get_by_role("button", name="Fit view", exact=True).click()
-    assert outside(page, far) < 0
-    away = "twistarm.view.viewer.camera.position.distanceTo(twistarm.view.viewer.controls.target)"
-    wide = page.evaluate(away)
-    page.get_by_role("button", name="ready", exact=True).click()
-    until(page, f"twistarm.parts.target.given === null && {away} < {0.7 * wide}")
-    assert all(outside(page, point) < 0 for point in ([0, 0, 0], ARM.fk(ARM.ready)[:3, 3].tolist()))
-
-
-DRAWN = """() => {
-  const seen = [];
-  twistarm.parts.ghost.frame.traverseVisible(({ isMesh }) => isMesh && seen.push(isMesh));
-  const { group, handles } = twistarm.view.handles;
-  const ball = handles.find(({ kind }) => kind === "free");
-  return [seen.length, group.visible && ball.material.color.getHexString()];
-}"""
-"""How many parts of the target's own frame are drawn, and the colour of the ball of the handles where they are."""
-
-
-def test_the_target_is_drawn_while_there_is_one_and_shares_its_frame_with_the_tool(page: Any) -> None:
-    g = ARM.fk(ARM.ready)
-    xyzw = Rotation.from_matrix(g[:3, :3]).as_quat().tolist()
-    page.get_by_label("Kind of target").select_option("pose")
-    unmet = (g[:3, 3] + [0, 0, 5]).tolist()
-    near = (g[:3, 3] - [0, 0, 0.05]).tolist()
-    page.get_by_label("Drag tool").uncheck()
-    page.get_by_role("tab", name="Poses").click()
-    for place, converged in ((near, True), (unmet, False)):
-        page.evaluate(ASK, [place, xyzw])
-        until(page, f"twistarm.parts.target.given?.converged === {str(converged).lower()}")
-        after_frames(page)
-        parts, handles = page.evaluate(DRAWN)
-        assert parts == (1 if converged else 4)  # its ball, and the axes that are not those of the tool's frame
-        assert not handles
-        page.get_by_label("Frames").uncheck()
-        until(page, "!twistarm.view.node('/frames').visible")
-        after_frames(page)
-        assert page.evaluate(DRAWN)[0] == 4
-        page.get_by_label("Frames").check()
-        page.get_by_label("Drag tool").check()
-        until(page, "twistarm.view.node('/frames').visible")
-        after_frames(page)
-        parts, handles = page.evaluate(DRAWN)
-        assert parts == (0 if converged else 3)
-        css = "getComputedStyle(document.documentElement).getPropertyValue"
-        assert f"#{handles}" == page.evaluate(f"{css}('{'--converged' if converged else '--warn'}').trim()")
-        page.get_by_label("Drag tool").uncheck()
-    page.get_by_role("tab", name="Move").click()
-    release(page)
-
-
-def test_the_arm_is_whole_in_a_window_of_any_shape(page: Any) -> None:
-    assert in_view(page)
-    page.set_viewport_size({"width": 390, "height": 844})
-    until(page, "document.getElementById('pane').offsetWidth === 390")
-    after_frames(page)
-    assert in_view(page)
-    page.set_viewport_size({"width": 1280, "height": 720})
-    until(page, "document.getElementById('pane').offsetWidth > 390")
-    after_frames(page)
-    assert in_view(page)
-    x, y = 800, 600
-    page.mouse.move(x, y)
-    page.mouse.down()
-    page.mouse.move(x + 40, y)
-    page.mouse.up()
-    camera = "twistarm.view.viewer.camera.position.toArray()"
-    turned = page.evaluate(camera)
-    page.set_viewport_size({"width": 900, "height": 720})
-    after_frames(page)
-    assert page.evaluate(camera) == turned
-    page.set_viewport_size({"width": 1280, "height": 720})
 
 
 URDF = """<robot name="scaled"><link name="base"/><link name="arm"><visual><origin xyz="{half} 0 0"/><geometry>
@@ -346,16 +208,13 @@ SCALE = """() => {
   const { floor, viewer } = twistarm.view;
   viewer.scene.updateMatrixWorld(true);
   const size = new MeshCat.THREE.Box3().setFromObject(floor.bar).getSize(new MeshCat.THREE.Vector3()).toArray();
-  const [text, pane] = [floor.text, document.getElementById("pane")].map((each) => each.getBoundingClientRect());
-  const across = text.left >= pane.left && text.right <= pane.right && text.width > 0;
-  const inside = across && text.top >= pane.top && text.bottom <= pane.bottom;
   const away = viewer.camera.position.distanceTo(viewer.controls.target);
-  return [floor.text.textContent, size, inside, viewer.camera.near / away, viewer.camera.far / away];
+  return [floor.text.textContent, size, viewer.camera.near / away, viewer.camera.far / away];
 }"""
 
 
-@pytest.mark.parametrize("long", [48.0, 1.3, 0.05])
-def test_the_floor_has_a_scale_that_suits_the_arm(page: Any, tmp_path: Path, long: float) -> None:
+@pytest.mark.parametrize("long", [48.0, 0.05])
+def test_the_floor_s_scale_and_the_depth_of_the_view_suit_the_arm(page: Any, tmp_path: Path, long: float) -> None:
     (tmp_path / "scaled.urdf").write_text(URDF.format(long=long, half=long / 2, wide=long / 20))
     arm = load_arm(tmp_path / "scaled.urdf")
     with page.context.browser.new_context() as context, Viewer(arm, open_browser=False) as viewer:
@@ -370,13 +229,9 @@ def test_the_floor_has_a_scale_that_suits_the_arm(page: Any, tmp_path: Path, lon
                 zoom,
             )
             after_frames(fresh)
-            words, size, inside, near, far = fresh.evaluate(SCALE)
-            number, unit = words.split()
-            assert unit == "m"
-            assert f"{float(number):e}"[0] in "125"
-            assert f"{float(number):e}"[1:6] == ".0000"
+            words, size, near, far = fresh.evaluate(SCALE)
+            number = words.removesuffix(" m")
             assert max(size) == pytest.approx(float(number), rel=1e-6)
-            assert inside
             assert near < 0.05
             assert far > 2
             if zoom == 1.0:

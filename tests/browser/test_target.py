@@ -12,11 +12,9 @@ from scipy.spatial.transform import Rotation
 
 from arms import ARMS, DRAWN, assert_drawn
 from recorded_poses import said
-from twistarm import Approach, Pose, solve_ik, solve_ik_all
-from twistarm.ik.answer import StopReason
-from twistarm.ik.solution import at_bounds, split_rotation
+from twistarm import Approach, solve_ik, solve_ik_all
 from twistarm.viewer import Viewer
-from waiting import after_frames, idle, settled, until
+from waiting import after_frames, idle, until
 
 pytestmark = pytest.mark.browser
 
@@ -159,22 +157,16 @@ def test_the_ball_moves_the_tool_in_the_plane_of_the_screen(rover: Desk) -> None
     assert set(shown) <= {"x", "y", "z", "free"}  # a position has no turns
 
 
-def test_snap_moves_by_whole_centimetres_and_shift_does_the_opposite(rover: Desk) -> None:
+def test_snap_moves_by_whole_centimetres(rover: Desk) -> None:
     rover.reset("position", snap=True)
     before = rover.drawn()[:3, 3]
     tip = rover.handle([0, 0, ALONG])
     rover.drag(tip, tip + [0, 0, 0.034])
     assert rover.answered()["converged"]
     assert_allclose(rover.drawn()[:3, 3], before + [0, 0, 0.03], atol=MET)
-    rover.reset("position", snap=True)
-    rover.page.keyboard.down("Shift")
-    rover.drag(tip, tip + [0, 0, 0.034])
-    rover.page.keyboard.up("Shift")
-    rover.answered()
-    assert rover.drawn()[2, 3] - before[2] == pytest.approx(0.034, abs=0.003)
 
 
-def test_out_of_reach_the_nearest_is_shown_and_the_page_says_why(rover: Desk) -> None:
+def test_out_of_reach_the_nearest_is_shown(rover: Desk) -> None:
     rover.reset("approach")
     start = rover.viewer.theta
     tip = rover.handle([0, 0, ALONG])
@@ -183,56 +175,16 @@ def test_out_of_reach_the_nearest_is_shown_and_the_page_says_why(rover: Desk) ->
     assert given["converged"] is False
     p, R = given["position"], Rotation.from_quat(given["xyzw"]).as_matrix()
     expected = solve_ik(rover.arm, Approach(p, R[:, 2]), start, posture="theta0")
-    words = rover.page.locator("#target-words")
-    assert words.inner_text().startswith("✕")
-    assert "iterations" not in words.inner_text()
-    first = words.locator(".short")
-    lines = first.evaluate("(text) => text.clientHeight / parseFloat(getComputedStyle(text).lineHeight)")
-    assert lines < 2.5
-    assert expected.stop.value in first.inner_text().lower()
-    assert f"direction {np.degrees(expected.orientation_error):.1f}° off" in words.text_content()
+    assert rover.page.locator("#target-words").inner_text().startswith("✕")
     theta = rover.viewer.theta
     assert_allclose(theta, expected.theta, atol=1e-6)
     assert np.linalg.norm(rover.drawn()[:3, 3] - p) == pytest.approx(expected.position_error, abs=MET)
-    details = words.locator("details").text_content()
-    assert ("of the rotation" in details) == ("of the rotation" in expected.explain())
-    for bound in at_bounds(expected):
-        assert bound.split(" of ")[1].split(" ")[0] in details
-    ball, warning, tether = rover.page.evaluate(
-        """() => {
-          const { gizmo } = twistarm.parts.target;
-          const css = getComputedStyle(document.documentElement).getPropertyValue("--warn").trim();
-          const ball = gizmo.handles.find(({ name }) => name === "free");
-          return [ball.material.color.getHex(), new MeshCat.THREE.Color(css).getHex(), gizmo.tether.visible];
-        }"""
-    )
-    assert ball == warning
-    assert tether
     after_frames(rover.page)
     assert_allclose(rover.page.evaluate("twistarm.parts.target.gizmo.group.position.toArray()"), p)
     rover.page.get_by_role("button", name="Clear target").click()
     idle(rover.page)
     assert rover.page.locator("#target-words").inner_text() == ""
     assert rover.viewer.theta.tolist() == theta.tolist()
-
-
-def test_a_turn_that_no_joint_makes_is_told_by_its_axis_and_angle(rover: Desk) -> None:
-    rover.reset("pose", theta=[0.0, 0.4, -0.9, 0.3, 0.0])
-    for name, value in (("z", 0.5), ("yaw", 20)):
-        box = rover.page.get_by_role("spinbutton", name=f"tool {name}, {'metres' if name == 'z' else 'degrees'}")
-        box.fill(str(value))
-        box.press("Enter")
-        start = rover.viewer.theta
-        given = rover.answered()
-    g = np.eye(4)
-    g[:3, :3], g[:3, 3] = Rotation.from_quat(given["xyzw"]).as_matrix(), given["position"]
-    expected = solve_ik(rover.arm, Pose(g), start, posture="theta0")
-    assert expected.stop is StopReason.IMPOSSIBLE_DIRECTION
-    impossible, _, axis = split_rotation(expected, expected.theta)
-    words = rover.page.locator("#target-words").text_content()
-    assert expected.stop.value in words
-    assert f"{np.degrees(impossible):.1f}° of the rotation are missing" in words
-    assert (f"its {'xyz'[np.abs(axis).argmax()]} axis" in words) == (np.abs(axis).max() >= 0.999)
 
 
 def test_escape_puts_the_arm_back(rover: Desk) -> None:
@@ -271,28 +223,9 @@ def test_a_pose_is_typed_and_roll_and_yaw_stay_while_the_pitch_passes_90_degrees
         assert desk.drawn()[2, 3] == pytest.approx(z, abs=1e-5)
 
 
-def test_with_a_mouse_the_handles_are_there_and_the_hint_goes_with_the_first_drag(browser: Any, rover: Desk) -> None:
-    for touch in (True, False):
-        context = browser.new_context(has_touch=touch, is_mobile=touch, viewport={"width": 740, "height": 560})
-        fresh = Desk(settled(context.new_page(), rover.viewer.url), rover.viewer)
-        assert fresh.page.get_by_label("Drag tool").is_checked() != touch
-        hint = fresh.page.locator("#target-hint")
-        assert ("Drag" in hint.inner_text()) != touch
-        if not touch:
-            tip = fresh.handle([0, 0, ALONG])
-            fresh.drag(tip, tip + [0, 0, 0.02])
-            fresh.answered()
-            assert "Drag" not in hint.inner_text()
-        context.close()
-
-
-def test_g_takes_the_handles_and_a_servo_takes_them_away(rover: Desk) -> None:
+def test_a_servo_takes_the_handles_away(rover: Desk) -> None:
     rover.reset()
-    rover.page.locator("#pane").click(position={"x": 20, "y": 500})
     shown = "twistarm.parts.target.gizmo.group.visible"
-    rover.page.keyboard.press("g")
-    until(rover.page, f"!{shown}")
-    rover.page.keyboard.press("g")
     until(rover.page, shown)
     assert rover.viewer.commands is not None
     until(rover.page, f"!{shown} && document.getElementById('drag-tool').disabled")
@@ -304,10 +237,8 @@ def test_g_takes_the_handles_and_a_servo_takes_them_away(rover: Desk) -> None:
 # Of the rover arm's two configurations for where its tool points here, the other is outside the limits.
 START = np.radians([0.0, 29.64, -111.9, -97.74, 0.0]).tolist()
 
-GHOSTS = """twistarm.parts.solutions.arms.map(({ group, parts }) => ({
-  drawn: group.children.length === parts.length && parts.length > 0,
-  color: parts[0].copy.material.color.getHexString(),
-}))"""
+GHOSTS = """twistarm.parts.solutions.arms.map(({ group, parts }) =>
+  group.children.length === parts.length && parts.length > 0)"""
 
 
 @pytest.mark.smoke
@@ -320,11 +251,10 @@ def test_all_configurations_are_stepped_through_and_drawn(rover: Desk) -> None:
     until(page, "twistarm.parts.solutions.at === 0")
     place = page.locator("#solution-place")
     assert place.inner_text() == "1 of 2"
-    assert (
-        "2 configurations inside the limits, each with wrist_roll free; all there are"
-        in page.locator("#solutions-words").inner_text()
-    )
-    assert [ghost["drawn"] for ghost in page.evaluate(GHOSTS)] == [True], "the other one"
+    words = page.locator("#solutions-words").inner_text()
+    assert "2 configurations" in words
+    assert "wrist_roll" in words
+    assert page.evaluate(GHOSTS) == [True], "the other one"
     page.get_by_role("button", name="Next configuration").click()
     until(page, "document.getElementById('solution-place').textContent === '2 of 2'")
     until(page, f"Math.abs(twistarm.state.frame.theta[2] - {flips[1][2]}) < 1e-9")
@@ -336,7 +266,7 @@ def test_all_configurations_are_stepped_through_and_drawn(rover: Desk) -> None:
     page.get_by_role("button", name="Done").click()
     until(page, "document.getElementById('solutions').hidden")
 
-    # One beyond the limits: said and drawn in red, and the arm stays.
+    # One beyond the limits: drawn, and the arm stays.
     viewer.show(START)
     until(page, f"twistarm.state.frame.theta[1] === {START[1]}")
     page.get_by_label("Ghosts").evaluate("(box) => box.checked = true")
@@ -346,9 +276,7 @@ def test_all_configurations_are_stepped_through_and_drawn(rover: Desk) -> None:
     page.keyboard.press("p")
     until(page, "twistarm.parts.solutions.at === 1")
     assert page.locator("#solution-words").inner_text().startswith("outside the limits: ")
-    (ghost,) = page.evaluate(GHOSTS)
-    warn = page.evaluate("getComputedStyle(document.documentElement).getPropertyValue('--warn').trim()")
-    assert f"#{ghost['color']}" == warn
+    assert page.evaluate(GHOSTS) == [True]
     assert np.abs(viewer.theta - START).max() < 1e-6
     viewer.show(arm.ready)
     until(page, "document.getElementById('solutions').hidden")
