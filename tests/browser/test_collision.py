@@ -33,9 +33,7 @@ def test_collisions_are_shown_and_obstacles_changed_and_saved(page: Any, tmp_pat
         settled(page, viewer.url)
         page.get_by_label("Collision", exact=True).check()
         until(page, "twistarm.parts.scene.ready && twistarm.collision.shapes.length > 0")
-        distance = page.locator("#distance span")
-        assert distance.inner_text().endswith(" mm")
-        assert apart(distance.bounding_box(), page.evaluate(RINGS))
+        assert page.locator("#distance span").inner_text().endswith(" mm")
         assert page.evaluate(RED) == []
 
         # An obstacle that is put onto the tool.
@@ -43,10 +41,6 @@ def test_collisions_are_shown_and_obstacles_changed_and_saved(page: Any, tmp_pat
         page.get_by_label("Name of the obstacle to add").fill("stone")
         page.get_by_role("button", name="Sphere", exact=True).click()
         until(page, "twistarm.collision.obstacles.length === 1 && twistarm.parts.scene.gizmo.group.visible")
-        assert page.locator("#obstacle-numbers label").all_inner_texts() == ["radius", "x", "y", "z"]
-        assert not page.evaluate(
-            "twistarm.parts.scene.gizmo.handles.some((each) => each.kind === 'turn' && each.allowed)"
-        )
         x, y, z = arm.fk(arm.ready)[:3, 3]
         for axis, value in zip("xyz", (x, y, z), strict=True):
             box = page.get_by_label(f"stone, {axis}, metres")
@@ -73,31 +67,6 @@ def test_collisions_are_shown_and_obstacles_changed_and_saved(page: Any, tmp_pat
         assert set(Scene.load(arm, file).obstacles) == {"stone"}
         page.get_by_role("button", name="Remove stone").click()
         until(page, "twistarm.collision.obstacles.length === 0")
-
-        # One that is added while somebody looks at a part of the arm.
-        page.evaluate("twistarm.view.recall({ position: [0.4, 0.5, 0.9], target: [0, 0.2, 0], zoom: 4 })")
-        page.get_by_role("button", name="Box", exact=True).click()
-        until(page, "twistarm.collision.obstacles.length === 1")
-        middle = "twistarm.view.viewer.scene.localToWorld(new MeshCat.THREE.Vector3(...%s)).project(%s).toArray()"
-        at = scene.obstacles["box 1"].pose[:3, 3].tolist()
-        assert np.abs(page.evaluate(middle % (at, "twistarm.view.viewer.camera"))).max() < 1
-
-
-RINGS = """(() => {
-  const { left, top } = document.getElementById("pane").getBoundingClientRect();
-  const { gizmo } = twistarm.parts.target;
-  const { camera, dom_element, scene } = twistarm.view.viewer;
-  const { x, y } = scene.localToWorld(gizmo.pose.position.clone()).project(camera);
-  return [left + (x + 1) / 2 * dom_element.clientWidth, top + (1 - y) / 2 * dom_element.clientHeight, 64];
-})()"""
-"""The middle of the tool's handles in the window, and the radius of their rings [px]."""
-
-
-def apart(box: dict[str, float], rings: list[float]) -> bool:
-    """Whether a box in the window lies outside the rings."""
-    x, y, radius = rings
-    near = np.clip([x, y], [box["x"], box["y"]], [box["x"] + box["width"], box["y"] + box["height"]])
-    return bool(np.hypot(*(near - [x, y])) > radius - 2)
 
 
 def test_a_refusal_goes_with_its_cause(page: Any, other: Any) -> None:

@@ -263,19 +263,6 @@ def test_whatever_hides_the_key_s_release_stops_and_only_a_new_press_moves(page:
         page.keyboard.up("w")
 
 
-def test_keys_for_a_slider_do_not_jog_until_the_view_is_clicked(page: Any, heard: Heard) -> None:
-    page.evaluate(BESIDE)
-    page.locator("#beside").focus()
-    until(page, "document.getElementById('jog-line').textContent.startsWith('Jog off: click the view')")
-    page.keyboard.press("w")
-    heard.quiet()
-    assert heard.messages == []
-    page.locator("#pane").click()
-    until(page, "document.getElementById('jog-line').textContent.startsWith('Jog on')")
-    page.keyboard.down("w")
-    heard.await_kind("jog")
-
-
 def test_a_lost_socket_is_a_stop_even_with_a_key_held(page: Any, heard: Heard) -> None:
     page.keyboard.down("w")
     heard.await_kind("jog")
@@ -338,29 +325,9 @@ def test_a_shoulder_button_held_since_before_must_be_let_go_first(page: Any, hea
     heard.quiet()
 
 
-def test_what_hinders_a_gamepad_is_said(page: Any, heard: Heard) -> None:
-    page.evaluate(PAD, {"mapping": ""})
-    until(page, "document.getElementById('jog-line').textContent.endsWith('gamepad: unknown layout')")
-    page.evaluate("() => { navigator.getGamepads = undefined; }")
-    until(page, "document.getElementById('jog-line').textContent.endsWith('gamepad: only on https or localhost')")
-    page.keyboard.down("w")
-    heard.await_kind("jog")
-
-
-def text(name: str) -> str:
-    return f"document.getElementById('{name}').textContent"
-
-
-def test_the_servo_s_word_is_on_the_page(page: Any, viewer: Viewer, heard: Heard) -> None:
+def test_a_servo_that_others_command_is_seen_and_takes_no_key(page: Any, viewer: Viewer, heard: Heard) -> None:
     reason = "slowed by the velocity limit of a"
     answer = replace(ServoOutput.stale(np.zeros(1), reason), reason=ServoReason.VELOCITY_LIMIT, scale=1.0, joint="a")
-    viewer.show_servo(answer)
-    until(page, "document.getElementById('jog-servo').textContent === 'slowed by the velocity limit of a'")
-    page.locator("#jog summary").click()
-    assert page.get_by_text("about z: left, right").is_visible()
-    page.keyboard.down("w")  # the legend takes no keys
-    heard.await_kind("jog")
-    page.keyboard.up("w")
     viewer.show_servo(None)
     until(page, "document.getElementById('jog').hidden")
     viewer.show_servo(answer)  # of a servo that others command

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from arms import ARMS
 from test_jog import HIDE
 from twistarm import Arm
-from twistarm.control.servo import ServoOutput
 from twistarm.viewer import Viewer
 from waiting import until
 
@@ -176,9 +175,3 @@ def test_what_happens_where_the_arm_cannot_follow_is_chosen_there(benches: Bench
     assert bench.viewer._server.commands.on_unreachable == "stop"
     page.get_by_role("switch", name="Drive").click()
     until(page, "!twistarm.jog.accepts && !document.getElementById('drive').checked")
-    bench.viewer.show_servo(ServoOutput.stale(np.zeros(bench.arm.n), "by hand"))  # a servo with a will of its own
-    until(page, "document.querySelector('#jog-unreachable [value=stop]').disabled")
-    bench.viewer.servo_settings()
-    until(page, "document.querySelector('#jog-unreachable [value=slide]:enabled')?.checked")
-    bench.viewer.show_servo(None)
-    until(page, "!document.getElementById('drive').disabled")

@@ -151,14 +151,6 @@ def test_pages_share_the_arm_and_each_has_its_own_layers(page: Any, other: Any, 
     assert not page.evaluate("twistarm.parts.theory.linear.group.visible")
     page.get_by_label("Frames").check()
     assert other.evaluate(shown) == [False, False, True]
-    settled(other, viewer.url)  # loaded again, it keeps them
-    until(other, "twistarm.parts.theory.linear.group.visible")
-    assert other.evaluate(shown) == [False, False, True]
-    viewer.show_frames(False)
-    until(page, "!twistarm.view.node('/frames').visible")
-    page.locator('input[data-joint="finger_left"]').press("End")
-    until(other, "twistarm.state.frame.others.finger_left > 0.01")
-    assert_drawn(other, arm)
 
 
 def test_the_tool_s_path_is_a_line_along_its_way(shown: Shown, arm: Arm) -> None:

@@ -128,10 +128,9 @@ def test_the_saved_page_stands_as_it_stood_and_outlasts_a_reload(page: Any, tmp_
             assert control.get_attribute("title") == "Needs Python: run twistarm view"
 
 
-@pytest.mark.parametrize("lacking", ["WebAssembly", "DecompressionStream"])
-def test_a_browser_that_cannot_run_it_is_told_which_can(browser: Any, tmp_path: Path, lacking: str) -> None:
+def test_a_browser_that_cannot_run_it_is_told_which_can(browser: Any, tmp_path: Path) -> None:
     page = browser.new_page()
-    page.add_init_script(f"delete globalThis.{lacking}")
+    page.add_init_script("delete globalThis.WebAssembly")
     page.goto(save_html(load("rover_arm"), tmp_path / "arm.html").as_uri())
     until(page, "!document.getElementById('error').hidden")
     assert "Firefox 121" in page.get_by_role("alert").inner_text()
@@ -174,23 +173,11 @@ def test_a_picture_has_the_size_asked_for_and_shows_what_is_seen(page: Any, tmp_
         page.get_by_label("Height of the picture").fill("300")
         wide = image(saved(page, tmp_path, lambda: page.keyboard.press("Enter")))
         assert wide.shape == (300, 2500, 3)
-        rows, columns = np.nonzero(pink(wide))
-        at_home, across = np.nonzero(pink(own))
+        (rows, columns), (at_home, across) = np.nonzero(pink(wide)), np.nonzero(pink(own))
         # The same field of view from top to bottom, the arm in the middle: pieces are put together without a shift.
         assert_allclose(np.ptp(rows) / 300, np.ptp(at_home) / 720, atol=0.01)
         assert_allclose((columns.mean() - 1250) / 300, (across.mean() - 480) / 720, atol=0.01)
-        page.get_by_label("Width of the picture").fill("200")
-        narrow = image(saved(page, tmp_path, lambda: button.click()))
-        _, columns = np.nonzero(pink(narrow))
-        assert_allclose(np.ptp(columns) / 200, np.ptp(across) / 960, atol=0.02)
         assert page.evaluate("[twistarm.view.viewer.camera.zoom, twistarm.view.viewer.camera.aspect]") == before
-        page.get_by_label("Height of the picture").fill("9000")
-        button.click()
-        wrong = "Give the height in whole pixels, 16 … 8192; got 9000"
-        until(page, f"document.querySelector('#share-note').textContent === '{wrong}'")
-        page.reload()
-        until(page, "globalThis.twistarm?.state.fitted")
-        assert page.get_by_label("Width of the picture").input_value() == "200", "as it was last made"
 
 
 @contextmanager

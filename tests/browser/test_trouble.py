@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -81,19 +80,6 @@ def test_requests_that_add_up_do_not_replace_one_another(page: Any, viewer: View
     )
     until(page, "document.querySelectorAll('#pose-list li').length === 3")
     assert viewer.theta[:2].tolist() == [0.4, 0.3]
-
-
-def test_a_missed_target_is_told_beside_every_panel(page: Any) -> None:
-    write(page, "tool x, metres", "3")
-    until(page, "document.getElementById('target-words').dataset.converged === 'false'")
-    missed = page.locator("#missed")
-    assert missed.is_hidden()  # the panel says it
-    page.get_by_role("tab", name="Theory").click()
-    assert missed.is_visible()
-    assert missed.inner_text().startswith("✕ Out of reach by 2.5")
-    page.get_by_role("tab", name="Move").click()
-    page.get_by_role("button", name="zero").click()
-    until(page, "document.getElementById('missed').textContent === ''")
 
 
 def test_a_hand_on_the_scrubber_is_not_pulled_along(page: Any, viewer: Viewer, arm: Arm) -> None:
@@ -184,47 +170,3 @@ def test_a_changed_file_is_drawn_anew_and_a_broken_one_reported(browser: Any, ar
         until(page, "twistarm.state.frame.theta[2] === -2")
     page.close()
     assert errors == []
-
-
-LINES = """(id) => {
-  const place = document.getElementById(id);
-  const { lineHeight, paddingTop, paddingBottom } = getComputedStyle(place);
-  return (place.clientHeight - parseFloat(paddingTop) - parseFloat(paddingBottom)) / parseFloat(lineHeight);
-}"""
-
-LONG = "the elbow would turn beyond its limit on the way to the next pose, and then " * 6
-
-NOTES = {"notes": [LONG, LONG, "last"], "objects": 1, "left": 0}
-
-MET = {"given": {}, "converged": True, "words": f"arm: {LONG}\n3 iterations"}
-
-FOUND = {"requested": True, "places": [], "theta": [], "words": f"x\n2 found, 3 of 64 searches reached it\n{LONG}"}
-
-SAY = {
-    "error": f"twistarm.panel.showError('{LONG}')",
-    "notice": f"twistarm.parts.work.notice({json.dumps({'words': LONG, 'wrong': True})})",
-    "notes": f"twistarm.parts.progress.learn({json.dumps(NOTES)})",
-    "target-words": f"twistarm.parts.target.verdict.show({json.dumps(MET)})",
-    "solutions-words": f"twistarm.parts.solutions.show({json.dumps(FOUND)})",
-}
-
-
-@pytest.mark.smoke
-def test_messages_have_two_lines_errors_six_and_one_fold(page: Any, viewer: Viewer) -> None:
-    settled(page, viewer.url)
-    for place, say in SAY.items():
-        page.evaluate(say)
-        said = page.locator(f"#{place}")
-        most = 6.3 if place == "error" else 2.3
-        assert most - 2.0 < page.evaluate(LINES, place) < most, place
-        assert "iterations" not in said.inner_text()
-        assert "searches" not in said.inner_text()
-        fold = said.locator("details")
-        assert fold.count() == 1, place
-        fold.locator("summary").press("Enter")
-        assert page.evaluate(LINES, place) > most + 0.6, place
-        if place == "target-words":
-            assert "3 iterations" in said.inner_text()
-    page.evaluate("twistarm.panel.showError('short')")
-    assert page.locator("#error summary").evaluate("(summary) => summary.tabIndex") == -1
-    assert page.locator("#error").inner_text().strip() == "short"
