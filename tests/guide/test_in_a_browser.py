@@ -145,25 +145,6 @@ def test_a_scene_shows_its_quantity_before_anybody_moves_it(opened: Any, tmp_pat
         output.scene(arm, quantity="speed")
 
 
-def test_frames_in_view_start_one_after_the_other(browser: Any, tmp_path: Path) -> None:
-    for name in "ab":
-        (tmp_path / f"{name}.html").write_text(f"<title>{name}</title>")
-    script = site_file("scripts/frames.js").decode()
-    (tmp_path / "two.html").write_text(
-        f'<iframe data-src="a.html"></iframe><iframe data-src="b.html"></iframe><script>{script}</script>'
-    )
-    page, requests = browser.new_page(), []
-    page.route(re.compile(r"/[ab]\.html$"), lambda route: requests.append(route))
-    page.goto((tmp_path / "two.html").as_uri(), wait_until="commit")
-    page.wait_for_timeout(500)
-    assert [route.request.url[-6:] for route in requests] == ["a.html"]
-    requests[0].continue_()
-    page.wait_for_timeout(500)
-    assert [route.request.url[-6:] for route in requests] == ["a.html", "b.html"]
-    requests[1].continue_()
-    page.close()
-
-
 def test_the_site_of_arms_leads_to_a_page_of_each(arms: Path, opened: Any) -> None:
     page = opened(arms)
     assert page.evaluate("[...document.images].every((each) => each.complete && each.naturalWidth > 0)")
@@ -261,14 +242,9 @@ def slide(page: Any, label: str, value: float) -> None:
 
 
 @pytest.mark.parametrize("name", SLIDERS)
-def test_each_slider_starts_and_every_control_has_a_name(name: str, bench: Any) -> None:
+def test_each_slider_starts_and_keys_move_it(name: str, bench: Any) -> None:
     page = bench(name)
-    assert page.locator(".bench svg").get_attribute("aria-label")
     assert page.locator(".bench svg > *").count() > 2
-    names = page.evaluate(
-        "[...document.querySelectorAll('.bench :is(input, select)')].map((each) => each.labels[0].innerText)"
-    )
-    assert all(names)
     first = page.locator(".bench input").first
     before = page.locator(".bench svg").inner_html()
     first.focus()

@@ -156,6 +156,4 @@ def test_a_real_browser_draws_the_whole_arm(tmp_path: Path, scratch: Path, size:
     assert (~legend).sum() > size[0] / 10
     inside = columns[~legend] / size[0]
     assert 0.05 < inside.min() < inside.max() < 0.95
-    assert pixels[60:200, : size[0] // 12].min() > 150, "sky, where the panel of the page has its names"
-    assert pixels[:60, -size[0] // 6 :].min() > 150, "sky, where the page has its switches"
     assert list(scratch.iterdir()) == []

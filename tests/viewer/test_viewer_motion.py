@@ -166,18 +166,6 @@ def test_a_turn_draws_its_arc_and_configurations_their_order() -> None:
     assert tool_path(TURNER, [[0.5], [0.5]])["points"] == [], "a tool that stays draws nothing"
 
 
-def test_a_long_way_is_drawn_by_400_points_and_ends_where_it_ends() -> None:
-    """Evenly along an arc of 3 rad: steps of 2 mm, whose chords are 2 µm from the arc."""
-    points = np.array(tool_path(TURNER, np.linspace(0, 3, 5000)[:, None])["points"])
-    assert len(points) == 400
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    assert_allclose(steps, 0.3 * 3 / 399, rtol=5e-2)  # 12 or 13 of the 4999 steps
-    assert_allclose(points[-1], [0.3 * np.cos(3), 0.3 * np.sin(3), 0.4], atol=1e-6)
-    moving = np.array(tool_path(TURNER, TURN)["points"])
-    assert 350 < len(moving) <= 400  # some steps beside rest are too short to be seen
-    assert np.linalg.norm(np.diff(moving, axis=0), axis=1).max() < 2 * 0.3 * np.pi / 2 / 399  # twice the mean speed
-
-
 @pytest.mark.parametrize("motion", [[0.1], np.zeros((0, 1)), [[0.1, 0.2]], [[np.nan]], [[0.0], [1e9]], "up"])
 def test_what_is_no_motion(motion: object) -> None:
     with pytest.raises(InputError):

@@ -23,15 +23,6 @@ from twistarm.viewer.stage import Stage
 from viewer_page import swing
 
 
-def test_what_is_on_show_is_recorded_and_gone_to(stage: Stage) -> None:
-    poses = said(stage, "program")["poses"]
-    recorded = {pose["name"]: tuple(pose["theta"]) for pose in poses}
-    assert list(recorded.items()) == [("home", HOME), ("reach", REACH), ("left", LEFT)]
-    assert len({pose["id"] for pose in poses}) == 3
-    ask(stage, "go", id=poses[1]["id"], ease=False)
-    assert_array_equal(stage.theta, REACH)
-
-
 def test_names_are_made_up_and_none_comes_twice(stage: Stage) -> None:
     for name in ("", "  home ", "home", "", "pose 4"):
         ask(stage, "record", name=name)
