@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..description.meshes import extreme_points, read_mesh
 from ..description.tree import Description, Geometry, Link, Pair, sorted_pair
-from ..support.checks import Array
+from ..support.checks import Array, pose_of
 from ..support.errors import InputError, TwistarmError
 from ..theory.joints import plane_axes
 from .cloud import Cloud
@@ -201,9 +201,7 @@ def _with_volume(points: Array) -> Array:
 
 def along(end: Array) -> Array:
     """The pose (4, 4) halfway to `end` (3,) with its z axis along it."""
-    g = np.eye(4)
-    g[:3, :3], g[:3, 3] = plane_axes(end), 0.5 * end
-    return g
+    return pose_of(plane_axes(end), 0.5 * end)
 
 
 def outline(shape: Any) -> dict[str, Any]:

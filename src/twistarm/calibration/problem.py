@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..support.checks import Array, nearest_rotation
+from ..support.checks import Array, nearest_rotation, pose_of
 from ..support.errors import InputError
 from ..theory.rotations import log_of, skew
 from ..theory.screws import exp
@@ -325,7 +325,5 @@ def kabsch(a: Array, b: Array) -> Array:
     """The motion (4, 4) that takes points a (K, 3) nearest to b."""
     if len(a) < 3:
         raise InputError(f"{len(a)} positions do not show the base: measure 3 or more, or hold it (base='held')")
-    g = np.eye(4)
-    g[:3, :3], _ = nearest_rotation((b - b.mean(axis=0)).T @ (a - a.mean(axis=0)))
-    g[:3, 3] = b.mean(axis=0) - g[:3, :3] @ a.mean(axis=0)
-    return g
+    R, _ = nearest_rotation((b - b.mean(axis=0)).T @ (a - a.mean(axis=0)))
+    return pose_of(R, b.mean(axis=0) - R @ a.mean(axis=0))

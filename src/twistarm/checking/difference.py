@@ -14,7 +14,7 @@ from ..arm.baking import BAKED, SUFFIX, Kind, content_of, sealed, unsealed
 from ..arm.loading.load import arm_of, load_arm
 from ..description.geometry import INERTIA, Body, bodies
 from ..limits.joint_limits import RATES, JointLimits
-from ..support.checks import Array
+from ..support.checks import Array, pose_of
 from ..support.errors import ComparisonError, InputError
 from ..support.files import as_path, write_whole
 from ..theory.rotations import log as rotation_log
@@ -280,9 +280,7 @@ def _axis_change(before: Array, now: Array, tool: Array, new_tool: Array) -> tup
     else:  # the least rotation from one axis to the other
         K = hat(np.cross(old.axis, new.axis))
         turn = np.eye(3) + K + K @ K / (1 + cosine)
-    motion = np.eye(4)
-    motion[:3, :3] = turn
-    motion[:3, 3] = (_nearest(new, anchor) if turning else anchor) - turn @ anchor
+    motion = pose_of(turn, (_nearest(new, anchor) if turning else anchor) - turn @ anchor)
     words += _motion_words(motion, anchor)
     if turning and abs(new.pitch - old.pitch) > SAME_TOL:
         words.append(f"changed its pitch from {old.pitch:.6g} to {new.pitch:.6g} m/rad")

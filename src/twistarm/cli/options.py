@@ -16,7 +16,7 @@ from ..arm.loading.load import Wishes, load_arm, read, specify
 from ..description.catalog import model_arms, own_arms
 from ..description.planar import free_name
 from ..limits.joint_limits import slides
-from ..support.checks import Array
+from ..support.checks import Array, pose_of
 from ..support.errors import InputError
 from .command import Command, Group, Shared, params_of
 from .numbers import (
@@ -130,9 +130,7 @@ class Source:
         arm = load_arm(self.name, **self.keywords)
         if self.tool is None:
             return arm
-        g = np.eye(4)
-        g[:3, 3] = self.tool
-        return arm.with_tool(g, free_name("tool", {*arm.frame_names}))
+        return arm.with_tool(pose_of(np.eye(3), self.tool), free_name("tool", {*arm.frame_names}))
 
     def without_tool(self, where: str) -> dict[str, Any]:
         """The keywords of `load_arm`. InputError for a typed tool, which goes to `where`."""

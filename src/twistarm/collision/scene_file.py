@@ -16,7 +16,7 @@ import numpy as np
 from ..arm.bodies import Triangles, along
 from ..description.companions.data_files import parse_toml, parse_yaml, toml_key, toml_text
 from ..description.document import read_text
-from ..support.checks import Array, Given, as_flag, as_floats, as_number, as_vector
+from ..support.checks import Array, Given, as_flag, as_floats, as_number, as_vector, pose_of
 from ..support.errors import InputError, TwistarmError, listed, quote
 from ..support.fields import Check, anything, fields, inside, list_of, table_of, text, vector, word
 from ..support.files import read_bounded
@@ -387,11 +387,9 @@ def _named(value: Any, names: str) -> Any:
 
 def _message_pose(pose: Mapping[str, Any]) -> Array:
     """geometry_msgs/Pose, its parts as lists or as x, y, z, w."""
-    g = np.eye(4)
-    g[:3, 3] = as_vector(_named(pose.get("position", [0.0, 0.0, 0.0]), "xyz"), "position")
+    p = as_vector(_named(pose.get("position", [0.0, 0.0, 0.0]), "xyz"), "position")
     turn = as_vector(_named(pose.get("orientation", [0.0, 0.0, 0.0, 1.0]), "xyzw"), "orientation", 4)
-    g[:3, :3] = from_xyzw(turn) if turn.any() else np.eye(3)  # an empty message has zeros
-    return g
+    return pose_of(from_xyzw(turn) if turn.any() else np.eye(3), p)  # an empty message has zeros
 
 
 def _matrix_pairs(

@@ -30,6 +30,7 @@ from ..support.checks import (
     as_reals,
     as_vector,
     frozen,
+    pose_of,
     require_choice,
     require_one,
     require_radians,
@@ -78,7 +79,7 @@ class Pose(Brief):
         angles = one_vector(rpy, "rpy", 3, "")
         if angle_hint(angles):
             raise InputError(f"rpy: {angle_hint(angles)}: numpy.radians converts them")
-        return cls(_pose_at(p, from_rpy(angles)))
+        return cls(pose_of(from_rpy(angles), one_vector(p, "p")))
 
     @classmethod
     def from_quaternion(cls, p: Row, *, wxyz: Row | None = None, xyzw: Row | None = None) -> Pose:
@@ -95,7 +96,7 @@ class Pose(Brief):
         length = float(np.linalg.norm(Q))
         if abs(length - 1.0) > UNIT_LENGTH_TOL:
             raise InputError(f"a quaternion has length 1; this one has {length:.3g}")
-        return cls(_pose_at(p, from_xyzw(Q)))
+        return cls(pose_of(from_xyzw(Q), one_vector(p, "p")))
 
     @property
     def numbers(self) -> Array:
@@ -425,12 +426,6 @@ def one_vector(value: Any, name: str, size: int = 3, unit: str = "m") -> Array:
     if unit:
         _require_near(vector, name)
     return frozen(vector)
-
-
-def _pose_at(p: Row, R: Array) -> Array:
-    g = np.eye(4)
-    g[:3, :3], g[:3, 3] = R, one_vector(p, "p")
-    return g
 
 
 def one_direction(value: ArrayLike, name: str) -> Array:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..arm.arm import Arm
 from ..ik.targets import AnyTarget, Approach, Pose, Position, one_direction, one_vector
-from ..support.checks import Array, Matrix, Row, as_positive, as_reals, as_rotation, frozen, require_radians
+from ..support.checks import Array, Matrix, Row, as_positive, as_reals, as_rotation, frozen, pose_of, require_radians
 from ..support.directions import numbers
 from ..support.display import Brief
 from ..support.errors import InputError, quote
@@ -156,9 +156,7 @@ class Keep(Brief):
         if not isinstance(target, Position):
             return target
         if self.orientation is not None:
-            g = np.eye(4)
-            g[:3, :3], g[:3, 3] = self.orientation, target.p
-            return Pose(g)
+            return Pose(pose_of(np.asarray(self.orientation), target.p))
         if self.direction is None:
             return target
         return Approach(target.p, np.asarray(self.direction), np.asarray(self.tool_axis))

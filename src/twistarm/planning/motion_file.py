@@ -16,7 +16,7 @@ import numpy as np
 from ..arm.arm import Arm
 from ..description.companions.data_files import parse_toml, toml_key
 from ..ik.targets import Approach, Pose, Position, TolerancedPose
-from ..support.checks import Array, as_flag, as_number, as_positive, as_theta
+from ..support.checks import Array, as_flag, as_number, as_positive, as_theta, pose_of
 from ..support.code_text import filled
 from ..support.errors import InputError, listed, quote
 from ..support.fields import Check, anything, fields, inside, list_of, numbers, one_of, only, table_of, vector, word
@@ -211,8 +211,7 @@ class _Reader:
             return Approach(table["xyz"], table["direction"], table.get("tool_axis"))
         if not rotations:
             return Position(table["xyz"])
-        g = np.eye(4)
-        g[:3, 3], g[:3, :3] = table["xyz"], table[rotations[0]]
+        g = pose_of(table[rotations[0]], table["xyz"])
         if "tolerance" not in table:
             return Pose(g)
         return TolerancedPose(g, table["tolerance"], table.get("frame", "target"))

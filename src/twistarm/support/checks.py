@@ -285,6 +285,13 @@ def as_pose(value: Given, name: str = "pose") -> Array:
     return clean
 
 
+def pose_of(R: ArrayLike, p: ArrayLike) -> Array:
+    """The pose [R, p; 0, 1] (4, 4) of a rotation (3, 3) and a place (3,), or 0 for its origin, unchecked."""
+    g = np.eye(4)
+    g[:3, :3], g[:3, 3] = R, p
+    return g
+
+
 def as_frame(value: Given, name: str = "g") -> Array:
     """`value` as one matrix (4, 4) of finite numbers, which need not be a pose."""
     g = as_floats(value, name)

@@ -28,7 +28,7 @@ from ...description.dh import (
     table_of_rows,
 )
 from ...limits.joint_limits import JointLimits
-from ...support.checks import Array, as_number, require_choice
+from ...support.checks import Array, as_number, pose_of, require_choice
 from ...support.csv_lines import csv_text
 from ...support.errors import InputError, quote
 from ...support.messages import Argument, Text
@@ -134,17 +134,15 @@ def to_dh(arm: Arm, convention: str = "standard", parallel: float = PARALLEL) ->
         raise InputError(f"{arm.name} has joints with a pitch or a rate; a DH table has only turns and slides")
     axes = np.vstack([screws.axis, arm.home[:3, 2]])
     points = np.vstack([screws.point, arm.home[:3, 3]])
-    frame = np.eye(4)
-    frame[:3, :3] = plane_axes(axes[0])
-    frame[:3, 3] = np.zeros(3) if slides[0] else points[0] - axes[0] * (axes[0] @ points[0])  # nearest to the base
+    origin = np.zeros(3) if slides[0] else points[0] - axes[0] * (axes[0] @ points[0])  # nearest to the base
+    frame = pose_of(plane_axes(axes[0]), origin)
     base, frames = frame, [frame]
     for i in range(arm.n):
         here = frame[:3, 3]  # a slide's axis may pass through any point
         one, other = (here if j < arm.n and slides[j] else points[j] for j in (i, i + 1))
         x, feet = _normal((axes[i], one), (axes[i + 1], other), frame, parallel)
         k = i + 1 if convention == "standard" else i
-        frame = np.eye(4)
-        frame[:3, :3], frame[:3, 3] = plane_axes(axes[k], x), feet[k - i]
+        frame = pose_of(plane_axes(axes[k], x), feet[k - i])
         frames.append(frame)
     steps = [inverse(frame) @ other for frame, other in pairwise(frames)]
     rows = np.array([_row(T, convention) for T in steps])

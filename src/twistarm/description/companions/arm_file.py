@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...limits.joint_limits import FIELDS, RATES
-from ...support.checks import Array, as_number, as_positive, frozen
+from ...support.checks import Array, as_number, as_positive, frozen, pose_of
 from ...support.errors import InputError, quote
 from ...support.fields import Check, anything, fields, list_of, numbers, table_of, text, word
 from ...support.files import as_path, is_file
@@ -212,6 +212,4 @@ def _beside(name: str, key: str, path: Path, exists: Callable[[Path], bool] = is
 
 def _pose(table: Mapping[str, Any]) -> Array:
     """The pose (4, 4) of a table with xyz and rpy, the identity without them."""
-    g = np.eye(4)
-    g[:3, 3], g[:3, :3] = table.get("xyz", 0.0), from_rpy(table.get("rpy", np.zeros(3)))
-    return frozen(g)
+    return frozen(pose_of(from_rpy(table.get("rpy", np.zeros(3))), table.get("xyz", 0.0)))

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...support.checks import Array
+from ...support.checks import Array, pose_of
 from ...support.errors import DescriptionError, missing_extra
 from ...support.files import is_file, read_bounded
 from ...support.interrupts import ending_at_once
@@ -256,9 +256,7 @@ def _counts(mujoco: Any, spec: Any, geom: Any) -> bool:
 
 def pose(position: ArrayLike, quaternion: ArrayLike) -> Array:
     """The pose (4, 4) of MuJoCo's position and quaternion."""
-    g = np.eye(4)
-    g[:3, :3], g[:3, 3] = from_quaternion_wxyz(quaternion), position
-    return g
+    return pose_of(from_quaternion_wxyz(quaternion), position)
 
 
 def _refused(mjcf: Mjcf, error: ValueError) -> DescriptionError:

@@ -12,7 +12,7 @@ from ...arm.arm import Arm
 from ...arm.bodies import Body, outline
 from ...collision import Scene
 from ...planning.trajectory import Trajectory
-from ...support.checks import Array, Progress, as_vector
+from ...support.checks import Array, Progress, as_vector, pose_of
 from ...support.errors import InputError
 from ...theory.rotations import from_xyzw
 from ..jobs import Job, Memo, same
@@ -113,8 +113,7 @@ class Collisions(Part):
 
     def _put(self, show: Show, now: float, name: str, kind: str, size: list[float], position: Any, xyzw: Any) -> None:
         """Add an obstacle, or move and resize it."""
-        scene, g = self._require_ready(), np.eye(4)
-        g[:3, 3], g[:3, :3] = position, from_xyzw(np.array(xyzw))
+        scene, g = self._require_ready(), pose_of(from_xyzw(np.array(xyzw)), position)
         body = scene.obstacles.get(name)
         if body is None:
             if kind not in KINDS:

@@ -12,7 +12,7 @@ import numpy as np
 from ...arm.arm import Arm
 from ...ik import AllSolutions, AnyTarget, Approach, Pose, Position, closed_form_of, solve_ik_all
 from ...ik.request import as_tolerance
-from ...support.checks import Array
+from ...support.checks import Array, pose_of
 from ...support.directions import value_in_words
 from ...support.errors import InputError
 from ...theory import rotations
@@ -89,9 +89,7 @@ def target_from(arm: Arm, fields: Mapping[str, Any]) -> Pose | Position | Approa
     R = rotations.from_xyzw(xyzw)
     if fields["kind"] == "approach":
         return Approach(p, R @ arm.tool_axis, arm.tool_axis)
-    g = np.eye(4)
-    g[:3, :3], g[:3, 3] = R, p
-    return Pose(g)
+    return Pose(pose_of(R, p))
 
 
 def _set_tolerances(show: Show, now: float, **fields: float) -> None:

@@ -9,7 +9,7 @@ from urllib.parse import quote
 
 import numpy as np
 
-from ...support.checks import Array
+from ...support.checks import Array, pose_of
 from ...support.errors import missing_extra
 
 
@@ -83,9 +83,7 @@ def transform(path: str, matrix: Array) -> bytes:
 
 def at(point: Array) -> Array:
     """The pose (4, 4) at a point (3,), not turned."""
-    g = np.eye(4)
-    g[:3, 3] = point
-    return g
+    return pose_of(np.eye(3), point)
 
 
 def columns(matrix: Array) -> list[float]:
@@ -202,10 +200,7 @@ def _along(start: Array, end: Array, fraction: float, shift: float = 0.0) -> Arr
     across = np.eye(3)[int(np.argmin(np.abs(z)))]
     x = np.cross(across, z)
     x /= np.linalg.norm(x)
-    g = np.eye(4)
-    g[:3, :3] = np.column_stack([x, np.cross(z, x), z])
-    g[:3, 3] = start + fraction * (end - start) + shift * z
-    return g
+    return pose_of(np.column_stack([x, np.cross(z, x), z]), start + fraction * (end - start) + shift * z)
 
 
 def _rgb(colour: Colour) -> int:
