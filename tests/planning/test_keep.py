@@ -25,6 +25,7 @@ from twistarm import (
     solve_ik,
 )
 from twistarm.planning.keep import Constraint, rates
+from twistarm.theory import rotations
 
 ARM = load_arm("ur5", limits={"acceleration": 3.0})
 DOWN, TOL = np.array([0.0, 0.0, -1.0]), 0.03
@@ -71,11 +72,14 @@ def test_a_hanging_tool_stays_so_round_a_post(kind: str, tol: float) -> None:
 def test_several_parts_are_kept_at_once() -> None:
     scene, R = beside_a_post(), ARM.fk(START)[:3, :3]
     box = [[-np.inf, -0.5, 0.35], [0.6, 0.5, np.inf]]
-    keep = Keep(orientation=True, tol=TOL, box=box, plane=[[0.0, 0.0, 0.4], [0.0, 0.0, 2.0]], position_tol=0.005)
+    parts = {"box": box, "plane": [[0.0, 0.0, 0.4], [0.0, 0.0, 2.0]], "position_tol": 0.005}
+    R, leaning = rotations.exp([-0.55 * TOL, 0.0, 0.0]) @ R, rotations.exp([0.55 * TOL, 0.0, 0.0]) @ DOWN
+    keep = Keep(orientation=R, direction=leaning, tol=TOL, **parts)  # 1.1 tol from each other
     motion = plan(ARM, FreeMove(Position(GOAL.p), keep=keep), start=START, scene=scene)
     g = poses(ARM, motion)
     trace = np.einsum("ij,mij->m", R, g[:, :3, :3])
     assert np.arccos(np.clip(0.5 * (trace - 1.0), -1.0, 1.0)).max() <= TOL + 1e-8
+    assert angles(g, np.array([0.0, 0.0, 1.0]), leaning).max() <= TOL + 1e-8
     assert (np.abs(g[:, 2, 3] - 0.4) <= 0.005 + 1e-8).all()
     assert (g[:, :3, 3] >= np.array(box)[0] - 1e-8).all()
     assert (g[:, :3, 3] <= np.array(box)[1] + 1e-8).all()
@@ -152,7 +156,7 @@ def test_what_cannot_be_kept_is_refused(given: dict[str, object], words: str) ->
 
 def test_starts_and_goals_that_do_not_keep_are_refused_with_the_angle() -> None:
     scene, keep = beside_a_post(), Keep(direction=DOWN, tol=TOL)
-    tipped = START + np.eye(6)[3] * 0.5
+    tipped, apart = START + np.eye(6)[3] * 0.5, rotations.exp([2.01 * TOL, 0.0, 0.0]) @ DOWN
     with pytest.raises(
         PathError, match=r"at its start the tool axis is 0\.5 rad off, and at most 0\.03 rad"
     ) as refused:
@@ -163,7 +167,7 @@ def test_starts_and_goals_that_do_not_keep_are_refused_with_the_angle() -> None:
     with pytest.raises(PathError, match="at its goal"):
         plan(ARM, FreeMove(Approach(GOAL.p, [1.0, 0.0, -1.0]), keep=keep), start=START, scene=scene)
     with pytest.raises(InputError, match="contradict"):
-        plan(ARM, FreeMove(START, keep=Keep(direction=-DOWN, orientation=True)), start=START, scene=scene)
+        plan(ARM, FreeMove(START, keep=Keep(direction=apart, orientation=True, tol=TOL)), start=START, scene=scene)
     with pytest.raises(InputError, match=r"Keep\.level"):
         FreeMove(START, keep="level")  # type: ignore[arg-type]
 

@@ -18,7 +18,7 @@ from ..support.directions import numbers
 from ..support.display import Brief
 from ..support.errors import InputError, quote
 from ..support.messages import Quantity, Text, joined
-from ..theory.rotations import skew
+from ..theory import rotations
 from .configurations import shortest
 from .piecewise import bernstein, shifted
 
@@ -129,12 +129,13 @@ class Keep(Brief):
             given["direction"] = R @ axis if self.direction is True else self.direction
         if self.orientation is not None:
             given["orientation"] = R if self.orientation is True else self.orientation
-        if len(given) == 3:
-            axis = given["orientation"] @ given["tool_axis"]
-            angle = 2.0 * np.arcsin(min(0.5 * float(np.linalg.norm(axis - given["direction"])), 1.0))
-            if angle >= self.tol:
-                what = "orientation and direction contradict each other: the angle between them is {angle}, tol {tol}"
-                raise InputError(Text(what, angle=Quantity(angle, "rad", 3), tol=Quantity(self.tol, "rad", 3)))
+        if self.direction is not None and self.orientation is not None:
+            angle, _ = _least_turn(given["orientation"] @ given["tool_axis"], given["direction"])
+            if angle > 2.0 * self.tol:  # each may be off by tol
+                what = (
+                    "orientation and direction contradict each other: {angle} are between them, more than 2 tol, {most}"
+                )
+                raise InputError(Text(what, angle=Quantity(angle, "rad", 3), most=Quantity(2.0 * self.tol, "rad", 3)))
         return replace(self, **given)
 
     def weaker(self, arm: Arm) -> Iterator[Keep]:
@@ -155,11 +156,16 @@ class Keep(Brief):
         """Constrain a target by the rotation that is kept, where it leaves its rotation free."""
         if not isinstance(target, Position):
             return target
-        if self.orientation is not None:
-            return Pose(pose_of(np.asarray(self.orientation), target.p))
-        if self.direction is None:
-            return target
-        return Approach(target.p, np.asarray(self.direction), np.asarray(self.tool_axis))
+        if self.orientation is None:
+            if self.direction is None:
+                return target
+            return Approach(target.p, np.asarray(self.direction), np.asarray(self.tool_axis))
+        R = np.asarray(self.orientation)
+        if self.direction is not None:
+            angle, turn = _least_turn(R @ np.asarray(self.tool_axis), np.asarray(self.direction))
+            if angle > self.tol:  # only rotations between the two keep both
+                R = rotations.exp(0.5 * turn) @ R
+        return Pose(pose_of(R, target.p))
 
     def describe(self) -> str:
         """What is kept in words, with numbers for all parts, as of `at`."""
@@ -224,7 +230,7 @@ class Constraint:
         """For each rotation that is kept: φ (m,), φ u (m, 3) at R (m, 3, 3), and the rows that count (None: all)."""
         if self.keep.direction is not None:
             along, axis = np.asarray(self.keep.direction) @ R, np.asarray(self.keep.tool_axis)
-            yield *_turn(along @ skew(axis), along @ axis), self._across
+            yield *_turn(along @ rotations.skew(axis), along @ axis), self._across
         if self.keep.orientation is not None:
             E = np.asarray(self.keep.orientation).T @ R
             w = np.stack([E[:, 2, 1] - E[:, 1, 2], E[:, 0, 2] - E[:, 2, 0], E[:, 1, 0] - E[:, 0, 1]], axis=1)
@@ -321,6 +327,12 @@ class Constraint:
             piece, middle, half = np.tile(piece, 2), np.concatenate([middle - half, middle + half]), np.tile(half, 2)
         bad[piece] = True
         return bad
+
+
+def _least_turn(a: Array, b: Array) -> tuple[float, Array]:
+    """The angle from the unit vector a to b and its rotation vector (3,), which is 0 for opposite vectors."""
+    angle, turn = _turn(np.cross(a, b)[None], np.array([a @ b]))
+    return float(angle[0]), turn[0]
 
 
 def _turn(w: Array, cosine: Array) -> tuple[Array, Array]:
