@@ -327,13 +327,12 @@ class Arm(ArmData):
         return np.tile(np.eye(4), (*theta.shape[:-1], 1, 1))
 
     def _computed(self, kernel: Callable[[Any], Array | None], theta: ArrayLike, shape: tuple[int, ...]) -> Array:
-        """`kernel` of theta (..., n), a method of `_engine`. The core answers None where theta is no plain array."""
+        """`kernel` of theta (..., n), a method of `_engine`. The core may answer None at first: see there."""
         answer = None if self.compiled is None else kernel(theta)
         if answer is None:
             x = self._asked_at(theta)
-            answer = kernel(np.require(x.reshape(-1, self.n), np.float64, ["C", "A"]))
-            assert answer is not None
-            answer = answer.reshape(*x.shape[:-1], *shape)
+            rows = engine.answered(kernel(np.require(x.reshape(-1, self.n), np.float64, ["C", "A"])))
+            answer = rows.reshape(*x.shape[:-1], *shape)
         return answer
 
 

@@ -1,4 +1,9 @@
-"""The two engines of an arm's kinematics: the compiled core `twistarm._core`, and NumPy where that is missing."""
+"""The two engines of an arm's kinematics: the compiled core `twistarm._core`, and NumPy where that is missing.
+
+The core takes contiguous float64 arrays, Python's float and int, and values in their ranges. It answers None to
+anything else (`solve_batch`: False), and changes nothing. So a fast call passes its arguments unchecked. After None it
+checks and converts them, or says what is wrong, and calls again. `answered` takes the answer to checked arguments.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +11,7 @@ import importlib
 import logging
 from functools import cache
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..support.checks import Array
 from ..support.errors import TwistarmError
@@ -16,6 +21,8 @@ from ..theory.screws import adjoint_of, exp_along, inverse_of, turn_and_slide
 if TYPE_CHECKING:
     from .._core import Chain as Chain
     from .._core import Servo as Servo
+
+T = TypeVar("T")
 
 INTERFACE = 26
 """Version of the compiled core that this Python needs. It rises with each change of a call."""
@@ -84,6 +91,12 @@ def asked(name: str, *given: object) -> Any:
     """The answer of a function of the core; None without a core, or if Python must check the input."""
     module = core()
     return None if module is None else getattr(module, name)(*given)
+
+
+def answered(answer: T | None) -> T:
+    """The core's answer to arguments that have been checked, which is never None."""
+    assert answer is not None, "the core takes what has been checked"
+    return answer
 
 
 def instruction_set() -> str:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
+from ..arm.engine import answered
 from ..support.checks import Array, RealArray, as_flag, as_given, as_whole
 from .all_solutions import AllSolutions
 from .answer import ConfigurationsBatch
@@ -174,9 +175,7 @@ def solve_ik_all_batch(
     kinds = {(type(target), target.axis.tobytes() if isinstance(target, Approach) else b"") for target in goals}
     method = method_for(arm, goals[0] if goals else Pose(np.eye(4)), tuple(fixed))
     if len(kinds) <= 1 and not include_turns and method.core is not None and not method.sampled:
-        found = _by_core(arm, method, goals, near, request.tolerances, workers, solve_single)
-        assert found is not None, "what was checked is plain"
-        return found
+        return answered(_by_core(arm, method, goals, near, request.tolerances, workers, solve_single))
     starts = np.broadcast_to(near, (len(goals), arm.n))
     return _gathered(arm, goals, near, request.tolerances, list(map(solve_single, goals, starts)))
 
@@ -190,7 +189,7 @@ def _by_core(
     threads: int,
     solve_single: Callable[[TargetLike, Array], AllSolutions],
 ) -> AllSolutionsBatch | None:
-    """The core's answer. None where an argument is not plainly right.
+    """The core's answer; None as in `arm.engine`.
 
     `solve_single` solves a target if the core cannot separate families, or if only the tolerances reach it.
     """

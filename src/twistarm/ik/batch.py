@@ -16,7 +16,7 @@ from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, Progress, RealArray, as_given, as_positive, as_whole, frozen, require_callback
 from ..support.errors import InputError, quote
 from .answer import CONVERGED, NOT_FINISHED, STOPS, Record, StopReason, record_type
-from .certainty import decide
+from .certainty import decided
 from .ranges import joint_ranges
 from .request import Deadline, Options, Request, checked, in_radians, named
 from .solution import IKResult
@@ -178,7 +178,7 @@ def solve_ik_batch(
 def _of_poses(
     arm: Arm, poses: RealArray, theta0: Any, posture: Any, options: Options, threads: int, progress: Progress | None
 ) -> IKBatch | None:
-    """The core's answers to poses (N, 4, 4), which it checks much faster. None where an argument is not plain."""
+    """The core's answers to poses (N, 4, 4), which it checks much faster; None as in `arm.engine`."""
     start = arm.ready if theta0 is None else named(arm, theta0)
     preferred = None if posture is None else named(arm, posture, start)
     report = partial(_report, progress, 0, None) if callable(progress) else progress
@@ -223,7 +223,7 @@ def _free(batch: IKBatch, scene: Scene, deadline: Deadline, threads: int) -> IKB
     return replace(batch, records=records, contacts=contacts)
 
 
-def _finished(arm: Arm, records: Record, targets: tuple[AnyTarget, ...] | None, patient: bool) -> Record:
+def _finished(arm: Arm, records: Record, targets: tuple[AnyTarget, ...] | None, has_time: bool) -> Record:
     """The answers. Late ones get their start and infinite errors, and the closed form decides about missed ones."""
     late = records["stop"] == NOT_FINISHED
     if late.any():
@@ -233,7 +233,7 @@ def _finished(arm: Arm, records: Record, targets: tuple[AnyTarget, ...] | None, 
     # An answer of one search stays: its caller wants the end of that search.
     for i in np.flatnonzero((records["stop"] != CONVERGED) & (records["restarts"] > 1)).tolist():
         target = target_of(Pose.kind, records[i]["numbers"]) if targets is None else targets[i]
-        decide(arm, target, records[i, ...], patient)
+        records[i] = decided(arm, target, records[i, ...], has_time)
     return records
 
 

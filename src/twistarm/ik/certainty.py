@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arm.arm import Arm
+from ..arm.engine import answered
 from ..support.checks import Array
 from .answer import CONVERGED, NOT_FINISHED, STOPS, Configurations, Record, StopReason, fill, record_type
 from .closed_form.methods import Method, family_for
@@ -27,28 +28,24 @@ FAR = 1e-5
 BARELY_OUTSIDE = 1e-4  # A configuration outside the limits by less than this [rad, m] proves nothing.
 
 
-def decide(arm: Arm, target: AnyTarget, answer: Record, patient: bool) -> None:
-    """Correct an answer by the closed form.
+def decided(arm: Arm, target: AnyTarget, missed: Record, has_time: bool) -> Record:
+    """An answer that the closed form has corrected, or `missed` itself.
 
     It may give a configuration after all. If that lies outside the limits, these are the reason. The answer is
     `certain` if the closed form proves that nothing inside the limits reaches the target exactly. An answer that
     converged, or was not finished in time, does not change. Nor does that of one search: its caller wants its result.
-    Without a closed form, other searches must find nothing before limits are the reason. `patient`: there is time for
+    Without a closed form, other searches must find nothing before limits are the reason. `has_time`: there is time for
     them.
     """
-    if answer["stop"] in (CONVERGED, TIMED_OUT, NOT_FINISHED) or answer["restarts"] <= 1:
-        return
-    method, start = family_for(arm, target), np.array(answer["theta0"])
-    exact = Tolerances(float(answer["position_tol"]), float(answer["orientation_tol"])).at_most(EXACT)
+    if missed["stop"] in (CONVERGED, TIMED_OUT, NOT_FINISHED) or missed["restarts"] <= 1:
+        return missed
+    method, start = family_for(arm, target), np.array(missed["theta0"])
+    exact = Tolerances(float(missed["position_tol"]), float(missed["orientation_tol"])).at_most(EXACT)
     if method is None or method.core is None:
-        if patient and answer["stop"] == BLOCKED:
-            _search_again(arm, target, answer)
-        return
+        return _searched_again(arm, target, missed) if has_time and missed["stop"] == BLOCKED else missed
     held = _held_values(arm, method, start)
-    answers = method.core.solve(target.numbers, start, held, exact.position, exact.orientation)
-    if answers is None:
-        return
-    found = Configurations(*answers)
+    found = Configurations(*answered(method.core.solve(target.numbers, start, held, exact.position, exact.orientation)))
+    answer = missed.copy()
     if found.inside:
         g = arm.fk(found.theta[0])
         fill(
@@ -65,16 +62,16 @@ def decide(arm: Arm, target: AnyTarget, answer: Record, patient: bool) -> None:
         nearly = beyond.max(axis=1, initial=0.0).min(initial=np.inf) <= BARELY_OUTSIDE
         if proves and not nearly and max(answer["position_error"], answer["orientation_error"]) > FAR:
             answer["certain"] = True
+    return answer
 
 
-def _search_again(arm: Arm, target: AnyTarget, answer: Record) -> None:
-    """Look for an answer that reaches the target after all. A root at a corner of the limits has a small basin."""
+def _searched_again(arm: Arm, target: AnyTarget, missed: Record) -> Record:
+    """An answer that reaches the target after all, or `missed`. A root at a corner of the limits has a small basin."""
     assert arm.compiled is not None, "the core has answered"
     # Another seed: the same one would repeat the searches that found nothing.
-    how = float(answer["position_tol"]), float(answer["orientation_tol"]), int(answer["restarts"]), OTHER_SEED
-    again = arm.compiled.solve(target.kind, target.numbers, np.array(answer["theta0"]), *how, None, None)
-    if again is not None and again[0] == CONVERGED:
-        answer[...] = np.ndarray((), record_type(arm.n), again[1])  # in place: the caller's result holds this record
+    how = float(missed["position_tol"]), float(missed["orientation_tol"]), int(missed["restarts"]), OTHER_SEED
+    again = arm.compiled.solve(target.kind, target.numbers, np.array(missed["theta0"]), *how, None, None)
+    return np.ndarray((), record_type(arm.n), again[1]) if again is not None and again[0] == CONVERGED else missed
 
 
 def _held_values(arm: Arm, method: Method, start: Array) -> Array | None:

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arm.engine import answered
 from ..support.checks import Array, Progress
 from .all_solutions import AllSolutions
 from .answer import Configurations
@@ -51,8 +52,7 @@ class Gathering(Task):
         assert self.method.core is not None
         held, exact = values if len(values) > 1 else None, self.tolerances
         found = self.method.core.solve(self.target.numbers, self.near, held, exact.position, exact.orientation)
-        assert found is not None, "checked input needs no conversion"
-        return Configurations(*found)
+        return Configurations(*answered(found))
 
     def eliminated(self, values: Array) -> Configurations | None:
         """What elimination finds with the held joints at `values` (h,). None where every way leaves a doubt."""
@@ -66,9 +66,7 @@ class Gathering(Task):
         """The different answers among the candidates (k, n), verified by the core."""
         assert self.method.verifier is not None
         how = self.near, candidates, self.tolerances.position, self.tolerances.orientation
-        found = self.method.verifier.verify(self.target.numbers, *how)
-        assert found is not None, "checked input needs no conversion"
-        return Configurations(*found)
+        return Configurations(*answered(self.method.verifier.verify(self.target.numbers, *how)))
 
     @property
     def complete(self) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
+from ..arm.engine import answered
 from ..support.checks import Array, Progress, RealArray, as_direction, as_floats, as_pose, as_whole, require_callback
 from ..support.errors import InputError
 from ..theory.screws import to_screw
@@ -114,8 +115,7 @@ def reachable(
             how = tolerances.position, tolerances.orientation, searches, request.seed, chunks
             numbers, callback = group.numbers[left], progress and report
             answers = chain.reachable(group.like.kind, numbers, request.theta0, *how, workers, callback)
-            assert answers is not None, "what was checked is plain"
-            found.converged[at], found.theta[at] = answers
+            found.converged[at], found.theta[at] = answered(answers)
             decided += len(left)
     return found
 
@@ -184,9 +184,7 @@ def _left_by_closed_form(
     for begin in range(0, len(some), AT_ONCE):
         part = some[begin : begin + AT_ONCE]
         how = request.theta0, exact.position, exact.orientation, threads
-        answer = method.core.solve_batch(group.numbers[part], *how)
-        assert answer is not None, "what was checked is plain"
-        every = ConfigurationsBatch(*answer)
+        every = ConfigurationsBatch(*answered(method.core.solve_batch(group.numbers[part], *how)))
         inside = every.inside > 0
         at = group.places[part[inside]]
         found.converged[at] = True

@@ -36,7 +36,7 @@ NEGLIGIBLE = math.radians(0.005)  # Angles [rad] that would be printed as 0.00°
 NARROW_MISS = 10.0  # A target that is missed by fewer tolerances may have been asked for too exactly.
 # How many times as wide a position tolerance is tried where the rotation is missed.
 WIDER = (2.0, 4.0, NARROW_MISS)
-SEARCHES = 100  # So many, at most, each time.
+WIDER_SEARCHES = 100  # The most searches for each of them. `explain` takes their time too.
 
 ANOTHER_BRANCH = "the target is near the pose of theta0, but the answer is not near theta0"
 NEAREST_ELSEWHERE = "the nearest configuration is not near theta0, where the arm stays farther from the target"
@@ -51,6 +51,7 @@ WITHOUT_CORE = (
 )
 
 
+# `frozen` would cost a tenth of a short search. Public attributes have no setters, and only caches change.
 @dataclass(eq=False, repr=False, slots=True)
 class IKResult:
     """The answer to one target, which cannot be changed. It computes what costs time only when you ask for it."""
@@ -147,7 +148,7 @@ class IKResult:
     @property
     def converged(self) -> bool:
         """Whether theta reaches the target to the tolerances, and is free of collisions with the scene."""
-        return self.record["stop"].item() == 0 and not self._contacts
+        return self.record["stop"].item() == CONVERGED and not self._contacts
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
@@ -280,7 +281,7 @@ def _wider_position_tolerance(solution: IKResult) -> str:
         return ""
     for times in WIDER:
         wide = times * tolerances.position
-        how = wide, tolerances.orientation, SEARCHES, 0, None, None
+        how = wide, tolerances.orientation, WIDER_SEARCHES, 0, None, None
         found = chain.solve(target.kind, target.numbers, solution.theta, *how)
         if found is not None and found[0] == CONVERGED:
             return Text(" (reached with {wide})", wide=Argument("position_tol", Quantity(wide, "m", 3)))

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
+from ..arm.engine import answered
 from ..support.checks import Array
 from . import textbook
 from .answer import CONVERGED, record_type
-from .certainty import decide
+from .certainty import decided
 from .ranges import joint_ranges
-from .request import Deadline, Options, checked, in_radians, named
+from .request import Deadline, Options, Request, checked, in_radians, named
 from .solution import IKResult
 from .targets import Pose, TargetLike, checked_target, target_for
 from .task_space import ORIENTATION_TOL, POSITION_TOL
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
 
 # Widths [rad, m] of the starts about theta0 in each round of searches; inf for the whole range.
 SPREADS = (0.3, 1.0, np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
-SEARCHES = 64  # Searches of each round.
+EACH_ROUND = 64  # Searches.
 
 
 def solve_ik(
@@ -82,7 +84,7 @@ def solve_ik(
 
         require_scene(scene, arm)
     options = position_tol, orientation_tol, restarts, rng, max_time
-    # The plain type first, without a call: short searches take microseconds.
+    # Without a call for an Arm itself: short searches take microseconds.
     if (arm if type(arm) is Arm else require_arm(arm)).compiled is not None:
         found = _by_core(arm, target, theta0, posture, options)
     else:
@@ -104,15 +106,15 @@ def _by_core(arm: Arm, target: TargetLike, theta0: Any, posture: Any, options: O
     start = arm.ready if theta0 is None else named(arm, theta0)
     preferred = None if posture is None else named(arm, posture, start)
     answer = arm.compiled.solve(kind, numbers, start, *options, preferred) if in_radians(options[1]) else None
-    if answer is None:
-        # The core takes plain arrays and numbers in their ranges. The checks convert the others, or say what is wrong.
-        request = checked(arm, theta0, posture, *options)
-        return _by_core(arm, checked_target(arm, target), request.theta0, request.posture, request.options)
-    stop, record = answer
-    found = IKResult(arm, record, given)
-    if stop != CONVERGED:
-        decide(arm, found.target, np.ndarray((), record_type(arm.n), record), options[-1] is None)
-    return found
+    if answer is None:  # see `arm.engine`
+        request, given = checked(arm, theta0, posture, *options), checked_target(arm, target)
+        how = *request.options, request.posture
+        answer = answered(arm.compiled.solve(given.kind, given.numbers, request.theta0, *how))
+    stop, memory = answer
+    found = IKResult(arm, memory, given)
+    if stop == CONVERGED:
+        return found
+    return IKResult(arm, decided(arm, found.target, found.record, options[-1] is None), given)
 
 
 def collision_free(scene: Scene, first: IKResult, deadline: Deadline) -> IKResult:
@@ -126,25 +128,24 @@ def collision_free(scene: Scene, first: IKResult, deadline: Deadline) -> IKResul
         for theta in near[~scene.collides(near)] if len(near) else ():
             found = solve_ik(arm, first.target, theta, **first.tolerances.keywords, max_time=deadline.left)
             if found.converged and not scene.collides(found.theta):
-                found._avoided = f"the configuration nearest to theta0 collides: {scene.contacts(first.theta)[0]}"
-                return found
+                why = f"the configuration nearest to theta0 collides: {scene.contacts(first.theta)[0]}"
+                return replace(found, _avoided=why)
         if deadline.passed:
             break
-    first._contacts = scene.contacts(first.theta)
-    return first
+    return replace(first, _contacts=scene.contacts(first.theta))
 
 
 def _rounds(arm: Arm, first: IKResult, start: Array) -> Iterator[Array]:
     """Configurations (k, n) that reach the target, several at a time."""
     tolerances, chain, target = first.tolerances, arm.require_core("solve_ik with a scene"), first.target
-    numbers = np.repeat(target.numbers[None], SEARCHES, axis=0)
+    numbers = np.repeat(target.numbers[None], EACH_ROUND, axis=0)
     rng, ranges = np.random.default_rng(0), joint_ranges(arm)  # one seed: equal calls give equal bits
     for spread in SPREADS:
-        starts = arm.random_theta(rng, SEARCHES)
+        starts = arm.random_theta(rng, EACH_ROUND)
         if np.isfinite(spread):
-            starts = np.array([ranges.inside(start + rng.normal(0.0, spread, arm.n)) for _ in range(SEARCHES)])
-        found = np.empty(SEARCHES, record_type(arm.n))
-        how = tolerances.position, tolerances.orientation, 1, 0, None, None, 1, None
-        assert chain.solve_batch(target.kind, numbers, starts, *how, found), "the target and the starts are plain"
+            starts = np.array([ranges.inside(start + rng.normal(0.0, spread, arm.n)) for _ in range(EACH_ROUND)])
+        found = np.empty(EACH_ROUND, record_type(arm.n))
+        how = Request(starts, None, tolerances, restarts=1, seed=0, max_time=np.inf).options
+        chain.solve_batch(target.kind, numbers, starts, *how, None, 1, None, found)
         theta = found["theta"][found["stop"] == CONVERGED]
         yield np.array([ranges.wrapped(row, start) for row in theta]).reshape(-1, arm.n)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arm.arm import Arm
+from ..arm.engine import answered
 from ..ik.answer import Configurations
 from ..ik.closed_form.methods import method_for
 from ..ik.ranges import joint_ranges
@@ -186,9 +187,7 @@ def _by_closed_form(arm: Arm, target: AnyTarget, starts: Array) -> tuple[Array, 
         return starts[:0], False
     held = list(method.held)
     values = np.ascontiguousarray(starts[: None if method.sampled else FREE_VALUES, held]) if held else None
-    answer = method.core.solve(target.numbers, np.array(starts[0]), values, EXACT, EXACT)
-    assert answer is not None, "what was checked is plain"
-    found = Configurations(*answer)
+    found = Configurations(*answered(method.core.solve(target.numbers, np.array(starts[0]), values, EXACT, EXACT)))
     theta, moving = found.theta[: found.inside], found.moves[: found.inside]
     moving[:, held] = False
     if len(theta) > MANY:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm, require_arm
+from ...arm.engine import answered
 from ...support.checks import Array, as_pose, as_theta, frozen, require, require_one
 from ...support.display import Brief
 from ...support.errors import InputError, quote
@@ -170,13 +171,12 @@ def _core_step(
     pose = state.held_pose if holds_on else None
     kind, flags, numbers = (0, 0, None) if command is None else (command.kind, command.flags, command.numbers)
     found = None
-    if type(state.period) is float:
+    if type(state.period) is float:  # the core's binding raises TypeError for what is no number
         found = step(state.theta, state.theta_dot, pose, kind, flags, numbers, dt, state.period, near)
-    if found is None:  # not plain float64: converted, or refused
+    if found is None:  # see `arm.engine`
         clean = _clean(arm, state)
         pose = None if pose is None else clean.held_pose
-        found = step(clean.theta, clean.theta_dot, pose, kind, flags, numbers, dt, clean.period, near)
-        assert found is not None, "what was refused has been cleaned"
+        found = answered(step(clean.theta, clean.theta_dot, pose, kind, flags, numbers, dt, clean.period, near))
     return CoreStep(*found)
 
 

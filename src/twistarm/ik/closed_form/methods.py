@@ -168,9 +168,7 @@ class Method:
         if len(self.held) == arm.n:
             return values[None]
         assert self.core is not None, "the solvers ask for the core"
-        found = self.core.candidates(target.numbers, near, values, SLACK if exact else SLACK_NEARLY)
-        assert found is not None, "what was checked is plain"
-        return found
+        return engine.answered(self.core.candidates(target.numbers, near, values, SLACK if exact else SLACK_NEARLY))
 
     def eliminated(self, arm: Arm, target: AnyTarget, values: Array) -> Iterator[Candidates]:
         """The candidates (k, n) of elimination in one way after another, for what leaves no doubt."""
