@@ -22,7 +22,7 @@ Mount = Literal["tool", "base"]
 NEAR = 0.1  # A corner nearer to the image plane than this share of the tag's side is drawn there: no division by 0.
 MOST_PAIRS = 4000  # More pairs of rows do not improve a first guess.
 ONE_AXIS = 0.05  # Root mean square [rad] of turns about a second axis below which only one axis was turned about.
-INVERTED = 0.2  # Median misfit [rad] of orientations from which the inverse transform is tried.
+INVERTED = 3.0  # Poses that fit so much worse than their inverses are those. Wrong zeros alone reach 1.
 
 
 @dataclass(frozen=True)
@@ -139,19 +139,26 @@ def first_guess(g: Array, M: Array, mount: Mount) -> tuple[Array, Array]:
         i, j = i[chosen], j[chosen]
     beta = log_of(g[i, :3, :3] @ np.swapaxes(g[j, :3, :3], 1, 2))
     _require_turns(beta, mount)
-    alpha, across = (log_of(R[i] @ np.swapaxes(R[j], 1, 2)) for R in (M[:, :3, :3], np.swapaxes(M[:, :3, :3], 1, 2)))
-    R_B, R_T, weights, misfit = _rotations(g, M[:, :3, :3], alpha, beta, (i, j))
-    if misfit > INVERTED and _rotations(g, np.swapaxes(M[:, :3, :3], 1, 2), across, beta, (i, j))[3] < misfit / 3.0:
+    (B, T, left), (_, _, left_by_inverse) = (_fit(g, poses, beta, (i, j)) for poses in (M, inverse_of(M)))
+    if left_by_inverse < left / INVERTED:
         other = Argument("camera", "base" if mount == "tool" else "tool")
-        what = "the orientations fit {other}, or rvec and tvec of the camera in the tag: solvePnP returns the inverse"
+        what = "the inverse poses fit: give {other}, or rvec and tvec of the tag in the camera, as solvePnP returns them"
         raise InputError(Text(what, other=other))
+    return B, T
+
+
+def _fit(g: Array, M: Array, beta: Array, pairs: tuple[Rows, Rows]) -> tuple[Array, Array, float]:
+    """B and T (4, 4), and the product of the median misfits of orientation and position [rad m]."""
+    i, j = pairs
+    alpha = log_of(M[i, :3, :3] @ np.swapaxes(M[j, :3, :3], 1, 2))
+    R_B, R_T, weights, misfit = _rotations(g, M[:, :3, :3], alpha, beta, pairs)
     # p_M = R_B (R_g t_T + p_g) + t_B is linear in t_T and t_B.
     A = np.concatenate([R_B @ g[:, :3, :3], np.broadcast_to(np.eye(3), (len(g), 3, 3))], axis=2)
     b, w = M[:, :3, 3] - g[:, :3, 3] @ R_B.T, np.sqrt(weights)[:, None]
     t = np.linalg.lstsq((A * w[..., None]).reshape(-1, 6), (b * w).ravel(), rcond=None)[0]
     B, T = np.eye(4), np.eye(4)
     T[:3, :3], T[:3, 3], B[:3, :3], B[:3, 3] = R_T, t[:3], R_B, t[3:]
-    return B, T
+    return B, T, misfit * float(np.median(np.linalg.norm(A @ t - b, axis=1)))
 
 
 def _rotations(
