@@ -85,7 +85,7 @@ def test_counts_are_read_back_where_the_motors_drive_every_joint(tmp_path):
 
 
 def test_what_others_write(rover, tmp_path):
-    """A message as `ros2 topic echo` prints it: joints in another order, a gripper's too, and velocities or none."""
+    """A message as `ros2 topic echo` prints it, and MoveIt's: another order, a gripper too, no velocities."""
     names = [*reversed(rover.joint_names), "gripper"]
     given = [*reversed(rover.ready.tolist()), 0.5]
     text = ["header:", "  stamp: {sec: 0, nanosec: 0}", "  frame_id: ''", "joint_names:", *(f"- {n}" for n in names)]
@@ -94,10 +94,12 @@ def test_what_others_write(rover, tmp_path):
         text += ["- positions:", *(f"  - {value + more}" for value in given), "  velocities: []", "  effort: []"]
         text += ["  time_from_start:", f"    sec: {sec}", "    nanosec: 500000000"]
     path = tmp_path / "echo.yaml"
-    path.write_text("\n".join([*text, "---", ""]))
-    read = load_trajectory(rover, path)
-    assert read.times.tolist() == [0.0, 1.0, 3.0]
-    assert_allclose(read([0.0, 0.5, 2.0, 3.0]), rover.ready + np.array([[0.0], [0.05], [0.25], [0.4]]), atol=1e-12)
+    for lines in (text, ["joint_trajectory:", *(f"  {line}" for line in text)]):
+        path.write_text("\n".join([*lines, "---", ""]))
+        read = load_trajectory(rover, path)
+        assert read.times.tolist() == [0.0, 1.0, 3.0]
+        assert_allclose(read([0.0, 0.5, 2.0, 3.0]), rover.ready + np.array([[0.0], [0.05], [0.25], [0.4]]), atol=1e-12)
+        assert "positions alone" in read.notes[0]
 
 
 # -- what is none ------------------------------------------------------------------------------------------------

@@ -97,7 +97,9 @@ def theta_by_joint(arm: str, joints: tuple[str, ...], values: Any, numbers: Arra
             raise unknown_name("joint", name, joints, within=arm, listing=f"base to tip: {listed(joints)}")
     missing = [name for name in joints if name not in given]
     if missing:
-        raise InputError(f"no value for joint {listed(missing)} of {arm}; give every joint")
+        raise InputError(
+            f"no value for joint {listed(missing)} of {arm}; give every joint, the others such as in ready"
+        )
     return as_theta([given[name] for name in joints], len(joints))
 
 

@@ -190,9 +190,9 @@ class Calibration:
             return (
                 f"rows left out keep {left:.3g} mm, but all are from one place: measure at others, as --next names them"
             )
-        what = f"rows left out of the fit keep {left:.3g} mm, and {before:.3g} mm without it: this log shows no correction"
+        what = f"rows left out of the fit keep {left:.3g} mm, and {before:.3g} mm without it"
         kept = ", for which camera and tag hold" if self.problem.camera else ""
-        return f"{what}; use the arm as described{kept}, or measure more, or better"
+        return f"{what}: this log shows no correction; use the arm as described{kept}, or measure more, or better"
 
     def require(self, *, here: bool = False) -> Calibration:
         """Itself, or InputError if the correction is not confirmed; with `here`, where the log was taken is enough."""

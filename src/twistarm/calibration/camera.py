@@ -142,7 +142,7 @@ def first_guess(g: Array, M: Array, mount: Mount) -> tuple[Array, Array]:
     (B, T, left), (_, _, left_by_inverse) = (_fit(g, poses, beta, (i, j)) for poses in (M, inverse_of(M)))
     if left_by_inverse < left / INVERTED:
         other = Argument("camera", "base" if mount == "tool" else "tool")
-        what = "the inverse poses fit: give {other}, or rvec and tvec of the tag in the camera, as solvePnP returns them"
+        what = "the inverse poses fit: give {other}, or rvec and tvec of the tag in the camera, as of solvePnP"
         raise InputError(Text(what, other=other))
     return B, T
 

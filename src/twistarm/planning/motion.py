@@ -149,13 +149,15 @@ def plan(
         return (timed(parts), None) if around is None else _checked(around, timed, parts, router.constraints)
 
     try:
-        motion = _free(planned, moves)
+        motion = _free(planned, moves, "; let a free move go round, or choose another goal" if around is scene else "")
     except PathError as error:
         if scene is None or around is scene or error.reason != "collision":
             raise
         make, (why, *known) = error.__reduce__()  # the same error, with its attributes, in more words
-        contact = scene.contacts(origin)[0]
-        raise make(Text("{why}; the start collides: {contact}", why=why, contact=contact), *known) from error
+        start = f"the start collides: {scene.contacts(origin)[0]}"
+        why = why if why == start else Text("{why}; {start}", why=why, start=start)
+        what = "{why}; move the arm away first, or take out obstacles that are not there, as points of the arm itself"
+        raise make(Text(what, why=why), *known) from error
     if scene is not None and around is not scene and (contacts := scene.contacts(motion.waypoints[-1])):
         raise PathError(f"the motion ends in collision, as it began: {contacts[0]}", reason="collision")
     report(1.0)
@@ -213,16 +215,15 @@ def _obstacles(
     return around, (partial(free_path, around, **how), partial(keeping_path, around, **how))
 
 
-def _free(planned: Callable[[bool], tuple[Trajectory, Hit | None]], moves: list[Segment]) -> Trajectory:
+def _free(planned: Callable[[bool], tuple[Trajectory, Hit | None]], moves: list[Segment], remedy: str) -> Trajectory:
     """Return the planned motion, which is free. The paths of free moves are proven only if that of the motion fails."""
     motion, hit = planned(False)
     if hit is not None and isinstance(moves[hit.leg], FreeMove):
         motion, hit = planned(True)
     if hit is not None:
         raise PathError(
-            f"{hit}; let a free move go round, or choose another goal", theta=hit.theta, reason="collision",
-            segment=hit.leg, place=place(hit.leg, moves[hit.leg]),
-        )  # fmt: skip
+            f"{hit}{remedy}", theta=hit.theta, reason="collision", segment=hit.leg, place=place(hit.leg, moves[hit.leg])
+        )
     return motion
 
 

@@ -70,6 +70,8 @@ def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, segment: int, place
     reason, joint, why = _why(arm, blocked, beyond)
     start = _other_start(arm, limits, blocked) if others and not certain else None
     remedy = "make it shorter, or move its ends"
+    if reason == "impossible direction":
+        remedy = f"leave rotations free by an Approach, a TolerancedPose or a Position; or {remedy}"
     if start is not None:
         posture = Posture(tuple(start.tolist()), arm.units)
         remedy = Text(

@@ -22,7 +22,7 @@ from .goals import CURVED, Goals
 from .keep import Constraint, Keep
 from .piecewise import JointPath
 from .refusal import PathError, refusal
-from .segments import Dwell, FreeMove, JointMove, Move, Segment, place
+from .segments import CONSTRAINED, Dwell, FreeMove, JointMove, Move, Segment, place
 from .waypoints import UNWRAP, solved, unwrapped
 
 if TYPE_CHECKING:
@@ -241,7 +241,11 @@ class Router:
         while True:
             try:
                 near, far = (partial(self._laddered, run, some, theta, options) for some in np.split(starts, [NEAREST]))
-                return _first_followed([near] if len(starts) <= NEAREST else [near, far])
+                found = _first_followed([near] if len(starts) <= NEAREST else [near, far])
+                less = {k: Argument("constrain", CONSTRAINED[option]) for k, option in options.items() if option}
+                what = "{place}: the arm cannot follow whole poses there; it keeps {part}"
+                self.notes.extend(Text(what, place=self._place(k), part=part) for k, part in less.items())
+                return found
             except _BlockedError as error:
                 errors.append(error)
                 if error.more:

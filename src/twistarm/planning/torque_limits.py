@@ -46,11 +46,12 @@ class TorqueLimits:
         if not arm.pinocchio.moved_mass:
             raise InputError(f"no link that {arm.name} moves has a mass: torque limits need <inertial> in its links")
         efforts = effort_limits(arm, effort)
-        lacking = listed(name for name, lacks in zip(arm.joint_names, efforts.unlimited, strict=True) if lacks)
+        lacking = [name for name, lacks in zip(arm.joint_names, efforts.unlimited, strict=True) if lacks]
         if lacking:
-            what, give = "no effort limit of {lacking}: {remedies}", Argument("limits", {"effort": 50.0})
-            remedies = Remedies(("write effort in <limit>", Text("give {limits}", limits=give)))
-            raise InputError(Text(what, lacking=lacking, remedies=remedies))
+            give = Text("give {limits}", limits=Argument("limits", {"effort": dict.fromkeys(lacking, ...)}))
+            remedies = Remedies(("write effort in <limit>", give))
+            what = "no effort limit of {lacking}: {remedies}"
+            raise InputError(Text(what, lacking=listed(lacking), remedies=remedies))
         found = cls(arm, payload, efforts)
         found._torques(arm.ready)  # says what is wrong with the payload
         return found

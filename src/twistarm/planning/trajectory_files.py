@@ -65,8 +65,8 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
     - CSV: columns `time [s]`, and for each joint `<joint>.position [rad]` and `<joint>.velocity [rad/s]`, with or
       without `<joint>.acceleration [rad/s^2]` (m for slides), in any order. Counts of the motors' drives may replace
       them, as `save_trajectory(counts=True)` writes. Columns of limits are optional. Other columns are ignored.
-    - JSON, YAML: a `trajectory_msgs/JointTrajectory` in rad and m, joints in any order, others ignored. YAML may last
-      some minutes at most.
+    - JSON, YAML: a `trajectory_msgs/JointTrajectory`, or MoveIt's `RobotTrajectory` with one, in rad and m, joints in
+      any order, others ignored. YAML may last some minutes at most.
     - MCAP, with the extra `mcap`: the setpoints of a recorded stream, as sent. Of another recording of ROS 2 its only
       `JointTrajectory`. If it has several or none, the `sensor_msgs/JointState` of topics that end in `joint_states`.
 
@@ -105,9 +105,11 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
         breakpoints, coefficients = np.zeros(2), theta[None]
     else:
         breakpoints, coefficients = t, through(t, theta, points.theta_dot, points.theta_ddot)
+    straight = points.theta_dot is None and len(t) > 1
+    notes = ("the file has positions alone, so velocities jump at its points",) if straight else ()
     try:
         motion = Trajectory(
-            arm.joint_names, arm.units, theta, t, breakpoints, coefficients, arm.actuators, labels, limits=points.limits
+            arm.joint_names, arm.units, theta, t, breakpoints, coefficients, arm.actuators, labels, notes, points.limits
         )
         require_positions(motion, allowed, "check the times and rates of the file", SWING)
     except (InputError, LimitError) as error:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...arm.abilities import Abilities
+from ...arm.abilities import ANGULAR, LINEAR, Abilities, spans
 from ...arm.almost_exact import ALMOST_ANGLE, EXACT_ANGLE, almost_exact
 from ...arm.arm import Arm
 from ...arm.pinocchio_model import why_no_pinocchio
@@ -34,7 +34,7 @@ from .numbers import LONGEST_REACH, OTHER
 # A condition number beyond which a configuration is singular in practice: one direction a thousand times slower.
 SINGULAR = 1e3
 NO_MOTION = 1e-9  # A column of the Jacobian this small [m/reach, rad] is zero but for rounding.
-ABOUT = 1.0 - 1e-6  # Cosine from which on a rotation is about an axis.
+ROLLS = 0.98  # Cosine from which on a tool rolls about its axis: one beside the roll axis nearly does.
 OUT = 0.1  # How far out [m] the tool of the snippet is, if the tip has no shape.
 SIDED = 3.0  # How many times as far as to the other side the shapes of a link reach to the tool.
 # Random configurations, and the share of them in which a pair collides by its drawing and not by the motion.
@@ -136,22 +136,24 @@ def check_abilities(arm: Arm, able: Abilities) -> Iterator[Finding]:
         always = [_axes(able.rotated_tool, "tool"), _axes(able.rotated_base, "base")]
         if any(always):
             what += f", always about {' and '.join(filter(None, always))}"
-        yield finding("cannot-turn-in-place", place, what, _instead_of_a_pose(able, arm.tool_axis))
+        yield finding("cannot-turn-in-place", place, what, _instead_of_a_pose(arm, able))
 
 
 def _axes(axes: Array, frame: str) -> str:
     return " and ".join(axis_in_words(axis, frame) for axis in axes)
 
 
-def _instead_of_a_pose(able: Abilities, tool_axis: Array) -> str:
+def _instead_of_a_pose(arm: Arm, able: Abilities) -> str:
     nearest = "solve_ik gives the nearest to any other pose and says what is missing"
     if able.position < 3:
         return nearest
+    if able.turning < 2:
+        return f"ask for a Position; {nearest}"
     # Two free rotations turn the axis of an `Approach` in both directions across it, unless one is about it.
-    if able.turning == 2 and np.linalg.norm(able.rotated_tool @ tool_axis) < ABOUT:
-        axis = direction_in_words(tool_axis, "tool")
-        return f"ask for an Approach: a position and where the tool points, by {axis}; {nearest}"
-    return f"ask for a Position; {nearest}"
+    rolls = np.median([np.linalg.norm(U.T @ arm.tool_axis) for U in spans(arm, ANGULAR, LINEAR, "tool")]) > ROLLS
+    what = f"an Approach: a position and where the tool points, by {direction_in_words(arm.tool_axis, 'tool')}"
+    plane = ", which must lie in the plane in which the arm bends; or for a Position" if rolls else ""
+    return f"ask for {what}{plane}; {nearest}"
 
 
 def check_without_effect(arm: Arm) -> Iterator[Finding]:

@@ -10,6 +10,7 @@ from ...arm.loading.from_dh import PARALLEL, dh_csv, dh_rows, to_dh
 from ...description.dh import PARAMETERS
 from ...export import limits_yaml, matlab, urdf
 from ...export.cpp_header import SUFFIXES, core_headers, cpp_header, namespace_of
+from ...support.errors import InputError
 from ...support.messages import plural
 from ..numbers import option, quantity
 from ..options import ArmArgument, CsvAnswer, answers
@@ -35,6 +36,8 @@ def bake(source: ArmArgument, outputs: Written) -> None:
     """Write the arm as numbers: arm.json, a C++17 header, a MATLAB function, joint limits, or a URDF."""
     arm = source.load()
     outputs = outputs if outputs.files else outputs.named(f"{Path(arm.name).name}.{outputs.form or 'json'}")
+    if wrong := next((n for kind, n in outputs.files if kind == "yaml" and Path(n).stem.endswith("controllers")), None):
+        raise InputError(f"{wrong} is a name for controllers, and bake writes joint limits: name it joint_limits.yaml")
     include = core_headers() if any(kind == "hpp" for kind, _ in outputs.files) else None
     function = next((Path(name).name for kind, name in outputs.files if kind == "m" and name != STDOUT), None)
     # Meshes of a URDF are relative to its folder, so the text depends on where it goes.

@@ -159,7 +159,8 @@ def _missing_file(name: str, why: str, expansion: Expansion) -> DescriptionError
     if name.startswith(MISSING_PACKAGE):
         return _missing_package(name.removeprefix(MISSING_PACKAGE).partition("/")[0], expansion)
     values = {**expansion.arguments, **expansion.given}
-    inside = {argument: ... for argument, value in values.items() if value and value in name}
+    empty = {argument: ... for argument, value in values.items() if not value and argument in name}
+    inside = empty or {argument: ... for argument, value in values.items() if value and value in name}
     remedy = "correct the path, or put the file there"
     if inside:
         remedy = Text("correct the path, or pass {arguments}", arguments=Argument("xacro_args", inside))

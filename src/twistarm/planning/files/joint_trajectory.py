@@ -72,7 +72,8 @@ def read_message(arm: Arm, file: Path) -> Points:
 
 
 def points_in(arm: Arm, message: Any, file: str) -> Points:
-    """The points of `arm` in a JointTrajectory, as plain data. Raises InputError, with the point."""
+    """The points of `arm` in a JointTrajectory or MoveIt's RobotTrajectory. Raises InputError, with the point."""
+    message = message.get("joint_trajectory", message) if isinstance(message, dict) else message
     names, points = _listed(message, "joint_names", file), _listed(message, "points", file)
     order = _order(arm, names, file)
 
