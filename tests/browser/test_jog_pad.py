@@ -168,7 +168,7 @@ def test_what_happens_where_the_arm_cannot_follow_is_chosen_there(benches: Bench
     bench = benches("rover_arm")
     page = bench.drive(bench.arm.ready)
     slide, stop = (page.get_by_role("radio", name=name, exact=True) for name in ("slide along", "stop"))
-    page.get_by_text("Limits: slide along").click()
+    page.get_by_text("At limits: slide along").click()
     assert slide.is_checked()
     stop.click()
     until(page, "document.querySelector('#jog-unreachable [value=stop]').checked")

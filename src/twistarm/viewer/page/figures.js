@@ -1,6 +1,7 @@
 // Numbers of the theory as they are read, in SI units and radians, and as Python reads them.
 
 const INFINITE = 'float("inf")';
+const NARROW = 7; // letters that fit into a column
 
 // `digits` after the point, fewer for what is large: a column is as wide for any number.
 export function short(number, digits = 3) {
@@ -30,11 +31,11 @@ export function python(value) {
 
 export const pythonRows = (rows) => `[\n${rows.map((row) => `    ${python(row)},\n`).join("")}]`;
 
-// Names without what they begin with alike: heads of narrow columns.
+// Heads of narrow columns: names, without what they begin with alike if one is long.
 export function heads(names) {
   const [first] = names;
   let shared = 0;
   while (names.length > 1 && names.every((name) => shared < name.length - 1 && name[shared] === first[shared])) shared += 1;
-  const left = names.map((name) => (shared > 2 ? `…${name.slice(shared)}` : name));
+  const left = names.map((name) => (shared > 2 && Math.max(...names.map(({ length }) => length)) > NARROW ? `…${name.slice(shared)}` : name));
   return left.map((name) => name.replaceAll("_", "_\u200b")); // where it may be broken
 }

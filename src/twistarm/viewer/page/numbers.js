@@ -8,6 +8,13 @@ import { writeName } from "./names.js";
 const TWIST = ["vx", "vy", "vz", "ωx", "ωy", "ωz"];
 const MANY = 6; // columns as wide as the panel
 const UNITS = "in SI units and radians";
+const EXPLAINED = {
+  σ: "Speeds of the tool in as many directions, for joint rates of 1 rad/s in all; metres are divided by the reach",
+  condition: "The greatest singular value divided by the least: near a singular configuration it is large",
+  linear: "Greatest and least speeds of the tool's origin, and their directions, for joint rates of 1 rad/s in all",
+  angular: "Greatest and least rates at which the tool turns, and their axes, for joint rates of 1 rad/s in all",
+  Yoshikawa: "Yoshikawa's manipulability, the product of the singular values: 0 in a singular configuration",
+};
 
 export class Numbers {
   tables = [];
@@ -17,7 +24,7 @@ export class Numbers {
     const moving = axes.joints.map(({ name }) => name);
     this.names = names;
     this.rankText = element("p", "rank");
-    this.rankText.id = "theory-rank";
+    Object.assign(this.rankText, { id: "theory-rank", title: "In how many independent ways the tool moves now" });
     const columns = heads(names);
     const titles = names.map((name, i) => `${name} [${arm.joints[i].unit}]`);
     this.tables = [
@@ -118,7 +125,7 @@ const headCell = (text, scope) => Object.assign(element("th", "", text), { scope
 
 function set(node, text) {
   if (node.textContent === text) return;
-  if (node.tagName === "DT") return writeName(node, text);
+  if (node.tagName === "DT") return writeName(node, text, EXPLAINED[text] ?? text);
   node.textContent = text;
   if (node.tagName === "DD") node.title = text;
 }

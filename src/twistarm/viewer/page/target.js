@@ -14,7 +14,7 @@ import { report } from "./words.js";
 
 const KINDS = [[6, "pose"], [5, "approach"], [0, "position"]]; // what an arm of at least so many joints begins with
 const HINTS = {
-  approach: "With 5 joints the arm reaches a position and one direction of the tool. The turn about that direction is free.",
+  approach: "With 5 joints the target is a position and a direction of the tool. If the last joint rolls the tool, the arm reaches only directions in one plane.",
   position: "With fewer than 5 joints the target is a position. The tool's orientation is free.",
 };
 const MANY = "This arm has too many joints for the page's solver. Move it with its sliders.";
@@ -194,7 +194,7 @@ export class Target {
     const { view } = this.page;
     const before = view.target;
     view.target = this.given ? pose.position : null;
-    if (before !== null && view.target === null) view.settle();
+    if (before !== null) view.settle();
     this.gizmo.place(this.held ?? (this.given?.converged ? this.tool : pose), this.tool, $("target-axes").value);
     const on = $("drag-tool").checked && !this.shut;
     this.gizmo.show(on, this.given?.converged ?? null, (handle, direction) => this.allows(handle, direction));

@@ -21,7 +21,7 @@ export class Theory {
     /** @type {any} */ this.numbers = null;
     this.moved = 0;
     this.visible = layers.on;
-    this.looking = false;
+    this.still = true; // nothing has moved yet
     this.labels = new Labels(view);
     this.instant = new Instant(view);
     this.spatial = new Twists(view);
@@ -50,7 +50,7 @@ export class Theory {
 
   hello() {
     this.axes = this.frame = this.numbers = null;
-    this.moved = 0;
+    [this.moved, this.still] = [0, true];
     this.reach.clear();
   }
 
@@ -87,7 +87,7 @@ export class Theory {
     const before = this.frame?.theta ?? frame.theta;
     const change = frame.theta.map((value, i) => Math.abs(value - before[i]) / (this.slides[i] ? this.axes.length : 1));
     const most = Math.max(0, ...change);
-    if (most > 0) this.moved = change.indexOf(most);
+    if (most > 0) [this.moved, this.still] = [change.indexOf(most), false];
     this.frame = frame;
     const tool = this.view.node("/frames/tool");
     for (const drawing of [this.body, this.linear, this.angular]) drawing.stand(tool);
@@ -103,11 +103,11 @@ export class Theory {
   }
 
   draw() {
-    this.looking = !$("theory").hidden;
+    const looking = !$("theory").hidden;
     const layers = Object.entries(this.layers);
     for (const [layer, group] of layers) group.visible = Boolean(this.visible[layer]) && this.frame !== null;
     this.view.viewer.set_dirty();
-    if (!this.frame || !(this.looking || layers.some(([, group]) => group.visible))) return;
+    if (!this.frame || !(looking || layers.some(([, group]) => group.visible))) return;
     const found = numbers(this.state.hello, this.axes, this.frame);
     this.numbers = found;
     const columns = this.switches.all ? this.names.map((_, i) => i) : [this.switches.chosen ?? this.moved];
@@ -115,8 +115,8 @@ export class Theory {
     this.body.show(found.body, columns);
     this.linear.show(found.linear, this.axes.linear);
     this.angular.show(found.angular, this.axes.angular);
-    this.switches.say(found.motion ? null : this.names[this.moved]);
-    if (this.looking) this.tables.show(found, this.chosen());
+    this.switches.say(found.motion ? null : this.names[this.moved], this.still);
+    if (looking) this.tables.show(found, this.chosen());
     this.drawScrew();
   }
 

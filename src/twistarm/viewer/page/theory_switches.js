@@ -62,9 +62,9 @@ export class Switches {
       + `joints at 1 rad/s, slides at ${short(length)} m/s (the reach).`;
   }
 
-  // Which joint "last moved" stands for; null: none, the whole motion is shown.
-  say(name) {
-    const text = name === null ? "the motion on show" : `last moved: ${cut(name, SHORT)}`;
+  // Which joint is shown where none is chosen, the first while all stand `still`; null: the whole motion is shown.
+  say(name, still) {
+    const text = name === null ? "the motion on show" : `${still ? "first joint" : "last moved"}: ${cut(name, SHORT)}`;
     if (this.last.textContent !== text) this.last.textContent = text;
   }
 

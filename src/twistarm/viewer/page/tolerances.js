@@ -37,7 +37,7 @@ export class Tolerances {
     const [place, angle] = [this.position / MILLIMETRE, this.orientation * turn];
     [place, angle].forEach((value, i) => (this.boxes[i].value = value ? Number(value.toPrecision(4)) : ""));
     $("target-orientation-unit").textContent = unitShown("rad");
-    this.boxes[1].placeholder = Number((DEFAULTS.orientation * turn).toPrecision(1));
+    this.boxes[1].placeholder = Number((DEFAULTS.orientation * turn).toPrecision(2));
   }
 
   disable(disabled) {

@@ -118,13 +118,12 @@ export class View {
     this.settle();
   }
 
-  // Once all rests, a view that nobody has turned sees the whole arm again, and no empty room where a target was.
+  // Once all rests, a view that nobody has turned sees the whole arm again, and only the room that a target needs.
   settle() {
     clearTimeout(this.resting);
     this.resting = setTimeout(() => {
       if (this.radius === undefined || this.turned || this.held || !this.viewer.controls.enabled) return;
-      const left = this.widened && this.target === null;
-      if (left || !this.solidCorners().every((point) => this.within(point, 1))) this.reframe();
+      if (this.widened || !this.solidCorners().every((point) => this.within(point, 1))) this.reframe();
     }, REST);
   }
 
