@@ -103,7 +103,7 @@ class Workers:
 
         def progress(share: float) -> None:
             nonlocal has_reported
-            if self._stopped or job.key in self._waiting:
+            if self._stopped or job.key in self._waiting:  # looks that need no lock: if too early, the next one sees it
                 raise ReplacedError
             has_reported = True
             self._report(job.key, share)
@@ -113,7 +113,7 @@ class Workers:
         except ReplacedError:
             pass
         except Exception as error:
-            self._deliver(partial(_fail, job, error))
+            self._deliver(partial(_fail, job, error))  # raised in the loop, which tells the pages
         else:
             self._deliver(lambda: job.finish(result))
         if has_reported:

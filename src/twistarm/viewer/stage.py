@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from functools import partial
 from itertools import count
@@ -62,22 +62,14 @@ class Stage(Show):
         self.collisions = Collisions(scene, self.solutions)
         self.controls = Controls()
         self.drawings: dict[str, Message] = {}  # by node
-        self.parts: tuple[Part, ...] = (
-            Player(),
-            TargetPart(),
-            Theory(arm),
-            self.reach,
-            self.program,
-            self.solutions,
-            self.collisions,
-            self.controls,
-        )
+        named = (self.reach, self.program, self.solutions, self.collisions, self.controls)
+        self.parts: tuple[Part, ...] = (Player(), TargetPart(), Theory(arm), *named)
         self.jogging = False
         self.report: dict[str, Any] = NO_REPORT
         self._routes = {
             "theta": Route(_show_theta, moves=True),
             "joint": Route(_move_joint),
-            "pose": Route(lambda show, now, name, ease: show.go(arm.theta_from(name), ease, now), moves=True),
+            "pose": Route(lambda show, now, name, ease: show.go(show.arm.theta_from(name), ease, now), moves=True),
             "random": Route(_go_anywhere, moves=True),
             **{kind: route for part in self.parts for kind, route in part.routes.items()},
         }
@@ -116,10 +108,10 @@ class Stage(Show):
         self.take_commands()
         self.drive = {**self.drive, "on": True, "note": note}
 
-    def end_drive(self, taken_over: bool) -> None:
-        """The drive of the pages has ended. `taken_over`: another servo drives now."""
+    def end_drive(self, another_drives: bool) -> None:
+        """The drive of the pages has ended. `another_drives`: another servo has the arm now."""
         self.drive = {**self.drive, "on": False, "note": ""}
-        if not taken_over:
+        if not another_drives:
             self.set_servo_status(None)
 
     def set_servo_status(self, report: Mapping[str, Any] | None) -> None:
@@ -130,7 +122,8 @@ class Stage(Show):
 
     def set_visible(self, what: str, visible: bool) -> None:
         """Switch a layer of every page, which may then switch its own."""
-        self.visible = {**self.visible, what: [visible, self.visible[what][1] + 1]}
+        _, revision = self.visible[what]
+        self.visible = {**self.visible, what: [visible, revision + 1]}
 
     def take_over(self, old: Stage) -> list[str]:
         """Take over the state of another arm's stage. Returns the changes and omissions in words.
@@ -154,7 +147,7 @@ class Stage(Show):
             words.append("the motion no longer fits the arm and is removed")
         return words
 
-    def _take_values(self, old: Stage) -> Iterator[str]:
+    def _take_values(self, old: Stage) -> list[str]:
         """Take over the values of joints by name; the joints that had to move to a limit."""
         before = dict(zip(old.arm.joint_names, old.theta.tolist(), strict=True)) | dict(old.others)
         moved = []
@@ -170,8 +163,7 @@ class Stage(Show):
         self.theta = np.array([inside(*joint) for joint in joints])
         others = ((name, value, self.extra_joints[name]) for name, value in self.others.items())
         self.others = {name: inside(name, value, joint.lower, joint.upper) for name, value, joint in others}
-        if moved:
-            yield f"moved to the nearer limit: {listed(moved, 6)}"
+        return [f"moved to the nearer limit: {listed(moved, 6)}"] if moved else []
 
     def _fits(self, motion: Trajectory) -> bool:
         """Whether a motion has this arm's joints and limits. Its start may be beyond the limits."""

@@ -167,7 +167,7 @@ def _outcome(name: str, arm: Mapping[str, Any], scenes: Path, timeout: float) ->
             how = f"was ended after {timeout:g} s, which a busy computer can need"
         last = log.read_text("utf-8", errors="replace").strip().rpartition("\n")[2]
     words = f"{name}: {how}" + (f": {one_line(last, 300)}" if last else "")
-    remedy = f"Its text is missing: run twistarm guide again, or for this lesson alone twistarm guide print {name}."
+    remedy = f"Run twistarm guide again, or for this lesson alone twistarm guide print {name}."
     body = f'<p class="failed" role="note">{escape(words)}. {remedy}</p>'
     return {"body": body, "sections": [], "failed": words}
 

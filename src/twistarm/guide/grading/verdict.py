@@ -12,18 +12,17 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...support.errors import one_line
+from ...support.messages import plural
 from ..exercises.exercise import Exercise, whole
 from ..exercises.words import PYTHON
 from .answers import Failure, ReturnValue, flat, form_of, in_words, of_function
 
 SEEN_DIGITS = 4
-
 THEORY_OF = "twistarm.theory"
-
 THEORY = ("screws", "poe", "rotations", "joints")  # Modules of twistarm.theory that the lessons use.
 LARGEST_SHOWN = 16  # Numbers of an array that a sentence can show.
 
-STOPS = {
+ENDINGS = {
     "SystemExit": ("ends the program (sys.exit)", ": leave that out"),
     "EOFError": ("reads from the keyboard (input)", ": leave that out; all that a function needs is in its arguments"),
     "MemoryError": ("takes more than 1 GB of memory", ": how large do its arrays get?"),
@@ -144,7 +143,7 @@ def judged(
             words = f"{' and '.join(changed)} is another after the call: the caller finds it changed"
             copied = "Work on a copy, as in `p = p.copy()`."
             return verdict("wrong", f"The answers are right, but {words}. {copied}", "argument changed")
-        return verdict("right", f"right, in {len(cases)} case{'s' * (len(cases) != 1)}")
+        return verdict("right", f"right, in {plural(len(cases), 'case')}")
     for slip in exercise.slips:
         function = exercise.wrong(slip)
         if all(_alike(exercise, case, answer, of_function(function, case.arguments)) for case, answer in pairs):
@@ -161,7 +160,7 @@ def _alike(exercise: Exercise, case: Case, answer: ReturnValue, other: ReturnVal
     if answer.form != other.form:
         return False
     a, b = answer.numbers, other.numbers
-    if answer.form == case.expected.form and np.isfinite([*a, *b]).all():  # else there is no graded part of it
+    if answer.form == case.expected.form and np.isfinite([*a, *b]).all():  # `seen` takes the part that is graded
         with np.errstate(all="ignore"):  # of an answer that is far away
             a, b = (flat(exercise.seen(side.value, *case.arguments)) for side in (answer, other))
     scale = max(1.0, float(np.abs(case.expected.numbers).max(initial=0.0)))
@@ -204,14 +203,14 @@ def _of_error(exercise: Exercise, error: Failure, call: str) -> str:
     where = f" in line {error.line}" if error.line else ""
     if error.kind in ("AttributeError", "TypeError") and (words := _of_a_name_taken(exercise, error.text)):
         return f"It stops{where}: {words}."
-    request = "" if error.kind in STOPS or error.module else f"; it was asked for {call}"
+    request = "" if error.kind in ENDINGS or error.module else f"; it was asked for {call}"
     return f"It {why_stopped(error, where)}{request}."
 
 
 def why_stopped(error: Failure, where: str = "") -> str:
     """What code does that stops with an error, after "it"."""
-    if error.kind in STOPS:
-        what, advice = STOPS[error.kind]
+    if error.kind in ENDINGS:
+        what, advice = ENDINGS[error.kind]
         return f"{what}{where}{advice}"
     if error.module:
         part = error.module.removeprefix("twistarm.")

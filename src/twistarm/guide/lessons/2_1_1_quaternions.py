@@ -52,7 +52,6 @@ R = arm.fk(arm.ready)[:3, :3]  # of the tool, seen from the base
 Q = rotations.to_quaternion_wxyz(R)
 axis, angle = rotations.to_axis_angle(R)
 
-
 guide.say(
     rf"The tool of `{arm.name}` is turned by ${np.degrees(angle):.1f}°$ about the axis "
     rf"$({', '.join(f'{a:.3f}' for a in axis + 0.0)})$, seen from the base."
@@ -136,9 +135,8 @@ guide.figure(
 # points of a sphere in four dimensions. Opposite points of this sphere are the same rotation. Unit quaternions *cover
 # the rotations twice*.
 #
-# This is the price of four numbers that fail nowhere. The set of rotations has no edge, as the surface of the globe has
-# none. A flat map of the globe must have one. In the same way three numbers cannot list each rotation once without an
-# edge. Four numbers have no edge, but they list each rotation twice.
+# This is the price of four numbers that fail nowhere. Three numbers cannot list each rotation once without a seam, as
+# no flat map shows the whole globe. Four numbers have no seam, but they list each rotation twice.
 
 # %%
 guide.slider(
@@ -259,7 +257,6 @@ guide.figure(
 Q1, Q2 = Q, rotations.to_quaternion_wxyz(R_2)
 Q2 = Q2 if Q1 @ Q2 >= 0 else -Q2
 short, long = (2 * np.degrees(np.arccos(np.clip(Q1 @ end, -1, 1))) for end in (Q2, -Q2))
-halfway_cancelled = np.linalg.norm(Q1 + -Q1)
 
 guide.say(f"""
 From the orientation at ready to the second one of `{arm.name}`:
@@ -267,7 +264,7 @@ From the orientation at ready to the second one of `{arm.name}`:
 - with signs that agree, $Q_1 \\cdot Q_2 \\geq 0$, the interpolation turns the tool by **{short:.1f}°**;
 - with one sign changed, it turns the tool to the same orientation by **{long:.1f}°**.
 
-And the mean of $Q$ and $-Q$, two records of one orientation, has the length {halfway_cancelled:.0f}: it is not an orientation.
+And the mean of $Q$ and $-Q$, two records of one orientation, has the length 0: it is not an orientation.
 """)
 
 # %% [markdown]

@@ -205,9 +205,8 @@ same, opposite = (np.linalg.norm(E_30 @ rates) for rates in ([1, 0, 1], [1, 0, -
 guide.say(
     r"Let $\beta = 30°$, and let $\alpha$ and $\gamma$ change at 1 rad/s each. In the same sense they turn the tool "
     rf"at {same:.2f} rad/s, in opposite senses at {opposite:.2f} rad/s. The ratio, {same / opposite:.1f}, is the "
-    r"**condition number** of $E$ here: the greatest length of $\omega$ divided by the least, where the three rates "
-    r"form a vector of length one. For the same rate of the tool, the angles change that many times faster in the worst direction than "
-    "in the best."
+    r"**condition number** of $E$ here: the greatest length of $\omega$ divided by the least, for three rates that "
+    r"form a vector of length one."
 )
 beta = np.radians(np.linspace(1, 179, 179))
 E = rotations.euler_rate_map("ZYZ", np.stack([0 * beta, beta, 0 * beta], axis=-1))

@@ -87,8 +87,8 @@ guide.predict(
 # ## The twists of your arm
 #
 # The table shows the twist of each moving joint and the screw that the twist describes. Both are seen from the base,
-# with all joints at zero. The $\omega$ of a twist may have any length: at one radian per second it is one, as for the
-# joints. A twist with $\omega \neq 0$ gives the pitch and a point of the axis by
+# with all joints at zero. The $\omega$ of a twist may have any length, that of a joint has one. A twist with $\omega
+# \neq 0$ gives the pitch and a point of the axis by
 #
 # $$h = \frac{\omega^T v}{\|\omega\|^2}, \qquad q = \frac{\omega \times v}{\|\omega\|^2}, \qquad M = \|\omega\|$$
 #

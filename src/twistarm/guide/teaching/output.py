@@ -45,8 +45,7 @@ class Shown:
 
 
 Outlet = Callable[[Shown], None]
-
-_INSTALLED: list[Outlet] = []
+_INSTALLED: list[Outlet] = []  # The last one takes what is shown.
 
 
 @contextmanager
@@ -59,16 +58,16 @@ def installed(outlet: Outlet) -> Iterator[None]:
         _INSTALLED.remove(outlet)
 
 
-def show(plain: str, html: Callable[[Path | None], str]) -> None:
+def show(plain: str, as_html: Callable[[Path | None], str]) -> None:
     """Show it where the lesson runs."""
     ipython = sys.modules.get("IPython")
     shell = ipython and ipython.get_ipython()
     if _INSTALLED:
-        _INSTALLED[-1](Shown(plain, html))
+        _INSTALLED[-1](Shown(plain, as_html))
     elif shell is not None and hasattr(shell, "kernel"):  # a notebook; a terminal's IPython has no kernel
         from IPython.display import HTML, display
 
-        display(HTML(html(None)))  # type: ignore[no-untyped-call]
+        display(HTML(as_html(None)))  # type: ignore[no-untyped-call]
     else:
         sys.stdout.write(plain.rstrip() + "\n")
 

@@ -22,8 +22,8 @@ def kinematics(arm: Arm, others: Sequence[str]) -> dict[str, Any]:
     Coordinates x are theta, then the joints beside the chain named `others`. Joint j has the next joint toward the root
     as `parent` (or null). It maps to space E_j = E_parent · exp(ξ_j c·x). `terms` [i, c_i] hold the nonzero c, and the
     space twist `screw` is ξ_j (MLS §3.2). The pose of node k is E_base⁻¹ · E_j · `rest` (by columns) with j its
-    `joint`. E_base belongs to the joint `base`, and is 1 if no joint carries the base. `parents` has
-    each link's parent (or null).
+    `joint`. E_base belongs to the joint `base`, and is 1 if no joint carries the base. `parents` has each link's parent
+    (or null), where the arm has links.
     """
     if arm.description is None:
         return _chain(arm)
