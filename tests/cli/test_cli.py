@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import twistarm
+from twistarm.arm.usual_limits import with_defaults
 from twistarm.cli.application import run
 from twistarm.theory.rotations import from_rpy
 from urdf_text import two_joints, write
@@ -188,7 +189,7 @@ def test_plan_caps_lower_the_arms_limits_and_never_raise_them(capsys: Capture, r
     for cap in ("20", "0.2"):
         content = answer(capsys, "plan", "rover_arm", "--to", "stowed", "--velocity", cap, "--acceleration", cap)
         for rate in ("velocity", "acceleration"):
-            limit = np.minimum(getattr(rover.limits, rate), float(cap))
+            limit = np.minimum(getattr(with_defaults(rover), rate), float(cap))
             assert (np.array(content[f"peak_{rate}"]) <= limit + 1e-9).all()
 
 

@@ -204,11 +204,15 @@ def test_for_a_missing_limit_the_usual_one_is_kept_and_said(kind):
     usual = {"velocity": {"slide": 0.25, "shoulder": 1.0, "elbow": 1.0}}
     usual["acceleration"] = {"slide": 1.0, "shoulder": 3.0, "elbow": 3.0}
     explicit = plan_joint(ARM, PATH, kind=kind, limits=usual)
-    assert explicit.notes == ()
+    (swings,) = explicit.notes
+    assert "elbow 0." in swings
+    assert "slide" not in swings
+    assert plan_joint(ARM, PATH, kind=kind, limits=usual, stop_at_waypoints=True).notes == ()
     for given in ({}, {"velocity": {"slide": 0.25, "shoulder": 1.0}}, {"acceleration": usual["acceleration"]}):
         motion = plan_joint(ARM, PATH, kind=kind, limits=given)
         assert motion.duration == explicit.duration
-        (note,) = motion.notes
+        note, again = motion.notes
+        assert again == swings
         assert ("acceleration" in note) == ("acceleration" not in given)
         assert "elbow" in note
 

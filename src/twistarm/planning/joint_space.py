@@ -15,9 +15,10 @@ from ..arm.usual_limits import defaults_line, with_defaults
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, Progress, as_flag, as_positive, require_callback, require_choice
 from ..support.errors import InputError, quote
-from ..support.messages import Text
+from ..support.messages import Argument, Quantity, Text
+from ..support.messages import joined as joined_texts
 from . import spline
-from .piecewise import JointPath, bernstein, rescaled, side_by_side
+from .piecewise import JointPath, bernstein, evaluate, rescaled, side_by_side
 from .s_curve import double_s, double_s_durations, s_curve
 from .time_law import PathBounds
 from .time_optimal import line_durations, time_optimal
@@ -41,6 +42,7 @@ WORTH_A_LAW = 1.05
 MANY_WAYPOINTS = 300
 FIRST_PART = 0.8  # Share of the work when the motion without stops is there.
 MOST_STOPS = 16  # Greatest number of stops on the way, unless the motion stops after every leg.
+SWING = 0.01  # Share of a joint's range by which it may leave the interval of two waypoints without a note.
 SHORT = 0.4  # A leg is short if it takes less than this share of the time of either leg beside it.
 
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
@@ -105,7 +107,7 @@ def plan_joint(
     1e-9. Without `times`, a missing velocity or acceleration limit is the usual one (1 rad/s, 0.25 m/s, 3 rad/s²,
     1 m/s²). With `times`, missing limits are not checked. Without `times`, consecutive waypoints nearer than 1e-6 are
     merged. If one remains, the motion has duration 0. All others are met within 1e-9. `notes` tell what was assumed,
-    merged or unwrapped.
+    merged or unwrapped, and which joints swing far past their waypoints.
 
     Source: Lynch & Park, Modern Robotics, §9.2 to §9.4.
 
@@ -176,6 +178,8 @@ def plan_joint(
         points, ends = np.stack([start, points[0]]), np.append(0.0, ends)
     elif back:
         points[0], ends[0] = start, 0.0
+    if len(points) > 2 and not stop_at_waypoints:
+        notes += swings(arm, points, ends, breakpoints, coefficients)
     motion = Trajectory(
         arm.joint_names, arm.units, points, ends, breakpoints, coefficients, arm.actuators, (),
         (*usual, *notes, *back), bounds,
@@ -193,6 +197,24 @@ def plan_joint(
     if progress is not None:
         progress(1.0)
     return motion
+
+
+def swings(arm: Arm, points: Array, ends: Array, breakpoints: Array, coefficients: Array) -> list[Text]:
+    """Return a note on the joints that swing far past the two waypoints (k, n) before and after, if there are any."""
+    tau = np.linspace(0.0, 1.0, 17)[:, None] * np.diff(breakpoints)
+    leg = np.searchsorted(ends, breakpoints[:-1] + tau).clip(1, len(points) - 1)
+    theta = evaluate(coefficients, tau[..., None])
+    inside = theta.clip(np.minimum(points[leg - 1], points[leg]), np.maximum(points[leg - 1], points[leg]))
+    past, inside = np.abs(theta - inside).reshape(-1, arm.n), inside.reshape(-1, arm.n)
+    lower, upper = arm.sampling_bounds
+    parts = []
+    for j in np.flatnonzero(past.max(axis=0) > SWING * (upper - lower)):
+        i = past[:, j].argmax()
+        far, value = (Quantity(float(of[i, j]), arm.units[j], 3) for of in (past, inside))
+        parts.append(Text("{joint} {far} past {value}", joint=arm.joint_names[j], far=far, value=value))
+    stop = Argument("stop_at_waypoints", True)
+    text = "joints swing past their waypoints: {parts}; {stop} goes straight from one to the next"
+    return [Text(text, parts=joined_texts(", ", parts), stop=stop)] if parts else []
 
 
 def _as_kind(kind: str | None, times: ArrayLike | None) -> str:

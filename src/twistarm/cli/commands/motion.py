@@ -28,7 +28,9 @@ from ..output import STDOUT, Contents, Outputs, entries, note, progress_bar
 from ..rows import OrientationTol, PositionTol, TargetOptions
 from ..tables import Column, Table, number, theta_values
 
-CAP = "At most this for every joint, or for those in its unit; the arm's own limits hold as well."
+CAP = "At most this for every joint, or for those in its unit; the arm's own or assumed limits hold as well."
+# Follows assumed limits.
+HOW_TO_CHANGE = "an arm.toml gives others; --velocity and --acceleration only lower them"
 Velocity = Annotated[OfJoints | None, quantity("rad/s m/s", CAP)]
 Acceleration = Annotated[OfJoints | None, quantity("rad/s² m/s²", CAP)]
 
@@ -65,11 +67,14 @@ def motion_of_file(
 def capped(
     arm: Arm, velocity: OfJoints | None, acceleration: OfJoints | None, changes: Mapping[str, Any] | None = None
 ) -> JointLimits:
-    """The arm's limits, each at most the typed value. A missing limit takes the typed value."""
+    """The arm's limits, each at most the typed value. A missing limit takes it where it is not above the default."""
     limits = arm.limits.with_(changes or {}, arm.joint_names)
+    usual = with_defaults(arm, limits)
     caps = {"velocity": velocity, "acceleration": acceleration}
     typed = {name: of_joints(arm, cap, np.inf, f"--{name}") for name, cap in caps.items() if cap is not None}
-    lowered = {name: np.minimum(getattr(limits, name), each) for name, each in typed.items()}
+    lowered = {
+        name: np.where(each <= getattr(usual, name), each, getattr(limits, name)) for name, each in typed.items()
+    }
     return limits.with_(lowered, arm.joint_names)
 
 
@@ -224,7 +229,7 @@ def plan(
     data = {"arm": arm, "start": origin or "ready", "assumed": assumed or None, "nearest": nearest}
     out.show(
         data | entries(found, "duration times waypoints notes"),
-        *([f"{assumed} (--velocity, --acceleration)"] if assumed else []),
+        *([f"{assumed} ({HOW_TO_CHANGE})"] if assumed else []),
         *plan_tables(arm, found, limits),
         active_limits_table(planning.active_limits(arm, found, limits=limits, segments=segments, **efforts)),
         *([] if nearest is None else [f"nearest: {nearest}"]),

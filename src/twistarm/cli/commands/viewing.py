@@ -31,7 +31,7 @@ from ..rows import TypedTargets
 from .arms import info
 from .checking import check
 from .kinematics import fk, ik, jacobian
-from .motion import MOTION_KINDS, motion_of_file, plan
+from .motion import HOW_TO_CHANGE, MOTION_KINDS, motion_of_file, plan
 
 VIEW_KINDS = {"html": (".html", ".htm"), "png": (".png",), "site": ("/",)}
 
@@ -67,7 +67,7 @@ class Page:
         `assumed` names the limits that were not given. `instead` says what helps where no browser is found.
         """
         if assumed:
-            say(f"{assumed} (--velocity, --acceleration)", file=out)
+            say(f"{assumed} ({HOW_TO_CHANGE})", file=out)
         say(f"{what or viewer.arm.name} at {viewer.url}  (Ctrl-C ends it)", file=out)
         if self.browser and not viewer.open_page():
             warn(f"no browser found here; open the address yourself{instead}")

@@ -107,8 +107,8 @@ guide.table(
 # %%
 once_round = np.array([np.cos(np.pi), 0, 0, np.sin(np.pi)])
 guide.predict(
-    "You turn the tool about its own $z$ axis, by one full turn. The matrix is back where it began. What is "
-    "the quaternion then? And after how many degrees is it back?",
+    "Start at $Q = (1, 0, 0, 0)$, and turn about the $z$ axis by one full turn. The matrix is back where it began. What "
+    "is the quaternion then? And after how many degrees is it back?",
     f"After 360° it is $({', '.join(f'{q:.0f}' for q in once_round + 0.0)})$, which is $-1$ times the start. "
     f"It is back after two full turns, 720°.",
 )
