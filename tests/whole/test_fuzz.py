@@ -2,42 +2,31 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import pytest
 
 from fuzz import oracle
-from fuzz.runner import Campaign, campaign
+from fuzz.runner import campaign
 from fuzz.sources import Source, catalogue_sources, own_sources, real_sources, seed_sources
 from twistarm import load_arm
 from urdf_text import two_joints, write
 
-# Mutants in `make test`, and in `make test-all` of what is at hand everywhere and of real models.
-QUICK, LONG, REAL = 40, 10_000, 3_000
 
-
-def run(sources: list[Source], count: int, folder: Path, workers: int) -> Campaign:
-    result = campaign(sources, count, folder / "workers", workers=workers)
-    print(f"\n{result}")
-    assert not result.failed, result.report(folder / "failed")
-    assert result.outcomes.total() == count
-    assert result.outcomes["loaded"] > count / 10, "mutants that nobody can load prove little"
-    return result
-
-
-def test_some_mutants(tmp_path: Path) -> None:
-    run([*seed_sources(), *own_sources()], QUICK, tmp_path, workers=1)
+@pytest.mark.parametrize("count", [40, pytest.param(3_000, marks=pytest.mark.slow)])
+def test_mutants_of_what_is_at_hand(count: int, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    run([*seed_sources(), *own_sources(), *(catalogue_sources() if count > 1000 else ())], count, tmp_path, capfd)
 
 
 @pytest.mark.slow
-def test_ten_thousand_mutants(tmp_path: Path) -> None:
-    run([*seed_sources(), *own_sources(), *catalogue_sources()], LONG, tmp_path, workers=os.cpu_count() or 1)
+def test_mutants_of_real_models(models: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    run(real_sources(models), 1_000, tmp_path, capfd)
 
 
-@pytest.mark.slow
-def test_mutants_of_real_models(models: Path, tmp_path: Path) -> None:
-    run(real_sources(models), REAL, tmp_path, workers=os.cpu_count() or 1)
+def run(sources: list[Source], count: int, folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    outcomes, failed = campaign(sources, count, folder, lambda: "".join(capfd.readouterr()))
+    assert not failed, "\n".join(failed)
+    assert outcomes["loaded"] > count / 10, "mutants that nobody can load prove little"
 
 
 # -- the fuzzer itself -------------------------------------------------------------------------------------------------
