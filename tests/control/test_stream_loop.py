@@ -7,10 +7,21 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stream_stand_ins import PERIOD, Robot, Says, jog
+from stream_stand_ins import PERIOD, FakeClock, Robot, Says, jog
 from twistarm import plan_joint
 from twistarm.control.servo import ServoSettings, TwistCommand
-from twistarm.control.stream import Cycle, Ending, FollowOptions, Inbox, Measured, Reading, follow
+from twistarm.control.stream import (
+    Cycle,
+    Ending,
+    FollowOptions,
+    Inbox,
+    Measured,
+    Metronome,
+    Reading,
+    Streaming,
+    come_to_rest,
+    follow,
+)
 from twistarm.support.errors import InputError
 
 EXACT = 1 + 1e-6
@@ -40,6 +51,24 @@ def test_no_step_is_over_more_time_than_passed_however_late_its_cycle(rover, clo
     assert np.abs(robot.rates).max() == pytest.approx(0.4)
     assert not robot.rates[-1].any()
     assert report.at_rest
+
+
+@pytest.mark.parametrize("moment", [99.99, 100.05, 1e6])
+def test_a_stream_comes_to_rest_on_another_clock(rover, clock, robot, moment):
+    """As after a simulation: its time may stand still."""
+    streaming = Streaming(rover, Says(jog(rover, elbow=-0.4)), robot, robot)
+    for _ in range(20):
+        clock.time += PERIOD
+        streaming.cycle(clock.now())
+    assert np.abs(robot.rates[-1]).max() > 0.1
+    system, metronome = FakeClock(moment, {1: 0.0004, 2: 0.03, 4: 0.2}), Metronome(PERIOD)
+    metronome.tick(system.now())
+    streaming.change_clock(system.now())
+    begin = len(robot.setpoints) - 1
+    assert come_to_rest(streaming, metronome, system)
+    rates, times = robot.rates[begin:], np.array([moment, *robot.times[begin + 1 :]])
+    assert not rates[-1].any()
+    assert (np.abs(np.diff(rates, axis=0)) <= np.outer(np.diff(times), rover.limits.acceleration) * EXACT).all()
 
 
 UNUSABLE = {

@@ -1,33 +1,32 @@
-"""What ROS messages mean, without ROS; the node is in test_ros2_servo.py."""
+"""What ROS messages mean, without ROS; the node is in tests/ros."""
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import SimpleNamespace as Message
 
 import numpy as np
 import pytest
 
-import ros_stand_ins as msg
 from stream_stand_ins import answer
 from twistarm.control.servo import ServoReason
 from twistarm.control.stream import Cycle, Ending, Setpoint
 from twistarm.control.stream.report import Tally
 from twistarm.support.errors import InputError
 
-FILE = Path(__file__).parents[2] / "examples" / "ros2" / "twistarm_servo" / "twistarm_servo" / "messages.py"
-SPEC = spec_from_file_location("ros_messages", FILE)
-assert SPEC is not None
-assert SPEC.loader is not None
-ros = module_from_spec(SPEC)
-SPEC.loader.exec_module(ros)
+sys.path.append(str(Path(__file__).parents[2] / "examples" / "ros2" / "twistarm_servo"))
+
+from twistarm_servo import messages as ros
+from twistarm_servo.joystick import JoyMapping, Joystick
 
 
 def test_positions_that_are_not_finite_are_refused(rover):
     names = ["slide", "shoulder", "elbow", "wrist_pitch", "wrist_roll"]
+    assert ros.positions_of(rover, Message(name=names, position=[])) == {}  # rates alone
     with pytest.raises(InputError, match="finite"):
-        ros.positions_of(rover, msg.JointState(name=names, position=[0.0, np.nan, 0.0, 0.0, 0.0]))
+        ros.positions_of(rover, Message(name=names, position=[0.0, np.nan, 0.0, 0.0, 0.0]))
 
 
 def test_a_frame_is_the_base_s_the_tool_s_or_the_default(rover):
@@ -39,9 +38,9 @@ def test_a_frame_is_the_base_s_the_tool_s_or_the_default(rover):
 
 
 def test_stamps_are_numbers_that_increase():
-    assert ros.number_of(msg.Time()) is None
-    assert ros.number_of(msg.Time(sec=1, nanosec=999_999_999)) < ros.number_of(msg.Time(sec=2))
-    assert ros.number_of(msg.Time(sec=2**31 - 1)) == (2**31 - 1) * 10**9
+    assert ros.number_of(Message(sec=0, nanosec=0)) is None
+    assert ros.number_of(Message(sec=1, nanosec=999_999_999)) < ros.number_of(Message(sec=2, nanosec=0))
+    assert ros.number_of(Message(sec=2**31 - 1, nanosec=0)) == (2**31 - 1) * 10**9
 
 
 @pytest.mark.parametrize(
@@ -51,11 +50,59 @@ def test_stamps_are_numbers_that_increase():
         (["elbow", "elbow"], {"velocities": [0.1, 0.2]}, "each joint once"),
         (["elbow"], {"displacements": [0.1]}, "got displacements"),
         ([], {}, "jog must be"),
+        (["j9"], {"velocities": [0.1]}, "j9"),
     ],
 )
 def test_a_jog_that_is_none(rover, names, fields, why):
     with pytest.raises(InputError, match=why):
-        ros.jog_of(rover, msg.JointJog(joint_names=names, **fields))
+        ros.jog_of(rover, jog(names, **fields))
+
+
+def jog(names, velocities=(), displacements=()):
+    return Message(joint_names=names, velocities=velocities, displacements=displacements)
+
+
+def test_a_jog_is_rates_or_shares_of_a_speed(rover):
+    assert ros.jog_of(rover, jog(["elbow"], [0.2])).theta_dot.tolist() == [0.0, 0.0, 0.2, 0.0, 0.0]
+    assert ros.jog_of(rover, jog(["elbow"], [0.5]), 0.4).theta_dot.tolist() == [0.0, 0.0, 0.2, 0.0, 0.0]
+
+
+def test_a_pose_needs_the_base_and_a_rotation(rover):
+    def pose(frame, w):
+        position, orientation = Message(x=0.1, y=0.2, z=0.3), Message(x=0.0, y=0.0, z=0.0, w=w)
+        return Message(header=Message(frame_id=frame), pose=Message(position=position, orientation=orientation))
+
+    np.testing.assert_array_equal(ros.pose_of(rover, pose(rover.base, 1.0)).g[:3, 3], [0.1, 0.2, 0.3])
+    for wrong, why in ((pose("world", 1.0), "got 'world'"), (pose(rover.base, 0.0), "length 1")):
+        with pytest.raises(InputError, match=why):
+            ros.pose_of(rover, wrong)
+
+
+# A trigger that rests at 1 moves the tool up. What it says at 0.0, 0.1, … s: its axis, whether the button is held, and
+# the speed, None or the reason. A message of None is a silence.
+STEPS = {
+    "at rest, pressed, let go": [(1.0, False, None), (1.0, True, 0.0), (-1.0, True, 0.1), (-1.0, False, None)],
+    "never at rest": [(-1.0, False, None), (-1.0, True, "axis 1 reads -1, at rest 1"), (1.0, True, 0.0)],
+    "held from the start": [(1.0, True, "let go of button 0"), (-1.0, True, "let go"), (1.0, False, None)],
+    "unplugged: 0 of every axis": [(1.0, False, None), (1.0, True, 0.0), None, None, None, (0.0, True, "axis 1")],
+}
+
+
+@pytest.mark.parametrize("case", STEPS)
+def test_a_joystick_counts_once_it_was_seen_at_rest(case):
+    mapping = JoyMapping([-1, -1, 1, -1, -1, -1], [0, 0, 1, 0, 0, 0], [0.1, 0.1, -0.1, 0.5, 0.5, 0.5], 0.1, 0)
+    joystick = Joystick(mapping, 0.2)
+    for number, step in enumerate(STEPS[case]):
+        if step is None:
+            continue
+        axis, held, expected = step
+        message = Message(axes=[0.0, axis], buttons=[int(held)])
+        if isinstance(expected, str):
+            with pytest.raises(InputError, match=expected):
+                joystick.twist(message, 0.1 * number)
+        else:
+            twist = joystick.twist(message, 0.1 * number)
+            assert twist == (None if expected is None else [0.0, 0.0, expected, 0.0, 0.0, 0.0])
 
 
 def test_a_trajectory_ends_at_rest_within_the_limits(rover):

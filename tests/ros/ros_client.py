@@ -7,6 +7,8 @@ import time
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
+from rclpy.duration import Duration
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
@@ -19,10 +21,18 @@ class Client:
     def __init__(self, arm):
         self.arm, self.node = arm, rclpy.create_node("client")
         self.statuses: list = []
+        self.ahead = 0.0  # Of the simulation's clock [s].
+        clock = self.node.create_publisher(Clock, "/clock", 1)
+        self.node.create_timer(0.01, lambda: clock.publish(Clock(clock=self.stamp())))
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
 
     def _on_diagnostics(self, message):
         self.statuses.append(message.status[0])
+
+    def stamp(self, ahead=0.0):
+        """The simulation's time, which is the system's before it jumps."""
+        ahead = Duration(nanoseconds=round((self.ahead + ahead) * 1e9))
+        return (self.node.get_clock().now() + ahead).to_msg()
 
     def until(self, done, seconds=SOON):
         """Spin until it is so."""
@@ -54,7 +64,10 @@ class Client:
 
 
 class Robot:
-    """Joints at 100 Hz that follow `topic` at once, unless they stand; and what they were told."""
+    """Joints at 100 Hz that follow `topic` at once, unless they stand; and what they were told.
+
+    Wheels on the same topic have another clock, fail, and tell of themselves twice.
+    """
 
     def __init__(self, client, topic="/servo_node/commands", states="/joint_states"):
         self.client, self.theta = client, client.arm.ready.tolist()
@@ -72,8 +85,11 @@ class Robot:
     def _tell(self):
         if not self.mute:
             message = JointState(name=list(self.client.arm.joint_names), position=self.theta)
-            message.header.stamp = self.client.node.get_clock().now().to_msg()
+            message.header.stamp = self.client.stamp()
             self.publisher.publish(message)
+            wheels = JointState(name=["wheel", "wheel"], position=[float("nan")])
+            wheels.header.stamp.sec = 2**31 - 1
+            self.publisher.publish(wheels)
 
     @property
     def moves(self):
@@ -85,13 +101,13 @@ class Stick:
     """A publisher of twists at 50 Hz while `twist` (linear, frame) is one."""
 
     def __init__(self, client, topic="/servo_node/delta_twist_cmds"):
-        self.client, self.linear, self.frame = client, None, client.arm.base
+        self.client, self.linear, self.frame, self.ahead = client, None, client.arm.base, 0.0
         self.publisher = client.node.create_publisher(TwistStamped, topic, 10)
         client.node.create_timer(0.02, self._say)
 
     def _say(self):
         if self.linear is not None:
             message = TwistStamped()
-            message.header.frame_id, message.header.stamp = self.frame, self.client.node.get_clock().now().to_msg()
+            message.header.frame_id, message.header.stamp = self.frame, self.client.stamp(self.ahead)
             message.twist.linear.x, message.twist.linear.y, message.twist.linear.z = self.linear
             self.publisher.publish(message)

@@ -7,16 +7,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 pytest.importorskip("rclpy", reason="no ROS 2 here: `make test-ros` has one on Linux x86-64")
 
-from rcl_interfaces.srv import DescribeParameters, GetParameters, SetParameters
+from geometry_msgs.msg import Point, PoseStamped, Quaternion
+from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import Joy
 from std_msgs.msg import Float64MultiArray, String
 from std_srvs.srv import SetBool, Trigger
 
 from ros_client import LATEST, SOON, Robot, Stick
+from twistarm import rotations
 
 CONFIG = Path(__file__).parents[2] / "examples" / "ros2" / "twistarm_servo" / "config" / "servo.yaml"
 
@@ -89,12 +93,92 @@ def test_silence_of_commands_or_joints_stops_a_moving_arm(client, robot, stick):
 
 
 @pytest.mark.usefixtures("driven")
-def test_a_foreign_frame_and_a_stamp_of_another_clock_move_nothing(client, robot, stick):
-    stick.linear, stick.frame = UP, "world"
-    client.until(lambda: "got frame_id 'world'" in client.status[1], 3.0)
-    assert not robot.moves
-    stick.frame = client.arm.base
+@pytest.mark.parametrize(
+    ("nonsense", "why"),
+    [
+        ({"frame": "world"}, "got frame_id 'world'"),
+        ({"linear": (np.nan, 0.0, 0.0)}, "finite"),
+        ({"ahead": 2.0}, "use_sim_time"),
+        ({"ahead": -100.0}, "s old"),
+    ],
+)
+def test_nonsense_stops_a_moving_arm_and_is_told(client, robot, stick, nonsense, why):
+    stick.linear = UP
     client.until(lambda: robot.moves)
+    before = {name: getattr(stick, name) for name in nonsense}
+    vars(stick).update(nonsense)
+    client.until(lambda: not robot.moves and why in client.status[1])
+    vars(stick).update(before)
+    client.until(lambda: robot.moves)
+
+
+@pytest.mark.usefixtures("driven")
+def test_a_pose_is_reached(client, robot, rover):
+    goal = rover.fk(robot.theta)
+    goal[2, 3] += 0.02
+    (w, x, y, z), pose = rotations.to_quaternion_wxyz(goal[:3, :3]).tolist(), PoseStamped()
+    pose.header.frame_id, pose.pose.orientation = rover.base, Quaternion(w=w, x=x, y=y, z=z)
+    pose.pose.position = Point(**dict(zip("xyz", goal[:3, 3].tolist(), strict=True)))
+    publisher = client.node.create_publisher(PoseStamped, "/servo_node/pose_target_cmds", 10)
+
+    def say():
+        pose.header.stamp = client.stamp()
+        publisher.publish(pose)
+
+    client.node.create_timer(0.02, say)
+    client.until(lambda: np.abs(rover.fk(robot.theta) - goal).max() < 1e-3)
+
+
+def test_shares_of_a_speed(client, robot, stick, start, rover):
+    start(command_in_type="unitless", scale_linear=0.06)
+    client.until(lambda: robot.told, LATEST)
+    stick.linear = (0.0, 0.0, 0.5)
+    client.until(lambda: robot.moves)
+    client.during(1.0)
+    point = robot.told[-1].points[0]
+    np.testing.assert_allclose((rover.hybrid_jacobian(point.positions) @ point.velocities)[:3], UP, atol=2e-3)
+    stick.linear = (0.0, 0.0, 1.5)
+    client.until(lambda: not robot.moves and "from -1 to 1" in client.status[1])
+
+
+@pytest.mark.parametrize("jump", [-500.0, 30.0])
+def test_a_simulation_that_is_set_back_or_jumps_stops_the_arm_and_goes_on(client, robot, stick, start, rover, jump):
+    start(use_sim_time="true")
+    client.until(lambda: robot.told, LATEST)
+    stick.linear = UP
+    client.until(lambda: robot.moves)
+    stick.linear, client.ahead = None, jump
+    client.until(lambda: not robot.moves)
+    client.during(0.5)
+    stick.linear = UP
+    client.until(lambda: robot.moves)
+    rates = np.array([message.points[0].velocities for message in robot.told])
+    assert (np.abs(np.diff(rates, axis=0)) <= rover.limits.acceleration * 0.05).all()
+
+
+@pytest.mark.parametrize("hold", ["''", "position"])
+def test_a_joystick_moves_what_is_not_held_while_its_button_is(client, robot, start, hold):
+    axes, rest, scale = "[-1, -1, 1, -1, -1, -1]", "[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]", "[0.1, 0.1, -0.1, 0.5, 0.5, 0.5]"
+    start(frame="base", hold=hold, joy_axes=axes, joy_rest=rest, joy_scale=scale, joy_dead_man=0)
+    client.until(lambda: robot.told, LATEST)
+    said = Joy(axes=[0.0, 1.0], buttons=[0])
+    publisher = client.node.create_publisher(Joy, "/joy", 10)
+
+    def say():
+        said.header.stamp = client.stamp()
+        publisher.publish(said)
+
+    client.node.create_timer(0.02, say)
+    client.during(0.5)
+    said.axes, said.buttons = [0.0, -1.0], [1]
+    if hold == "position":
+        client.during(0.5)
+        assert not robot.moves
+        assert "refused" not in client.status[1]
+        return
+    client.until(lambda: robot.moves)
+    said.buttons = [0]
+    client.until(lambda: not robot.moves)
 
 
 @pytest.mark.usefixtures("driven")
@@ -199,6 +283,9 @@ def test_the_file_of_parameters_to_copy_starts_a_node(client, start):
     robot = Robot(client, "/arm_controller/joint_trajectory")
     start("--params-file", str(CONFIG))
     client.until(lambda: robot.told, LATEST)
+    names = set(client.call(ListParameters, "/servo_node/list_parameters").result.names)
+    (given,) = yaml.safe_load(CONFIG.read_text("utf-8")).values()
+    assert given["ros__parameters"].keys() <= names
 
 
 def test_arrays_hold_velocities_for_a_controller_of_rates(client, robot, stick, start, rover):
