@@ -15,9 +15,9 @@ from ..support.messages import Argument, Text
 from ..support.units import theta_hint
 from .calibration import Calibration
 from .camera import Camera, Mount, refuse_unusable_views
-from .geometry import Geometry
+from .geometry import BASE, JOINTS, TOOL, Geometry
 from .measurements import LITTLE, Bools, Measurements, joined, read_measurements, require_metres
-from .problem import LOUD, Problem, descend, observed, of_joints, started
+from .problem import OUTLIER, Problem, descend, observed, of_joints, started
 
 Frame = Literal["fit", "held"]
 Log = Measurements | str | os.PathLike[str]
@@ -98,15 +98,15 @@ def calibrate(
             raise InputError("a camera's log shows base and tool as camera and tag: fit both, without distances")
         refuse_unusable_views(log, arm)
         noise, log = (eye.noise * float(np.median(log.tvec[:, 2])), noise[1]), eye.log(log)
-    usual = [0.0] * 12 + [1.0 / USUAL[parameter.what.split()[0]] for parameter in geometry.parameters[12:]]
-    problem, start = Problem(geometry, log, noise, np.array(usual), *known, camera=eye).placed()
+    prior = [0.0] * JOINTS + [1.0 / USUAL[parameter.what.split()[0]] for parameter in geometry.parameters[JOINTS:]]
+    problem, start = Problem(geometry, log, noise, np.array(prior), *known, camera=eye).with_places()
     # Without a measured frame the base may not move, and only poses show how a tool is turned.
     fitted = np.ones(len(start), dtype=bool)
-    fitted[:6] = base == "fit" and bool(log.located.any())
-    fitted[6:12] = tool == "fit"
-    fitted[9:12] &= bool(np.isfinite(log.rotation).any())
+    fitted[BASE] = base == "fit" and bool(log.located.any())
+    fitted[TOOL] = tool == "fit"
+    fitted[TOOL][3:] &= bool(np.isfinite(log.rotation).any())
     odd = refuse_unusable(problem, fitted)
-    problem, start = started(problem, bool(fitted[:6].any()), fitted[6:12])
+    problem, start = started(problem, bool(fitted[BASE].any()), fitted[TOOL])
     seen = observed(problem, start, fitted)
     still = still_joints(problem)
     if eye is not None and still:  # camera and tag are as good without a corrected arm
@@ -117,8 +117,8 @@ def calibrate(
     faults = faults_of(problem, q, first)
     held_out = np.inf, np.inf
     if not faults:
-        loud = float(np.median(problem.loudness(q)))
-        if loud > LOUD:
+        loud = float(np.median(problem.normalised_residual(q)))
+        if loud > OUTLIER:
             odd = (*odd, f"the rows fit {loud:.0f} times worse than the stated noise: something is not explained")
         held_out = _held_out(problem, first, seen, robust)
     return Calibration(problem, q, first, seen, fitted, weights, *held_out, (*odd, *faults), faults)
@@ -176,14 +176,14 @@ def _held_out(problem: Problem, first: Array, seen: Bools, robust: bool) -> tupl
     """
     K, P = len(problem.log.theta), problem.P
     fold = np.random.default_rng(0).permutation(K) % min(FOLDS, K)
-    placements, of_row = np.unique(problem.placements, return_inverse=True)
-    if not problem.log.located.any() and len(placements) > 1:
+    groups, of_row = np.unique(problem.group_of_row, return_inverse=True)
+    if not problem.log.located.any() and len(groups) > 1:
         fold = of_row % FOLDS
     errors = np.full((2, K), np.nan)
     for left in (np.flatnonzero(fold == k) for k in np.unique(fold)):
         rest = problem.of_rows(np.setdiff1d(np.arange(K), left))
         own = np.zeros(len(first), dtype=bool)
-        own[P:] = np.repeat(np.isin(np.arange(len(problem.places)), rest.place, invert=True), 3)
+        own[P:] = np.repeat(np.isin(np.arange(len(problem.places)), rest.place_of_row, invert=True), 3)
         free = observed(rest, first, seen & ~own)
         if rest.numbers <= free.sum():
             return np.inf, np.inf
@@ -201,7 +201,7 @@ def refuse_unusable(problem: Problem, fitted: Bools) -> tuple[str, ...]:
     if hint:
         raise InputError(f"{hint}: name the unit in the header, as in {arm.joint_names[arm.units.index('rad')]} [deg]")
     require_metres(log, arm)
-    rows, numbers, least = len(log.theta), problem.numbers, int(fitted[:12].sum()) + 3 * len(problem.places)
+    rows, numbers, least = len(log.theta), problem.numbers, int(fitted[:JOINTS].sum()) + 3 * len(problem.places)
     if numbers <= least:
         raise InputError(
             f"{rows} rows give {numbers} numbers; base, tool and places alone have {least} unknowns: measure more"
@@ -252,7 +252,7 @@ def _moved_base(problem: Problem, q: Array) -> tuple[str, ...]:
         return ()
     # In standard deviations, as the fit: a camera measures depth and tilts far less well than the rest.
     here, ones, row = np.flatnonzero(located[of]), np.ones(len(located)), of[located[of]]
-    r, A = problem.residual(q, ones)[here], problem.slopes(q, ones)[here, :6]
+    r, A = problem.residual(q, ones)[here], problem.slopes(q, ones)[here, BASE]
     size = np.sqrt(np.bincount(row, r * r))
     r = r * np.minimum(1.0, np.quantile(size[at], 0.75) / np.maximum(size, 1e-12))[row]  # an outlier counts as others
     H, b = np.cumsum(A[:, :, None] * A[:, None], axis=0), np.cumsum(A * r[:, None], axis=0)

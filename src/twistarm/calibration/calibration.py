@@ -24,9 +24,9 @@ from ..support.errors import InputError
 from ..theory.rotations import log_of, skew, to_rpy
 from ..theory.screws import adjoint_of, exp, inverse_of
 from .camera import HandEye, poses_of
-from .geometry import Parameter
+from .geometry import BASE, JOINTS, TOOL, Parameter
 from .measurements import Bools
-from .problem import LOUD, Problem, of_joints
+from .problem import OUTLIER, Problem, of_joints
 
 # The share of the error of base and tool alone that the corrected arm must stay below, on rows not fitted.
 SURE = 0.95
@@ -99,12 +99,12 @@ class Calibration:
     @property
     def base(self) -> Array:
         """The base (4, 4) in the frame of the measurements."""
-        return np.asarray(self.problem.geometry.base @ exp(self.unknowns[:6]))
+        return np.asarray(self.problem.geometry.base @ exp(self.unknowns[BASE]))
 
     @property
     def tool(self) -> Array:
         """The measured point (4, 4) beyond the tip."""
-        return np.asarray(self.problem.geometry.tool @ exp(self.unknowns[6:12]))
+        return np.asarray(self.problem.geometry.tool @ exp(self.unknowns[TOOL]))
 
     @property
     def before(self) -> Array:
@@ -119,8 +119,8 @@ class Calibration:
     @property
     def outliers(self) -> tuple[int, ...]:
         """The rows, from 1, that do not fit."""
-        loud = self.problem.loudness(self.unknowns)
-        return tuple((np.flatnonzero(loud > LOUD * max(1.0, float(np.median(loud)))) + 1).tolist())
+        loud = self.problem.normalised_residual(self.unknowns)
+        return tuple((np.flatnonzero(loud > OUTLIER * max(1.0, float(np.median(loud)))) + 1).tolist())
 
     @cached_property
     def estimates(self) -> tuple[Estimate, ...]:
@@ -142,10 +142,10 @@ class Calibration:
         computed = camera.in_camera(geometry.poses(q[: problem.P], problem.log.theta))
         shift = np.linalg.norm((computed - measured)[:, :3, 3], axis=1)
         turn = np.linalg.norm(log_of(np.swapaxes(measured[:, :3, :3], 1, 2) @ computed[:, :3, :3]), axis=1)
-        base, tool = geometry.base @ exp(q[:6]), geometry.arm.tool @ geometry.tool @ exp(q[6:12])
+        base, tool = geometry.base @ exp(q[BASE]), geometry.arm.tool @ geometry.tool @ exp(q[TOOL])
         Ad = adjoint_of(base)  # the base's deviations are in its axes, those of its inverse in the other's
-        spread = np.concatenate([np.diag(Ad @ C[:6, :6] @ Ad.T), np.diag(C)[6:12]])
-        spread[~self.seen[:12]] = np.inf
+        spread = np.concatenate([np.diag(Ad @ C[BASE, BASE] @ Ad.T), np.diag(C)[TOOL]])
+        spread[~self.seen[:JOINTS]] = np.inf
         std = np.sqrt(spread.reshape(4, 3).sum(axis=1)).tolist()
         base_std, tool_std = (std[0], std[1]), (std[2], std[3])
         beside, carried = (inverse_of(base), base_std, geometry.arm.base), (tool, tool_std, geometry.arm.tip_link)
@@ -178,7 +178,7 @@ class Calibration:
         if self.problem.log.located.any():
             noise = float(np.median(self.problem.sigma))
             return self.confirmed_here and self.expected <= ELSEWHERE * max(self.held_out, noise)
-        return self.confirmed_here and len(np.unique(self.problem.placements)) > 1
+        return self.confirmed_here and len(np.unique(self.problem.group_of_row)) > 1
 
     @property
     def why_not(self) -> str:
@@ -321,7 +321,7 @@ def corrected_urdf(calibration: Calibration, *, zeros: bool = True, here: bool =
         raise InputError(f"{arm.name} has no description: load its URDF, not a baked file or screws")
     p = calibration.unknowns[: calibration.problem.P].copy()
     if not zeros:
-        p[12 : 12 + arm.n] = 0.0
+        p[JOINTS : JOINTS + arm.n] = 0.0
     source = SourceText(arm.description.text)
     elements = {joint.get("name"): joint for joint in source.robot.findall("joint")}
     for name, origin in _origins(calibration, p).items():

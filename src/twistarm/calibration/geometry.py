@@ -17,6 +17,8 @@ from ..theory.poe import columns, motions
 from ..theory.rotations import skew
 from ..theory.screws import adjoint_of, exp, inverse_of, to_screw
 
+# The parameters of base and tool, and the first one of the joints.
+BASE, TOOL, JOINTS = slice(0, 6), slice(6, 12), 12
 # How an axis moves across itself: a slide has a direction and no place.
 OF_A_TURN, OF_A_SLIDE = ("shift x", "shift y", "tilt x", "tilt y"), ("tilt x", "tilt y")
 
@@ -81,15 +83,15 @@ class Geometry:
         return np.asarray(w < 1e-12 * v)
 
     @cached_property
-    def places(self) -> Array:
-        """F_i (m, 4, 4): on each axis at the point nearest to the place before; x as `plane_axes` chooses it."""
-        places, point = np.tile(np.eye(4), (self.arm.screws.shape[1], 1, 1)), np.zeros(3)
+    def axis_frames(self) -> Array:
+        """F_i (m, 4, 4): on each axis at the point nearest to the frame before; x as `plane_axes` chooses it."""
+        frames, point = np.tile(np.eye(4), (self.arm.screws.shape[1], 1, 1)), np.zeros(3)
         for i, xi in enumerate(self.arm.screws.T):
             screw = to_screw(xi)
             if not self._sliding[i]:
                 point = screw.point + screw.axis * (screw.axis @ (point - screw.point))
-            places[i, :3, :3], places[i, :3, 3] = plane_axes(screw.axis), point
-        return places
+            frames[i, :3, :3], frames[i, :3, 3] = plane_axes(screw.axis), point
+        return frames
 
     def split(self, p: Array) -> tuple[Array, Array, Array, Array, Array]:
         """b (6,), a (6,), z (k,), d (m, 6), s (k,) of parameters (P,)."""
@@ -129,7 +131,7 @@ class Geometry:
         theta, base = self.joints(p, y), self.base @ _motion(b)
         if self.axes:
             D, S = self._moved(d)
-            A, F = self.arm.coupling.A, self.places
+            A, F = self.arm.coupling.A, self.axis_frames
             products = motions(S, theta @ A.T)
             g, J = products[:, -1] @ D[-1] @ self.arm.home, columns(products, S) @ A
             # d_i moves what follows; the joints before it carry that.
@@ -150,7 +152,7 @@ class Geometry:
 
     def _moved(self, d: Array) -> tuple[Array, Array]:
         """D (m + 1, 4, 4), the displacement of all that follows i axes, and the screws (6, m) moved by them."""
-        each, D = self.places @ exp(d) @ inverse_of(self.places), np.tile(np.eye(4), (len(d) + 1, 1, 1))
+        each, D = self.axis_frames @ exp(d) @ inverse_of(self.axis_frames), np.tile(np.eye(4), (len(d) + 1, 1, 1))
         for i, motion in enumerate(each):
             D[i + 1] = D[i] @ motion
         return D, (adjoint_of(D[1:]) @ self.arm.screws.T[..., None])[..., 0].T
@@ -166,7 +168,7 @@ class Geometry:
         """What multiplies each joint's frame at rest from the left, (m, 4, 4): the axis moved, then the zero."""
         _, _, z, d, _ = self.split(p)
         zeros = exp(self.arm.screws.T, self.arm.coupling.A @ z)
-        return self.places @ exp(d) @ inverse_of(self.places) @ zeros
+        return self.axis_frames @ exp(d) @ inverse_of(self.axis_frames) @ zeros
 
 
 def _motion(xi: Array) -> Array:

@@ -13,7 +13,7 @@ from ..support.errors import InputError
 from ..theory.rotations import log_of, skew
 from ..theory.screws import exp
 from .camera import Camera, first_guess, poses_of
-from .geometry import Geometry, Parameter
+from .geometry import BASE, JOINTS, TOOL, Geometry, Parameter
 from .measurements import Bools, Measurements, Rows
 
 STEPS, TRIES, LEAST_DAMPING = 30, 8, 1e-9
@@ -23,7 +23,7 @@ MOST_STD = {"m": 0.003, "rad": 0.01, "1": 0.01}
 # The share of a column's square across the others below which it shows nothing: they are parallel within 0.06°.
 DEPENDENT = 1e-6
 ALIKE = 1.25  # Unknowns that show nearly alike are as good as each other: the first of them is chosen.
-LOUD = 5.0  # Standard deviations from which a row is an outlier: of 10,000 rows with normal noise it is none.
+OUTLIER = 5.0  # Standard deviations from which a row is an outlier: of 10,000 rows with normal noise it is none.
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ class Problem:
 
     With a `camera` all rows are poses that it measured, and their residual is its reprojection error.
 
-    `usual` (P,) is one over the standard deviation of each parameter before the log, 0 where nothing is known.
+    `prior` (P,) is one over the standard deviation of each parameter before the log, 0 where nothing is known.
     `contradiction` (k, k) maps readings of motors that share a joint to how far they contradict each other [σ].
 
     A vector of unknowns q is the geometry's parameters, then 3 numbers for each of `places` (kind, name). A place is a
@@ -43,7 +43,7 @@ class Problem:
     geometry: Geometry
     log: Measurements
     noise: tuple[float, float]
-    usual: Array
+    prior: Array
     distances: Mapping[tuple[str, str], float] = field(default_factory=dict)
     distance_noise: float = 1.0
     contradiction: Array | None = None
@@ -62,7 +62,7 @@ class Problem:
         """How many of the unknowns are the geometry's."""
         return len(self.geometry.parameters)
 
-    def placed(self) -> tuple[Problem, Array]:
+    def with_places(self) -> tuple[Problem, Array]:
         """The problem with the places that its log names, and unknowns (Q,) that put them at the tool."""
         places = tuple(dict.fromkeys(place for place in self.log.place if place != ("", "")))
         p = self.geometry.poses(np.zeros(self.P), self.log.theta)[:, :3, 3]
@@ -80,7 +80,7 @@ class Problem:
         return replace(self, places=places, normals=normals), np.concatenate(starts)
 
     @cached_property
-    def place(self) -> Rows:
+    def place_of_row(self) -> Rows:
         """The place (K,) of each row, as its number in `places`; −1 for a position."""
         return np.array([self.places.index(place) if any(place) else -1 for place in self.log.place])
 
@@ -123,12 +123,12 @@ class Problem:
             return (across @ (u - self._seen[0])[..., None])[..., 0], across @ slope, own
         at, turned = log.located, self.measured[:, 3]
         r[at, :3], slope[at, :3, :3] = (p - log.position)[at], np.eye(3)
-        if turned.any():  # (R_m)ᵀ R: its logarithm in the measured axes. Of no rows it would take a fifth of a fit.
+        if turned.any():  # log(R_mᵀ R), in the measured axes; without rows too, it would take a fifth of the time
             back = np.swapaxes(log.rotation[turned], 1, 2)
             r[turned, 3:], slope[turned, 3:, 3:] = log_of(back @ g[turned, :3, :3]), back
         for k, (kind, name) in enumerate(self.places):
-            rows, c = np.flatnonzero(self.place == k), q[self.P + 3 * k : self.P + 3 * k + 3]
-            columns = slice(3 * k, 3 * k + 3)
+            rows, columns = np.flatnonzero(self.place_of_row == k), slice(3 * k, 3 * k + 3)
+            c = q[self.P :][columns]
             if kind == "point":
                 r[rows, :3], slope[rows, :3, :3], own[rows, :3, columns] = p[rows] - c, np.eye(3), -np.eye(3)
             elif kind == "plane":
@@ -136,6 +136,7 @@ class Problem:
                 n = axes @ [c[0], c[1], 1.0]
                 size = np.linalg.norm(n)
                 r[rows, 0], slope[rows, 0, :3] = (p[rows] @ n - c[2]) / size, n / size
+                # The derivative of 1/‖n‖ is left out: it multiplies the distance from the plane, which is small.
                 own[rows, 0, columns] = np.column_stack([p[rows] @ axes[:, :2], np.full(len(rows), -1.0)]) / size
             else:
                 far = np.maximum(np.linalg.norm(p[rows] - c, axis=1), 1e-9)
@@ -155,10 +156,7 @@ class Problem:
         return np.repeat(np.stack([1 / self.sigma, np.full(len(self.sigma), 1 / self.noise[1])], axis=1), 3, axis=1)
 
     def _beside(self, q: Array) -> tuple[Array, Array]:
-        """Residuals of what is known beside the rows, and their slopes, in standard deviations.
-
-        These are the distances, the motors that share a joint, and last the usual size of each parameter.
-        """
+        """Residuals of distances and of motors that share a joint, and their slopes, in standard deviations."""
         geometry, P, r, J = self.geometry, self.P, [np.empty(0)], [np.empty((0, len(q)))]
         for pair, length in self.distances.items():
             a, b = (P + 3 * self.places.index(("point", name)) for name in pair)
@@ -172,42 +170,43 @@ class Problem:
             C, y, k = self.contradiction, self.log.theta, geometry.k
             _, _, z, _, s = geometry.split(q[:P])
             slope = np.zeros((*y.shape, len(q)))
-            slope[..., 12 : 12 + k], slope[..., P - k : P] = C, C * y[:, None]
+            slope[..., JOINTS : JOINTS + k], slope[..., P - k : P] = C, C * y[:, None]
             r.append(((y * (1.0 + s) + z) @ C.T).ravel())
             J.append(slope.reshape(-1, len(q)))
-        r.append(self.usual * q[:P])
-        J.append(np.eye(P, len(q)) * self.usual[:, None])
         return np.concatenate(r), np.concatenate(J)
 
     def residual(self, q: Array, weights: Array, misses: Array | None = None) -> Array:
         """The stacked residual (N,) in standard deviations, rows weighted by (K,). `misses`: those of q, if known."""
         r = (self.misses(q) if misses is None else misses) * self._scale * np.sqrt(weights)[:, None]
-        return np.concatenate([r[self.measured], self._beside(q)[0]])
+        return np.concatenate([r[self.measured], self._beside(q)[0], self.prior * q[: self.P]])
 
-    def slopes(self, q: Array, weights: Array, *, resting: bool = False) -> Array:
-        """The derivative (N, Q) of `residual`; with `resting` as if the tool were where the rows say.
+    def slopes(self, q: Array, weights: Array, *, prior: bool = True, resting: bool = False) -> Array:
+        """The derivative (N, Q) of `residual`; without `prior`, only of what was measured.
 
-        A tool beside its socket would show a turn of the whole arm with the socket. Nothing can show that.
+        A twist (v, ω) of the tool at p moves it by v + ω × p. With `resting`, p is the measured position p − r instead
+        of the computed one. Errors r then show no turn of the whole arm about a socket where the tool rests.
         """
         g, V = self.geometry.twists(q[: self.P], self.log.theta)
         r, slope, own = self._misses(q, g)
+        p = g[:, :3, 3]
         # A camera shows turns of the tool too, so a tool that is out shows no turn of the whole arm.
-        resting = resting and self.camera is None
-        p = g[:, :3, 3] - resting * (np.swapaxes(slope[:, :3, :3], 1, 2) @ r[:, :3, None])[..., 0]
+        if resting and self.camera is None:
+            p = p - (np.swapaxes(slope[:, :3, :3], 1, 2) @ r[:, :3, None])[..., 0]
         V = np.concatenate([V[:, :3] - skew(p) @ V[:, 3:], V[:, 3:]], axis=1)
         J = np.concatenate([slope @ V, own], axis=-1) * (self._scale * np.sqrt(weights)[:, None])[..., None]
-        return np.concatenate([J[self.measured], self._beside(q)[1]])
+        J = np.concatenate([J[self.measured], self._beside(q)[1]])
+        return np.vstack([J, np.eye(self.P, len(q)) * self.prior[:, None]]) if prior else J
 
     @cached_property
-    def placements(self) -> Rows:
-        """The number (K,) of each row's placement: places with a known distance move together. −1 for a position."""
+    def group_of_row(self) -> Rows:
+        """The group of places (K,) of each row: places with a known distance move together. −1 for a position."""
         group = np.arange(len(self.places) + 1) - 1
         for a, b in self.distances:
             i, j = self.places.index(("point", a)) + 1, self.places.index(("point", b)) + 1
             group[group == group[j]] = group[i]
-        return np.asarray(group[self.place + 1])
+        return np.asarray(group[self.place_of_row + 1])
 
-    def loudness(self, q: Array, misses: Array | None = None) -> Array:
+    def normalised_residual(self, q: Array, misses: Array | None = None) -> Array:
         """The root mean square (K,) of each row's residuals in standard deviations. `misses` as in `residual`."""
         r = (self.misses(q) if misses is None else misses) * self._scale
         return np.asarray(np.sqrt((r * r).sum(axis=1) / np.maximum(self.measured.sum(axis=1), 1)))
@@ -225,8 +224,8 @@ def observable(A: Array, usual: Array, most: Array) -> Bools:
     Size 0: never chosen. An unknown that shows beside those before it, and not beside all, is left out at last: the
     smallest first, and of those the last.
     """
-    whole = G = A.T @ A
-    size = np.diag(G).copy()
+    information = A.T @ A
+    G, size = information, np.diag(information)
     seen = np.zeros(len(G), dtype=bool)
     for _ in range(len(G)):
         left = np.where(seen, 0.0, np.diag(G)) * usual**2
@@ -239,7 +238,7 @@ def observable(A: Array, usual: Array, most: Array) -> Bools:
     while seen.any():
         at = np.flatnonzero(seen)
         scale = np.sqrt(size[at])
-        variance = np.diag(np.linalg.pinv(whole[np.ix_(at, at)] / np.outer(scale, scale))) / scale**2
+        variance = np.diag(np.linalg.pinv(information[np.ix_(at, at)] / np.outer(scale, scale))) / scale**2
         weak = at[variance > most[at] ** 2][::-1]
         if not weak.size:
             break
@@ -250,17 +249,17 @@ def observable(A: Array, usual: Array, most: Array) -> Bools:
 def of_joints(problem: Problem) -> Bools:
     """The unknowns (Q,) that are joints' zeros, axes and scales: not of base, tool or a place."""
     at = np.arange(len(problem.parameters))
-    return np.asarray((at >= 12) & (at < problem.P))
+    return np.asarray((at >= JOINTS) & (at < problem.P))
 
 
 def observed(problem: Problem, q: Array, fitted: Bools) -> Bools:
     """Those of the `fitted` unknowns (Q,) that the log shows: base, tool and places first, then zeros, then axes."""
     usual = np.ones(len(q))
-    usual[12 : problem.P] /= problem.usual[12:]
+    usual[JOINTS : problem.P] /= problem.prior[JOINTS:]
     most = np.array([MOST_STD[parameter.unit] for parameter in problem.parameters])
     seen, ones = fitted, np.ones(len(problem.log.theta))
     for resting in (False, True):  # the one shows what is the tool's as well, the other what is the base's as well
-        seen = observable(problem.slopes(q, ones, resting=resting)[: -problem.P], usual * seen, most)
+        seen = observable(problem.slopes(q, ones, prior=False, resting=resting), usual * seen, most)
     return seen
 
 
@@ -274,7 +273,7 @@ def descend(problem: Problem, q: Array, free: Bools, *, robust: bool = True) -> 
     r = problem.residual(q, weights, misses)
     for _ in range(STEPS if free.any() else 0):
         if robust:
-            loud = problem.loudness(q, misses)
+            loud = problem.normalised_residual(q, misses)
             weights = 1.0 / (1.0 + (loud / (3.0 * max(1.0, float(np.median(loud))))) ** 2)
             r = problem.residual(q, weights, misses)
         A = problem.slopes(q, weights)[:, free]
@@ -308,15 +307,15 @@ def started(problem: Problem, base: bool, tool: Bools) -> tuple[Problem, Array]:
         p = geometry.poses(np.zeros(problem.P), problem.log.theta)[located, :3, 3]
         geometry = replace(geometry, base=kabsch(p, problem.log.position[located]) @ geometry.base)
     for _ in range(TRIES):
-        problem, first = replace(problem, geometry=geometry).placed()
+        problem, first = replace(problem, geometry=geometry).with_places()
         free = np.ones(len(first), dtype=bool)
-        free[:6], free[6:12], free[12 : problem.P] = base, tool, False
+        free[BASE], free[TOOL], free[JOINTS : problem.P] = base, tool, False
         if not free.any():
             break
         free &= observable(problem.slopes(first, np.ones(len(located))), free.astype(float), np.ones(len(first)))
         q, _ = descend(problem, first, free)
-        geometry = replace(geometry, base=geometry.base @ exp(q[:6]), tool=geometry.tool @ exp(q[6:12]))
-        if np.abs(q[:12]).max() < 1e-7:
+        geometry = replace(geometry, base=geometry.base @ exp(q[BASE]), tool=geometry.tool @ exp(q[TOOL]))
+        if np.abs(q[:JOINTS]).max() < 1e-7:
             break
     return problem, first
 

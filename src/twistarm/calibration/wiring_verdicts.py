@@ -6,6 +6,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import compress
 from math import inf
 from typing import NamedTuple
 
@@ -16,8 +17,9 @@ from ..support.checks import Array, as_number, as_positive, as_theta
 from ..support.display import Brief
 from ..support.errors import ComparisonError, InputError, listed
 from ..theory.screws import exp, inverse_of
-from .measurements import LITTLE, Measurements, read_measurements, require_metres, require_motors
-from .problem import LOUD
+from .geometry import BASE
+from .measurements import LITTLE, Bools, Measurements, read_measurements, require_metres, require_motors
+from .problem import OUTLIER, Problem
 from .wiring import ANYTHING, KINDS, MOST_ROWS, Explanation, Found, Wiring, explained, sign_patterns
 
 # Normal errors of a scale, or of an offset by the joint's unit. They are no faults, even if the log shows them.
@@ -26,6 +28,7 @@ NORMAL = {"1": 0.02, "rad": float(np.radians(1.0)), "m": 0.005}
 VISIBLE = {"1": 0.05, "rad": float(np.radians(2.0)), "m": 0.01}
 # One standard deviation [m, rad] of a base measured by tape, for logs that need it.
 USUAL_BASE = (0.01, float(np.radians(2.0)))
+FAULTS = "swapped", "flipped sign", "wrong ratio", "zero offset"  # Of a motor.
 # On motors, the gravest first; that on the arm is the gravest of them.
 VERDICTS = "fault", "possible fault", "cannot tell"
 ROUNDING = 1e-6  # A smaller share of a motor's largest ratio, or of a direction that no log shows, is rounding.
@@ -41,6 +44,12 @@ class Residual(NamedTuple):
 
     position: float
     rotation: float | None
+
+    @classmethod
+    def of(cls, problem: Problem, q: Array) -> Residual:
+        """That of unknowns q (Q,)."""
+        position, rotation = np.sqrt((problem.misses(q).reshape(-1, 2, 3) ** 2).sum(axis=2).mean(axis=0)).tolist()
+        return cls(position, rotation if problem.measured[0, 3] else None)
 
 
 @dataclass(frozen=True)
@@ -147,7 +156,15 @@ def check_wiring(
     usual = [most if std is None else std for std, most in zip(given, USUAL_BASE, strict=True)]
     base, elsewhere = (given[0] or 0.0, given[1] or 0.0), (usual[0], usual[1])
     wiring = Wiring(arm, motors, whole.of_rows(rows), noise, base, elsewhere)
-    return _report(Evidence(wiring, *explained(wiring)), replace(wiring, log=whole))
+    found = explained(wiring)
+    before, after = (replace(wiring, log=whole).problems[swap] for swap in ((), found.best.swap))
+    residuals = after.normalised_residual(found.best.q)
+    verdict, what, verdicts = _verdicts(Evidence(wiring, found), residuals)
+    return WiringReport(
+        arm.name, verdict, what, verdicts, len(residuals),
+        Residual.of(before, np.zeros(len(found.best.q))), Residual.of(after, found.best.q), int(residuals.argmax()) + 1,
+        inverse_of(exp(found.best.q[BASE])) if found.best.q[BASE].any() else None,
+    )  # fmt: skip
 
 
 def _readable(log: Measurements | str | os.PathLike[str], arm: Arm) -> Measurements:
@@ -157,48 +174,31 @@ def _readable(log: Measurements | str | os.PathLike[str], arm: Arm) -> Measureme
     as_theta(whole.theta, len(names), "counts", names)
     if not len(whole.theta) or not whole.located.all():
         raise InputError("the log must hold a measured position x, y, z for each row of counts, one row or more")
-    turned = np.isfinite(whole.rotation).all(axis=(1, 2))
-    if turned.any() and not turned.all():
+    oriented = np.isfinite(whole.rotation).all(axis=(1, 2))
+    if oriented.any() and not oriented.all():
         raise InputError("measure the orientation in every row of the log, or in none")
     require_metres(whole, arm)
     return whole
 
 
-def _report(evidence: Evidence, everything: Wiring) -> WiringReport:
-    """The verdicts, and the residuals over all rows of the log."""
-    best, sound = evidence.found.best, everything.problems[()]
-    loud = everything.problems[best.swap].loudness(best.q)
-    verdict, what, each = _verdicts(evidence, loud)
-    before, after = (
-        Residual(*np.sqrt((off.reshape(-1, 2, 3) ** 2).sum(axis=2).mean(axis=0)).tolist())
-        for off in (sound.misses(np.zeros(len(best.q))), everything.problems[best.swap].misses(best.q))
-    )
-    if not sound.measured[0, 3]:
-        before, after = before._replace(rotation=None), after._replace(rotation=None)
-    stands = inverse_of(exp(best.q[:6])) if best.q[:6].any() else None
-    return WiringReport(
-        everything.arm.name, verdict, what, tuple(each), len(loud), before, after, int(loud.argmax()) + 1, stands
-    )
-
-
-def _verdicts(evidence: Evidence, loud: Array) -> tuple[str, str, list[MotorVerdict]]:
-    """The verdict on the arm, in words too, and that on each motor; `loud` (K,) are the residuals of the rows [σ]."""
+def _verdicts(evidence: Evidence, residuals: Array) -> tuple[str, str, tuple[MotorVerdict, ...]]:
+    """The verdict on the arm, in words too, and that on each motor; `residuals` (K,) are those of the rows [σ]."""
     motors = range(evidence.wiring.k)
-    each = [MotorVerdict(name) for name in evidence.wiring.motors.names]
-    if not any(map(evidence.moved, motors)):
-        each = [replace(one, remedy=evidence.advice(i)) for i, one in enumerate(each)]
-        return "cannot tell", "no motor was moved, so the log shows nothing of any", each
+    unknown = [MotorVerdict(name) for name in evidence.wiring.motors.names]
+    if not evidence.moved.any():
+        advised = tuple(replace(motor, remedy=evidence.advice(i)) for i, motor in enumerate(unknown))
+        return "cannot tell", "no motor was moved, so the log shows nothing of any", advised
     if not evidence.wiring.explains(evidence.found.best):
-        worst = int(loud.argmax())
-        odd = loud[worst] > LOUD * max(1.0, float(np.median(loud)))
-        remedy = f"row {worst + 1} fits least: measure it again, or leave it out" if odd else "check --position-noise"
-        return "unexplained", f"no sign, ratio or zero of single motors explains the log; {remedy}", each
-    each = list(map(evidence.verdict, motors))
-    named = {found: [motor.name for motor in each if motor.verdict == found] for found in VERDICTS}
+        worst, remedy = int(residuals.argmax()), "check --position-noise"
+        if residuals[worst] > OUTLIER * max(1.0, float(np.median(residuals))):
+            remedy = f"row {worst + 1} fits least: measure it again, or leave it out"
+        return "unexplained", f"no sign, ratio or zero of single motors explains the log; {remedy}", tuple(unknown)
+    verdicts = tuple(map(evidence.verdict, motors))
+    named = {found: [motor.name for motor in verdicts if motor.verdict == found] for found in VERDICTS}
     named["possible fault"] += ["the base"] * evidence.of_base
     gravest = next((found for found in VERDICTS if named[found]), "sound").removeprefix("possible ")
     what = "; ".join(f"{found}: {', '.join(names)}" for found, names in named.items() if names)
-    return gravest, what or "signs, ratios and zeros fit the log", each
+    return gravest, what or "signs, ratios and zeros fit the log", verdicts
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,58 +207,41 @@ class Evidence:
 
     wiring: Wiring
     found: Found
-    rivals: list[Explanation]
-
-    def unit(self, i: int) -> str:
-        """The unit of the joint that motor i moves most."""
-        return self.wiring.arm.units[int(np.abs(self.wiring.motors.P[:, i]).argmax())]
-
-    def moved(self, i: int) -> bool:
-        """Whether motor i was moved enough for its log to say anything."""
-        travel = float(np.ptp(self.wiring.problems[()].log.theta[:, i]) / self.wiring.unit[i])
-        return travel >= LITTLE[self.unit(i)]
-
-    def named(self, one: Explanation, i: int) -> tuple[str, ...]:
-        """The faults of motor i in an explanation that are worth a name."""
-        s, e = 1.0 + one.q[12 + self.wiring.k + i], one.q[12 + i] / self.wiring.unit[i]
-        faults = {
-            "swapped": i in one.swap,
-            "flipped sign": s < 0,
-            "wrong ratio": abs(abs(s) - 1.0) > NORMAL["1"],
-            "zero offset": abs(e) > NORMAL[self.unit(i)],
-        }
-        return tuple(name for name, there in faults.items() if there)
 
     @cached_property
-    def faults(self) -> tuple[tuple[str, ...], ...]:
-        """Those of each motor in the best explanation."""
-        return tuple(self.named(self.found.best, i) for i in range(self.wiring.k))
-
-    def doubted(self, i: int, one: Explanation) -> bool:
-        """Whether a rival lacks a fault of motor i."""
-        faults, others = self.faults[i], self.named(one, i)
-        return bool(faults) and (others != faults if one.elsewhere else not {*others} >= {*faults})
+    def units(self) -> list[str]:
+        """The unit of the joint that each motor moves most."""
+        return [self.wiring.arm.units[j] for j in np.abs(self.wiring.motors.P).argmax(axis=0)]
 
     @cached_property
-    def doubts(self) -> list[Explanation]:
-        """The rivals that lack a fault of some motor."""
-        return [rival for rival in self.rivals if any(self.doubted(i, rival) for i in range(self.wiring.k))]
+    def moved(self) -> Bools:
+        """Whether each motor (k,) was moved enough for its log to say anything."""
+        travel = np.ptp(self.wiring.problems[()].log.theta, axis=0) / self.wiring.unit
+        return np.asarray(travel >= [LITTLE[unit] for unit in self.units])
 
-    def blaming(self, i: int) -> list[Explanation]:
-        """Those of them that blame motor i for more than the best explanation does."""
-        return [rival for rival in self.doubts if set(self.named(rival, i)) - set(self.faults[i])]
+    def faults(self, one: Explanation) -> Bools:
+        """The `FAULTS` (k, 4) of each motor in an explanation that are worth a name."""
+        swapped = np.isin(np.arange(self.wiring.k), one.swap)
+        ratio = np.abs(np.abs(one.scales) - 1.0) > NORMAL["1"]
+        zero = np.abs(one.zeros / self.wiring.unit) > [NORMAL[unit] for unit in self.units]
+        return np.stack([swapped, one.scales < 0.0, ratio, zero], axis=1)
 
     @cached_property
-    def possible(self) -> list[int]:
-        """The motors of which the log does not show whose fault it is."""
-        return [
-            i for i in range(self.wiring.k) if self.blaming(i) or any(self.doubted(i, rival) for rival in self.doubts)
-        ]
+    def doubts(self) -> list[tuple[Explanation, Bools, Bools]]:
+        """The rivals that lack a fault of some motor, of which motors (k,) they lack one, and which they blame more."""
+        ours, doubts = self.faults(self.found.best), []
+        for rival in self.found.rivals:
+            theirs = self.faults(rival)
+            # A base that stands elsewhere stands for a fault only if it changes no other one of that motor.
+            lacking = ours.any(axis=1) & ((ours != theirs) if rival.elsewhere else ours & ~theirs).any(axis=1)
+            if lacking.any():
+                doubts.append((rival, lacking, (theirs & ~ours).any(axis=1)))
+        return doubts
 
     @property
     def of_base(self) -> bool:
         """Whether a base that stands elsewhere explains a fault as well."""
-        return any(rival.elsewhere for rival in self.doubts)
+        return any(rival.elsewhere for rival, _, _ in self.doubts)
 
     @cached_property
     def std(self) -> Array:
@@ -275,23 +258,21 @@ class Evidence:
         return np.asarray(np.where(hidden | (size == 0), np.inf, std)[-2 * self.wiring.k :])
 
     @cached_property
-    def unseen_signs(self) -> set[int]:
-        """Motors that may also turn the other way: one with another zero, or several at once."""
+    def unseen_signs(self) -> Bools:
+        """Motors (k,) that may also turn the other way: one with another zero, or several at once."""
         found, wiring, k, best = self.found, self.wiring, self.wiring.k, self.found.best
-        unseen = set[int]()
+        unseen = np.zeros(k, dtype=bool)
         for i, kind in enumerate(best.kinds):
             q = best.q.copy()
-            q[12 + k + i] = -2.0 - q[12 + k + i]  # the scale 1 + q with the other sign
+            q[i - k] = -2.0 - q[i - k]  # the scale 1 + q with the other sign
             other = ANYTHING if KINDS[kind].scale else "zero" if KINDS[kind].sign < 0 else "reversed, zero"
-            if found.as_good(wiring.fit(best, kinds=best.with_kind(i, other), q=q)):
-                unseen.add(i)
+            unseen[i] = found.as_good(wiring.fit(replace(best.with_kind(i, other), q=q)))
         patterns = sign_patterns(k)
         starts = np.tile(best.q, (len(patterns), 1))
-        starts[:, 12 + k :] = (1.0 + starts[:, 12 + k :]) * patterns - 1.0
+        starts[:, -k:] = best.scales * patterns - 1.0
         totals = wiring.squares(best.swap, starts, MOST_ROWS)
-        for pattern, total in zip(patterns, totals.tolist(), strict=True):
-            flipped = set(np.flatnonzero(pattern < 0).tolist())
-            if found.as_good(replace(best, total=total)) and not flipped & unseen:
+        for flipped, total in zip(patterns < 0, totals.tolist(), strict=True):
+            if found.as_good(replace(best, total=total)) and not (flipped & unseen).any():
                 unseen |= flipped
         return unseen
 
@@ -299,32 +280,37 @@ class Evidence:
         """What the log does not show of motor i: sign, ratio, zero, or a swap of motors one of which has moved."""
         k, best = self.wiring.k, self.found.best
         hidden = {
-            "sign": i in self.unseen_signs,
+            "sign": self.unseen_signs[i],
             "ratio": self.std[k + i] > VISIBLE["1"],
-            "zero": self.std[i] > VISIBLE[self.unit(i)] * self.wiring.unit[i],
+            "zero": self.std[i] > VISIBLE[self.units[i]] * self.wiring.unit[i],
         }
-        swaps = [
-            one.swap
+        partners = [
+            self.wiring.motors.names[j]
             for one in self.found.others
             if one.kinds == best.kinds and i in one.swap and one.swap != best.swap
-            if self.found.as_good(one) and any(map(self.moved, one.swap))
+            if self.found.as_good(one) and self.moved[list(one.swap)].any()
+            for j in one.swap
+            if j != i
         ]
-        partners = [self.wiring.motors.names[j] for pair in swaps for j in pair if j != i]
         return (*(name for name, unseen in hidden.items() if unseen), *map("swapped with {}".format, partners))
 
     def verdict(self, i: int) -> MotorVerdict:
         """The verdict on motor i of a log that is explained."""
-        motors, k = self.wiring.motors, self.wiring.k
-        one = self.found.best if self.faults[i] else next(iter(self.blaming(i)), self.found.best)
-        s, e, unseen = float(1.0 + one.q[12 + k + i]), float(one.q[12 + i]), self.unseen(i)
+        motors, k, best = self.wiring.motors, self.wiring.k, self.found.best
+        faulty = self.faults(best)[i]
+        blaming = (rival for rival, _, more in self.doubts if more[i])
+        one = best if faulty.any() else next(blaming, best)
+        faults = tuple(compress(FAULTS, self.faults(one)[i]))
+        s, e, unseen = float(one.scales[i]), float(one.zeros[i]), self.unseen(i)
         joints = {motors.joint_names[j]: float(motors.P[j, i] * e) for j in self.joints(i)}
         stds = float(self.std[k + i]), float(self.std[i])
-        motor = MotorVerdict(motors.names[i], "sound", self.named(one, i), unseen, s, stds[0], e, stds[1], joints)
+        motor = MotorVerdict(motors.names[i], "sound", faults, unseen, s, stds[0], e, stds[1], joints)
         partners = listed(motors.names[j] for j in one.swap if j != i)
-        named = [f"{fault} with {partners}" if fault == "swapped" else fault for fault in motor.faults]
+        named = [f"{fault} with {partners}" if fault == "swapped" else fault for fault in faults]
         hidden = [f"the log does not show: {', '.join(unseen)}"] if unseen else []
-        if i in self.possible:
-            others = [f"a fault of {motors.names[j]!r}" for j in self.possible if j != i]
+        possible = np.any([np.zeros(k), *(lacking | more for _, lacking, more in self.doubts)], axis=0)
+        if possible[i]:
+            others = [f"a fault of {motors.names[j]!r}" for j in np.flatnonzero(possible) if j != i]
             what = ", or ".join([*named, *others, *["the base's place"] * self.of_base])
             remedy = BASE_KNOWN if self.of_base else self.advice(i)
             return replace(motor, verdict="possible fault", what=what, remedy=remedy)
@@ -334,10 +320,10 @@ class Evidence:
             entries = ", ".join(f"{joint} = {value:.7g}" for joint, value in ratio.items())
             entries = f"as wired, [actuators.{motor.name}] has ratio = {{ {entries} }}, offset = {motor.zero:.7g}"
             plugs = "swap their plugs, or their names in the arm.toml"
-            remedies = [*[plugs] * (i in one.swap), *[entries] * (self.faults[i] != ("swapped",))]
+            remedies = [*[plugs] * (i in one.swap), *[entries] * (faults != ("swapped",))]
             return replace(motor, verdict="fault", what="; ".join([*named, *hidden]), remedy="; ".join(remedies))
         if unseen:
-            of_base = unseen == ("zero",) and bool(one.q[:6].any())
+            of_base = unseen == ("zero",) and bool(one.q[BASE].any())
             remedy = BASE_KNOWN if of_base else self.advice(i)
             return replace(motor, verdict="cannot tell", what="".join(hidden), remedy=remedy)
         return motor
@@ -350,8 +336,8 @@ class Evidence:
     def advice(self, i: int) -> str:
         """What to log so that motor i is seen."""
         joints, k = ", ".join(self.wiring.motors.joint_names[j] for j in self.joints(i)), self.wiring.k
-        if not self.moved(i):
-            far = "100 mm" if self.unit(i) == "m" else "30°"
+        if not self.moved[i]:
+            far = "100 mm" if self.units[i] == "m" else "30°"
             return f"move it: log {joints} at several places, {far} apart and more"
         if len(self.wiring.log.theta) < 2 * k:
             return f"log more moments, {2 * k} at least, every joint moved by itself"
