@@ -45,12 +45,6 @@ class Residual(NamedTuple):
     position: float
     rotation: float | None
 
-    @classmethod
-    def of(cls, problem: Problem, q: Array) -> Residual:
-        """That of unknowns q (Q,)."""
-        position, rotation = np.sqrt((problem.misses(q).reshape(-1, 2, 3) ** 2).sum(axis=2).mean(axis=0)).tolist()
-        return cls(position, rotation if problem.measured[0, 3] else None)
-
 
 @dataclass(frozen=True)
 class MotorVerdict:
@@ -162,7 +156,7 @@ def check_wiring(
     verdict, what, verdicts = _verdicts(Evidence(wiring, found), residuals)
     return WiringReport(
         arm.name, verdict, what, verdicts, len(residuals),
-        Residual.of(before, np.zeros(len(found.best.q))), Residual.of(after, found.best.q), int(residuals.argmax()) + 1,
+        _residual(before, np.zeros(len(found.best.q))), _residual(after, found.best.q), int(residuals.argmax()) + 1,
         inverse_of(exp(found.best.q[BASE])) if found.best.q[BASE].any() else None,
     )  # fmt: skip
 
@@ -179,6 +173,11 @@ def _readable(log: Measurements | str | os.PathLike[str], arm: Arm) -> Measureme
         raise InputError("measure the orientation in every row of the log, or in none")
     require_metres(whole, arm)
     return whole
+
+
+def _residual(problem: Problem, q: Array) -> Residual:
+    position, rotation = np.sqrt((problem.misses(q).reshape(-1, 2, 3) ** 2).sum(axis=2).mean(axis=0)).tolist()
+    return Residual(position, rotation if problem.measured[0, 3] else None)
 
 
 def _verdicts(evidence: Evidence, residuals: Array) -> tuple[str, str, tuple[MotorVerdict, ...]]:
@@ -233,9 +232,10 @@ class Evidence:
         for rival in self.found.rivals:
             theirs = self.faults(rival)
             # A base that stands elsewhere stands for a fault only if it changes no other one of that motor.
-            lacking = ours.any(axis=1) & ((ours != theirs) if rival.elsewhere else ours & ~theirs).any(axis=1)
+            other = (ours != theirs) if rival.elsewhere else ours & ~theirs
+            lacking, more = ours.any(axis=1) & other.any(axis=1), (theirs & ~ours).any(axis=1)
             if lacking.any():
-                doubts.append((rival, lacking, (theirs & ~ours).any(axis=1)))
+                doubts.append((rival, np.asarray(lacking), np.asarray(more)))
         return doubts
 
     @property

@@ -88,7 +88,7 @@ def _as_reason(error: Exception) -> str:
     return error.message if isinstance(error, TwistarmError) else f"{type(error).__name__}: {error}"
 
 
-class Cycles(ABC, Generic[C]):
+class Loop(ABC, Generic[C]):
     """A loop, cycle by cycle, for programs with a timer.
 
     Call `cycle` at `rate` [Hz] until it returns an ending. Then call `brake` at the same rate until it returns True.
@@ -129,9 +129,9 @@ class Cycles(ABC, Generic[C]):
         self.tally.cycles += 1
         self.tally.missed += max(0, periods - 1)
         try:
-            return self._cycle(now)
+            return self._events(now)
         except StreamError as failed:
-            return self._failed(now, failed.reason, failed.ending)
+            return self._record(now, failed.reason, failed.ending)
 
     def brake(self, now: float) -> bool:
         """One step toward rest at the clock's time `now` [s], without reading commands or joints.
@@ -145,7 +145,7 @@ class Cycles(ABC, Generic[C]):
             except Exception as error:  # whatever it is, the arm must not go on moving
                 self.tally.failures[f"the servo failed, and the arm was stopped at once: {_as_reason(error)}"] += 1
                 assert self.state is not None
-                self._start_at(self.state.theta, now)
+                Loop._start(self, self.state.theta, now)  # a motion's own start may fail again
         return self.at_rest
 
     def change_clock(self, now: float) -> None:
@@ -161,14 +161,7 @@ class Cycles(ABC, Generic[C]):
         self._write_anyway(self._setpoint(now, self.state.theta, still, output))
 
     def report(self, ending: Ending, reason: str, duration: float, at_rest: bool) -> StreamReport:
-        """The report of all cycles until now.
-
-        Args:
-            ending: The kind of ending.
-            reason: The reason, in words.
-            duration: The time since the start [s].
-            at_rest: Whether the arm is at rest.
-        """
+        """The report of all cycles until now: the kind of ending, its reason in words, the time since the start [s]."""
         return StreamReport(
             **vars(self.tally), ending=ending, reason=reason, duration=duration, at_rest=at_rest,
             interlock=self.interlock.word,
@@ -192,12 +185,16 @@ class Cycles(ABC, Generic[C]):
         return self._braked(now, "coming to rest")
 
     @abstractmethod
-    def _cycle(self, now: float) -> C:
-        """One cycle, which may raise `StreamError`."""
+    def _events(self, now: float) -> C:
+        """What happens in one cycle; it may raise `StreamError`."""
 
     @abstractmethod
-    def _failed(self, now: float, reason: str, ending: Ending) -> C:
-        """A cycle in which something failed."""
+    def _record(self, now: float, reason: str, ending: Ending | None) -> C:
+        """A cycle without a setpoint, because of what `reason` says."""
+
+    def _starts(self, theta: Array) -> bool:
+        """Whether the servo or motion starts at the measured theta (n,). `StreamError` where it cannot."""
+        return self.state is None
 
     def _interlock(self, device: object) -> None:
         """Pass the interlock messages of a device to this interlock."""
@@ -205,11 +202,16 @@ class Cycles(ABC, Generic[C]):
             device.interlock = self.interlock
 
     def _measure(self, now: float) -> tuple[Array | None, str]:
-        """The measured theta (n,), or None and why it cannot be used. The first one starts the servo or motion."""
+        """The measured theta (n,), or None and why it cannot be used. The first one starts the servo or motion.
+
+        `StreamError` where that is far beyond the position limits.
+        """
         measured = call_device(Ending.FEEDBACK_FAILED, self.feedback.read, now)
         theta, blind = self._watch.look(measured, now)
         self.tally.blind_reason = blind or self.tally.blind_reason
-        if theta is not None:
+        if theta is not None and self._starts(theta):
+            if beyond := self._watch.beyond_limits(theta):
+                raise StreamError(Ending.BEYOND_LIMITS, beyond)
             self._start(theta, now)
         if self.state is None:
             self.tally.waited += self.period
@@ -217,23 +219,10 @@ class Cycles(ABC, Generic[C]):
             self._observer.hear(None if blind else measured, now)
         return theta, blind
 
-    @abstractmethod
     def _start(self, theta: Array, now: float) -> None:
-        """Start at the measured theta (n,), where nothing has started. `StreamError` where it cannot be."""
-
-    def _begin_at(self, theta: Array, now: float) -> None:
-        """Begin at the measured theta (n,); StreamError where that is far beyond the position limits."""
-        if beyond := self._watch.beyond_limits(theta):
-            raise StreamError(Ending.BEYOND_LIMITS, beyond)
-        self._restart_at(theta, now)
-
-    def _restart_at(self, theta: Array, now: float) -> None:
-        """Begin anew at theta (n,). Earlier commands do not count."""
-        self._start_at(theta, now)
-        self._watch.forget()
-
-    def _start_at(self, theta: Array, now: float) -> None:
+        """Start at rest at theta (n,). Earlier setpoints do not count."""
         self.state = ServoState.at(self.arm, theta)
+        self._watch.forget()
         if self._observer is not None:
             self._observer.start(self.state.theta, now)
 
@@ -337,25 +326,19 @@ class Metronome:
         """
         if not abs(require_time(now)) < LATEST:
             raise InputError(f"now must be seconds of a clock, below {LATEST:g}; got {quote(now)}")
-        if self._origin == -inf:
-            return self._begin(now, 1)
-        phase = (now - self._origin) / self.period
-        index = floor(phase + self._early)
-        periods = index - self._index
-        if periods < 0:
-            return self._begin(now, -1)
+        first = self._origin == -inf
+        index = 0 if first else floor((now - self._origin) / self.period + self._early)
+        periods = 1 if first else max(index - self._index, -1)
+        if first or periods < 0:
+            self._origin, index = now, 0
         self._origin = min(self._origin, now - index * self.period)
         self._index = index
         self.next = self._origin + (index + 1) * self.period
         return periods
 
-    def _begin(self, now: float, periods: int) -> int:
-        self._origin, self._index, self.next = now, 0, now + self.period
-        return periods
 
-
-def drive(
-    cycles: Cycles[C],
+def run_loop(
+    loop: Loop[C],
     *,
     clock: Clock | None,
     handle_signals: bool,
@@ -368,58 +351,58 @@ def drive(
     Then bring the arm to rest.
     """
     time = MonotonicClock() if clock is None else require_method(clock, "clock", "sleep_until")
-    metronome = Metronome(cycles.period)
+    metronome = Metronome(loop.period)
     began = time.now()
     with ended_like_ctrl_c() if as_flag(handle_signals, "handle_signals") else nullcontext():
         ending, reason = Ending.INTERRUPTED, ""
         try:
-            ending, reason = _drive(cycles, metronome, time, began + longest, until, on_cycle)
+            ending, reason = _run_until_ended(loop, metronome, time, began + longest, until, on_cycle)
         except KeyboardInterrupt as interrupted:
             reason = str(interrupted)
         except BaseException as error:
-            come_to_rest(cycles, metronome, time)
+            come_to_rest(loop, metronome, time)
             if sys.version_info >= (3, 11):
-                for failure in with_counts(cycles.tally.failures):
+                for failure in with_counts(loop.tally.failures):
                     error.add_note(f"while the arm came to rest, {failure}")
             raise
-        at_rest = come_to_rest(cycles, metronome, time)
-        return cycles.report(ending, reason, time.now() - began, at_rest)
+        at_rest = come_to_rest(loop, metronome, time)
+        return loop.report(ending, reason, time.now() - began, at_rest)
 
 
-def come_to_rest(cycles: Cycles[C], metronome: Metronome, clock: Clock) -> bool:
-    """Brake cycle by cycle, then send zero rates. Returns whether the arm is at rest.
+def come_to_rest(loop: Loop[C], metronome: Metronome, clock: Clock) -> bool:
+    """Brake the loop at the metronome's times, then send zero rates. Returns whether the arm is at rest.
 
     Ctrl-C shortens the braking, and the zero rates follow at once. A clock that jumps ahead does not shorten the
     braking: the needed cycles run in any case.
 
     Args:
-        cycles: The loop.
+        loop: The `Streaming` or `Following`.
         metronome: The cycles' times.
         clock: The clock.
     """
-    require_method(cycles, "cycles", "brake")
+    require_method(loop, "loop", "brake")
     require_method(metronome, "metronome", "tick")
     require_method(clock, "clock", "now")
     try:
-        latest, left = clock.now() + cycles.longest_braking, cycles.longest_braking / cycles.period
-        while not cycles.at_rest and (left > 0.0 or clock.now() < latest):
+        latest, left = clock.now() + loop.longest_braking, loop.longest_braking / loop.period
+        while not loop.at_rest and (left > 0.0 or clock.now() < latest):
             _wait(clock, metronome, inf)
             now = clock.now()
             if not abs(now) < LATEST:  # a broken clock
                 break
             metronome.tick(now)
-            cycles.brake(now)
+            loop.brake(now)
             left -= 1.0
     except KeyboardInterrupt:
         pass
     finally:
-        at_rest = cycles.at_rest
-        cycles.halt(clock.now())
+        at_rest = loop.at_rest
+        loop.halt(clock.now())
     return at_rest
 
 
-def _drive(
-    cycles: Cycles[C],
+def _run_until_ended(
+    loop: Loop[C],
     metronome: Metronome,
     clock: Clock,
     end: float,
@@ -436,8 +419,8 @@ def _drive(
         periods = metronome.tick(now)
         if periods != 0:  # else the clock woke us a little early
             if due > -inf:
-                cycles.tally.begin(now - due)
-            cycle = cycles.cycle(now, periods)
+                loop.tally.begin(now - due)
+            cycle = loop.cycle(now, periods)
             if on_cycle is not None:
                 on_cycle(cycle)
             if cycle.ending is not None:

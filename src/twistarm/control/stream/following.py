@@ -18,7 +18,7 @@ from ...support.display import Brief
 from ...support.errors import InputError, one_line
 from ...support.messages import Quantity, Text, joined
 from ..servo import ServoOutput, ServoReason, ServoSettings, ServoState
-from .cycles import Cycle, Cycles, StreamError, drive
+from .cycles import Cycle, Loop, StreamError, run_loop
 from .motion_clock import SLOPE, LimitedMotion, MotionClock, motion_of, way_there, why_elsewhere
 from .protocols import EMERGENCY_STOP, LONGEST_REASON, Clock, Feedback, LoopOptions, Setpoint, Sink, joint_tolerances
 from .report import MOVED, Ending, StreamReport
@@ -135,7 +135,7 @@ class FollowCycle(Cycle):
     labels: tuple[str, ...] = ()
 
 
-class Following(Cycles[FollowCycle]):
+class Following(Loop[FollowCycle]):
     """A trajectory followed cycle by cycle, for loops with a timer; `follow` has its own.
 
     The arguments are those of `follow`. `largest_error` (n,): the largest distance of each joint from all setpoints
@@ -183,14 +183,14 @@ class Following(Cycles[FollowCycle]):
         """Whether it is still to come to where the trajectory begins, or goes on."""
         return self._leg is not self._main
 
-    def _cycle(self, now: float) -> FollowCycle:
+    def _events(self, now: float) -> FollowCycle:
         theta, blind = self._measure(now)
         if not blind or self._seen == inf or now < self._seen:
             self._seen = now
         elif self.at_rest and now - self._seen >= PATIENCE:
             raise StreamError(Ending.FEEDBACK_FAILED, blind)
         if self.state is None:
-            return self._reported(now, None, None, blind)
+            return self._record(now, blind)
         lag = None if theta is None else frozen(np.abs(theta - self.state.theta))
         strayed = "" if theta is None else self._watch.deviation(theta)
         barrier = self.interlock.barrier
@@ -206,23 +206,18 @@ class Following(Cycles[FollowCycle]):
         undelivered = self._send(setpoint)
         ending, why = self._ending(strayed, theta, now)
         reason = why or "; ".join(filter(None, (reason, undelivered)))
-        return self._reported(now, theta, setpoint, reason, ending, lag)
+        return self._record(now, reason, ending, theta, setpoint, lag)
 
-    def _failed(self, now: float, reason: str, ending: Ending) -> FollowCycle:
-        return self._reported(now, None, None, reason, ending)
-
-    def _start(self, theta: Array, now: float) -> None:
-        """Begin at the measured theta (n,), on the way to the start. Raises StreamError if it is too far."""
-        if self.state is not None:
-            return
-        elsewhere = why_elsewhere(self.arm, theta, self.motion.waypoints[0], self._near)
+    def _starts(self, theta: Array) -> bool:
+        starts = super()._starts(theta)
+        elsewhere = starts and why_elsewhere(self.arm, theta, self.motion.waypoints[0], self._near)
         if elsewhere and not self.approach:
             raise StreamError(Ending.ELSEWHERE, elsewhere)
-        self._begin_at(theta, now)
-        self._lead(theta)
+        return starts
 
-    def _lead(self, theta: Array) -> None:
-        """The next leg: from theta (n,) to where the motion is joined."""
+    def _start(self, theta: Array, now: float) -> None:
+        """Start at theta (n,), on the way to where the motion is joined."""
+        super()._start(theta, now)
         way = way_there(self._commanded_arm, theta, self.motion(self._joins))
         self._leg, self._clock = LimitedMotion.of(self._commanded_arm, way), MotionClock(0.0, 0.0)
 
@@ -233,8 +228,7 @@ class Following(Cycles[FollowCycle]):
         unseen = self._watch.returned and rests and bool((np.abs(distance) > MOVED).any())
         if unseen or (not holds and self._watch.moved_by_others(distance)):
             self._joins = self._joins if self._on_the_way else self._clock.time
-            self._restart_at(theta, now)
-            self._lead(theta)
+            self._start(theta, now)
             distance = np.zeros(self.arm.n)
         self._watch.rest(distance if holds and rests else None, now)
 
@@ -287,13 +281,13 @@ class Following(Cycles[FollowCycle]):
             return "on the way to where it begins"
         return f"at {self.at:.2f} s of {self.motion.duration:.2f} s"
 
-    def _reported(
+    def _record(
         self,
         now: float,
-        theta: Array | None,
-        setpoint: Setpoint | None,
         reason: str,
         ending: Ending | None = None,
+        theta: Array | None = None,
+        setpoint: Setpoint | None = None,
         lag: Array | None = None,
     ) -> FollowCycle:
         error = None if theta is None or setpoint is None else self._watch.error(theta)
@@ -408,6 +402,6 @@ def follow(
     """
     require_callback(on_cycle, "on_cycle", "(cycle)")
     following = Following(arm, trajectory, sink, feedback, options)
-    report = drive(following, clock=clock, handle_signals=handle_signals, on_cycle=on_cycle)
+    report = run_loop(following, clock=clock, handle_signals=handle_signals, on_cycle=on_cycle)
     motion, off = following.motion, (following.largest_lag, following.largest_error)
     return FollowReport(report, following.at, motion.duration, following.pace, *off, motion.joint_names, motion.units)

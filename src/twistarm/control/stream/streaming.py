@@ -14,7 +14,7 @@ from ...arm.arm import Arm
 from ...support.checks import Array, as_positive, require, require_callback, require_method
 from ...support.errors import InputError, quote
 from ..servo import AnyCommand, ServoSettings, servo_step
-from .cycles import Cycle, Cycles, call_device, drive
+from .cycles import Cycle, Loop, call_device, run_loop
 from .protocols import MESSAGE_TIMEOUT, Clock, Feedback, LoopOptions, Reading, Setpoint, Sink, Source
 from .report import Ending, StreamReport
 
@@ -50,8 +50,8 @@ class StreamOptions(LoopOptions):
 USUAL = StreamOptions()
 
 
-class Streaming(Cycles[Cycle]):
-    """A stream, cycle by cycle (see `Cycles`), for loops with a timer. The arguments are those of `run`."""
+class Streaming(Loop[Cycle]):
+    """A stream, cycle by cycle (see `Loop`), for loops with a timer. The arguments are those of `run`."""
 
     def __init__(
         self, arm: Arm, source: Source, sink: Sink, feedback: Feedback, options: StreamOptions = USUAL
@@ -69,7 +69,7 @@ class Streaming(Cycles[Cycle]):
         # A command from before the arm was enabled moves nothing until the controls were released once.
         self._await_release = not self.interlock.allows_motion
 
-    def _cycle(self, now: float) -> Cycle:
+    def _events(self, now: float) -> Cycle:
         self.settings = call_device(Ending.SERVO_FAILED, self._current)
         theta, blind = self._measure(now)
         reading = call_device(Ending.SOURCE_FAILED, self.source.read, now, self.state)
@@ -79,7 +79,7 @@ class Streaming(Cycles[Cycle]):
         if self._await_release:
             command, uncommanded = None, RELEASE_FIRST
         if self.state is None:
-            return Cycle(now, reading, None, None, blind, interlock=self.interlock.word)
+            return self._record(now, blind, reading=reading)
         strayed = "" if theta is None else self._watch.deviation(theta)
         if barred:
             command, uncommanded = None, ""
@@ -96,13 +96,12 @@ class Streaming(Cycles[Cycle]):
         ending = Ending.STRAYED if strayed else None
         return Cycle(now, reading, theta, setpoint, why, ending, not undelivered, setpoint.interlock)
 
-    def _failed(self, now: float, reason: str, ending: Ending) -> Cycle:
-        return Cycle(now, None, None, None, reason, ending, interlock=self.interlock.word)
+    def _record(self, now: float, reason: str, ending: Ending | None = None, reading: Reading | None = None) -> Cycle:
+        return Cycle(now, reading, None, None, reason, ending, interlock=self.interlock.word)
 
-    def _start(self, theta: Array, now: float) -> None:
-        """Start at the first theta. Start again at one that returns while the arm rests, which may have moved."""
-        if self.state is None or (self._watch.returned and self.at_rest):
-            self._begin_at(theta, now)
+    def _starts(self, theta: Array) -> bool:
+        # Others may have moved an arm that rested unseen.
+        return super()._starts(theta) or (self._watch.returned and self.at_rest)
 
     def _while_at_rest(self, theta: Array, now: float, command: AnyCommand | None) -> None:
         """Start the next motion where the arm is, if others have moved it at rest. So it does not jump back.
@@ -113,10 +112,10 @@ class Streaming(Cycles[Cycle]):
         distance = theta - self.state.theta
         if _asks_for_motion(command):
             if self._watch.moved_by_others(distance):
-                self._restart_at(theta, now)
+                self._start(theta, now)
             self._watch.rest(None, now)
         elif self._watch.rest(distance, now) and self.velocity_mode and command is None:
-            self._restart_at(theta, now)
+            self._start(theta, now)
             self._watch.follow(theta, now)
 
     def _command(self, reading: Reading) -> tuple[AnyCommand | None, str]:
@@ -204,7 +203,9 @@ def run(
     require_callback(on_cycle, "on_cycle", "a Cycle")
     longest = inf if duration is None else as_positive(duration, "duration")
     streaming = Streaming(arm, source, sink, feedback, options)
-    return drive(streaming, clock=clock, handle_signals=handle_signals, on_cycle=on_cycle, longest=longest, until=until)
+    return run_loop(
+        streaming, clock=clock, handle_signals=handle_signals, on_cycle=on_cycle, longest=longest, until=until
+    )
 
 
 def _current(settings: ServoSettings | Callable[[], ServoSettings] | None) -> Callable[[], ServoSettings]:
