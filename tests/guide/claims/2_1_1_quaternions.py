@@ -24,3 +24,6 @@ assert np.abs(np.diff(mended, axis=0)).max() < 0.02 < 0.5 < np.abs(np.diff(logge
 assert np.allclose(rotations.from_quaternion_wxyz(mended), turned)
 assert np.isclose(short + long, 360)
 assert np.isclose(short, np.degrees(rotations.angle_between(R, R_2)), atol=1e-4)
+half = np.radians(short) / 2
+third = (np.sin(2 / 3 * half) * Q1 + np.sin(1 / 3 * half) * Q2) / np.sin(half)
+assert np.allclose(rotations.from_quaternion_wxyz(third), rotations.exp(rotations.log(R_2 @ R.T) / 3) @ R)

@@ -160,8 +160,8 @@ guide.slider(
 #
 # $$Q_{st}(\theta) = Q_1\,Q_2 \cdots Q_n\,Q_{st}(0)$$
 #
-# The program below knows only these axes, and the table compares it with twistarm. All joints move, but the product
-# uses the axes at zero. Lesson 3.1 proves that this is right.
+# The program at the end of the page uses only these axes, and the table compares it with twistarm. All joints move, but
+# the product uses the axes at zero. The lesson *Where is the tool?* (3.1) proves that this is right.
 
 # %%
 values = arm.coupling.A @ arm.ready  # of each moving joint, those that mimic others too
@@ -252,6 +252,12 @@ guide.figure(
 #
 # Apply the same rule before every interpolation. Between two orientations there are two ways round, about the same
 # axis: by $\varphi$, or by $360° - \varphi$ the other way. The signs of the two quaternions decide which one you get.
+# With $\cos\frac{\varphi}{2} = Q_1 \cdot Q_2$, the orientation at the share $s$ of the way is
+#
+# $$Q(s) = \frac{\sin((1 - s)\,\varphi/2)}{\sin(\varphi/2)}\,Q_1 + \frac{\sin(s\,\varphi/2)}{\sin(\varphi/2)}\,Q_2$$
+#
+# This is *slerp*, a turn about one axis at an even rate. Source: Shoemake, *Animating rotation with quaternion curves*,
+# 1985.
 
 # %%
 Q1, Q2 = Q, rotations.to_quaternion_wxyz(R_2)

@@ -8,8 +8,9 @@
 # This lesson gives two answers: nine numbers that never fail, and three numbers that fail in places.
 #
 # Take one configuration of your arm as the example. `arm.ready` holds the joint values in which it waits. The program
-# adds random values inside the limits, so that no angle is special. Then `arm.fk` computes the pose of the tool, a $4
-# \times 4$ matrix $g$. Lesson 3.1 shows how. Here you need only its upper left corner, three rows and three columns.
+# mixes them with random values inside the limits, so that no angle is special. Then `arm.fk` computes the pose of the
+# tool, a $4 \times 4$ matrix $g$. The lesson *Where is the tool?* (3.1) shows how. Here you need only its upper left
+# corner, three rows and three columns.
 
 # %% tags=["shown"]
 import numpy as np

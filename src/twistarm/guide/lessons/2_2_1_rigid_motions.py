@@ -158,7 +158,7 @@ guide.table(
 # %%
 fig, ax = guide.axes3(width=5.2, height=4.6)
 guide.plot_arm(ax, arm, theta, alpha=0.4, tool=False)
-for g, name in ((np.eye(4), "s"), (g_sc, "c"), (g_st, "t")):
+for g, name in ((np.eye(4), "S"), (g_sc, "C"), (g_st, "T")):
     guide.plot_frame(ax, g, None, 0.16 * arm.reach)
     ax.text(
         *(g[:3, 3] - 0.06 * arm.reach * g[:3, :3].sum(axis=1)), f"${name}$", ha="center", va="center"
@@ -174,7 +174,7 @@ guide.figure(
     fig,
     f"{arm.name} with the frames of its base, of a camera on one of its links and of its tool, which holds a "
     "screwdriver. One arrow goes from the camera to a rock, another from the tip of the screwdriver to the same rock.",
-    "Base $s$, camera $c$, tool $t$ with the screwdriver, grey. The arrow $q$ from the camera to the rock is "
+    "Base $S$, camera $C$, tool $T$ with the screwdriver, grey. The arrow $q$ from the camera to the rock is "
     "known. The arrow $d$ from the tip is the answer.",
 )
 

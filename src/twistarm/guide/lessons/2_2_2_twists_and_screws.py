@@ -119,14 +119,14 @@ guide.scene(
 # %% [markdown]
 # ## The exponential
 #
-# Now let the joint move by $\theta$ radians. $\dot{\bar p} = \hat\xi\,\bar p$ is again a linear differential equation,
-# so $\bar p(\theta) = e^{\hat\xi\theta}\,\bar p(0)$. Geometry says what this matrix must do. With $\omega = 0$ every
+# Now let the joint move by $\theta$ radians. $d\bar p/d\theta = \hat\xi\,\bar p$ is again a linear differential
+# equation, so $\bar p(\theta) = e^{\hat\xi\theta}\,\bar p(0)$. Geometry says what this matrix must do. With $\omega = 0$ every
 # point is shifted by $v\theta$. With $\|\omega\| = 1$ a point turns about the axis, which passes through $q$, and
 # slides along it:
 #
 # $$p(\theta) = q + e^{\hat\omega\theta}\,(p(0) - q) + h\,\theta\,\omega$$
 #
-# To check it, differentiate by $\theta$: you get $\dot p = \omega \times (p - q) + h\,\omega$ again. Now insert $q =
+# To check it, differentiate by $\theta$: you get $dp/d\theta = \omega \times (p - q) + h\,\omega$. Now insert $q =
 # \omega \times v$ and $h = \omega^T v$. What multiplies $p(0)$ is the rotation, and the rest is the shift:
 #
 # $$e^{\hat\xi\theta} = \begin{bmatrix} e^{\hat\omega\theta} &
