@@ -71,7 +71,7 @@ guide.table(
 
 # %% tags=["shown"]
 def product(Q1, Q2):
-    """Q1 Q2 of two quaternions (w, x, y, z)."""
+    """The product Q1 Q2 of two quaternions (w, x, y, z)."""
     (w1, v1), (w2, v2) = (Q1[0], np.array(Q1[1:])), (Q2[0], np.array(Q2[1:]))
     return np.array([w1 * w2 - v1 @ v2, *(w1 * v2 + w2 * v1 + np.cross(v1, v2))])
 

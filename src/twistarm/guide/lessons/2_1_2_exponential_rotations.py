@@ -245,11 +245,11 @@ guide.table(
 # Every rotation is a turn about one axis: this is **Euler's theorem**. The axis is a direction that the rotation does
 # not change, $R\omega = \omega$. It exists if $R - I$ has the determinant 0. And it has:
 #
-# $$\det(R - I) = \det(R - RR^T) = \det R\,\det(I - R)^T = -\det(R - I)$$
+# $$\det(R - I) = \det(R - RR^T) = \det R\,\det(I - R^T) = \det(I - R) = -\det(R - I)$$
 #
-# The last step changes the sign of three rows, and each changes the sign of the determinant. A number that equals its
-# own negative is 0. To find the axis, read Rodrigues' formula backwards. The trace, the sum of the diagonal, holds the
-# angle, and the differences of opposite entries hold the axis:
+# A matrix and its transpose have one determinant. The last step changes the sign of three rows, and each changes the
+# sign of the determinant. A number that equals its own negative is 0. To find the axis, read Rodrigues' formula
+# backwards. The trace, the sum of the diagonal, holds the angle, and the differences of opposite entries hold the axis:
 #
 # $$\theta = \cos^{-1}\frac{\mathrm{tr}\,R - 1}{2}, \qquad
 # \omega = \frac{1}{2\sin\theta}\begin{bmatrix} r_{32} - r_{23} \\ r_{13} - r_{31} \\ r_{21} - r_{12} \end{bmatrix}$$

@@ -196,7 +196,7 @@ guide.scene(arm, theta=theta, caption="The arm as in the picture above.", quanti
 #
 # **The inverse by changing signs.** It works while nothing is turned, and fails as soon as something is.
 #
-# **The 1 forgotten, or put under a direction.** With a 0 under a point every frame seems to be at the base. With a 1
+# **The 1 forgotten, or put under a direction.** With a 0 under a point the position of the frame is left out. With a 1
 # under a direction, the position of the frame is added to it. The gripper then approaches from the wrong side.
 #
 # **The camera's axes.** Optical frames have $z$ ahead, $x$ right and $y$ down. Most frames of links have $x$ ahead and

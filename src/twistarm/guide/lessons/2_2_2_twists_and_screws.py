@@ -13,7 +13,8 @@
 # $$\dot p = \omega \times (p - q)$$
 #
 # This is rotation alone. A helical joint, a nut on a threaded rod, also slides by $h$ metres for each radian. The
-# number $h$ is its *pitch*. A prismatic joint only slides, along a unit vector $v$:
+# number $h$ is its *pitch*. A prismatic joint only slides, along a unit vector $v$. The
+# equation on the left is that of the helical joint, the one on the right that of the prismatic joint:
 #
 # $$\dot p = \omega \times (p - q) + h\,\omega, \qquad\qquad \dot p = v$$
 #
