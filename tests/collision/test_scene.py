@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from copy import copy
 from pathlib import Path
 
 import numpy as np
@@ -272,7 +273,7 @@ def test_meshes_whose_hull_is_hard_to_compute(tmp_path: Path) -> None:
     assert scene.distance([0.0, 1.8]).metres == pytest.approx(0.2, abs=1e-6)
 
 
-def test_a_pickled_scene_answers_as_before() -> None:
+def test_a_pickled_or_copied_scene_answers_as_before(tmp_path: Path) -> None:
     arm = load_arm("rover_arm")
     scene = Scene(arm, margin={"table": 0.03})
     scene.add_box("table", (0.4, 1.0, 0.04), (0.6, 0.0, 0.3))
@@ -284,6 +285,14 @@ def test_a_pickled_scene_answers_as_before() -> None:
     theta = arm.random_theta(0, 200)
     assert np.array_equal(again.collides(theta), scene.collides(theta))
     assert 0 < scene.collides(theta).sum() < len(theta)
+    scene.save(tmp_path / "scene.toml")
+    assert pickle.loads(pickle.dumps(scene)).file == scene.file is not None
+    before, other = scene.collides(theta), copy(scene)
+    other.remove("table")
+    other.add_box("everywhere", (9.0, 9.0, 9.0))
+    assert list(scene.obstacles) == ["table", "ball"]
+    assert np.array_equal(scene.collides(theta), before)
+    assert other.collides(theta).all()
 
 
 def test_an_obstacle_is_moved_and_sized_until_a_link_holds_it(tmp_path: Path) -> None:

@@ -58,6 +58,8 @@ def test_vee_undoes_hat(data):
     xi, h = np.array([0.3, -0.2, 0.5, 1.0, -2.0, 0.7]), 1e-6
     one_sided = (screws.exp(xi, h) - np.eye(4)) / h  # not quite in se(3)
     close(screws.vee(one_sided), xi, 1e-5)
+    with pytest.raises(InputError, match="so"):  # each matrix by its own size
+        screws.vee([1e6 * screws.hat([1.0, 0.0, 0.0]), np.eye(3)])
 
 
 @given(vectors(size=6))

@@ -90,6 +90,16 @@ def test_what_goes_wrong_is_told_and_the_next_job_is_done(loop: Loop) -> None:
     until(lambda: loop.results == ["done"])
 
 
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_a_report_that_fails_stops_no_later_job(loop: Loop) -> None:
+    shares, loop.shares = loop.shares, None  # type: ignore[assignment]
+    loop.submit("reach", lambda progress: progress(0.5))
+    until(lambda: not loop.workers._threads)
+    loop.shares = shares
+    loop.submit("reach", lambda progress: "done")
+    until(lambda: loop.results == ["done"])
+
+
 def test_stopping_interrupts_at_the_next_progress(loop: Loop) -> None:
     working, waiting = Held(), Held()
     loop.submit("plan", working)

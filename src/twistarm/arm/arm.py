@@ -163,7 +163,8 @@ class Arm(ArmData):
             theta: Configurations (N, n) [rad, m].
             others: Values of joints outside the chain; the rest are at 0.
         """
-        assert self.description is not None
+        if self.description is None:
+            raise InputError(f"{self.name} has no description, so only its tool has a pose: use fk")
         poses = self.description.link_poses(self.joint_values(theta, others))
         back = inverse(poses[self.base])
         return {link: np.array(np.broadcast_to(back @ g, (len(theta), 4, 4))) for link, g in poses.items()}

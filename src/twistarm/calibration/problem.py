@@ -317,6 +317,8 @@ def started(problem: Problem, base: bool, tool: Bools) -> tuple[Problem, Array]:
         geometry = replace(geometry, base=geometry.base @ exp(q[BASE]), tool=geometry.tool @ exp(q[TOOL]))
         if np.abs(q[:JOINTS]).max() < 1e-7:
             break
+    else:
+        problem, first = replace(problem, geometry=geometry).with_places()
     return problem, first
 
 

@@ -31,9 +31,9 @@ ROWS_SHOWN = 20  # The most rows of answers and line numbers to show.
 
 def _axis(text: str, option: str, radians: bool) -> Array:
     """A typed axis of the tool: a letter with an optional sign, or three numbers."""
-    letter = text.strip().lstrip("+-−")
-    if letter in ("x", "y", "z"):
-        return np.eye(3)["xyz".index(letter)] * (-1.0 if text.strip()[0] in "-−" else 1.0)
+    sign, letter = text.strip()[:-1], text.strip()[-1:]
+    if letter in ("x", "y", "z") and sign in ("", "+", "-", "−"):
+        return np.eye(3)["xyz".index(letter)] * (-1.0 if sign in ("-", "−") else 1.0)
     try:
         return parse_numbers(text, "1 1 1", option)
     except InputError as error:

@@ -176,7 +176,7 @@ class Obstacles:
         if body.kind != "points":
             raise InputError(f"{name!r} is a {body.kind}, no cloud; remove it, then add_points")
         other = copy(self)
-        other._obstacles, other._made = dict(self._obstacles), {}
+        other._made = {}
         del other._obstacles[name]
         other.add_points(name, points, body.size[0], body.pose, without_arm=without_arm, theta=theta)
         other._obstacles[name] = replace(other._obstacles[name], carrier=body.carrier)

@@ -163,12 +163,14 @@ class Scene(Checkers):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """The arm, the obstacles and the pairs found. Shapes are read again, from the same files."""
-        return _made, (self.arm, self._margin, self.exact, self.content(), self.find_allowed_pairs())
+        given = self.arm, self._margin, self.exact, self.content(), self.find_allowed_pairs()
+        return _made, given, {"file": self.file}
 
     def __copy__(self) -> Scene:
         """Another scene with the same bodies. By `__reduce__` a copy would read and build them all again."""
         other = object.__new__(type(self))
-        vars(other).update(vars(self))
+        for name, value in vars(self).items():  # what is added to one scene is not in the other
+            vars(other)[name] = copy(value) if isinstance(value, (dict, set)) else value
         return other
 
     def __repr__(self) -> str:

@@ -129,8 +129,7 @@ def check_panel(
     g = screws.inverse(origin) @ panel.pose
     if inside is not None and panel.size is not None:
         inside.find_allowed_pairs()
-        before, inside = inside.placed, copy(inside)
-        inside.put_back(before)  # a copy shares its obstacles; from here on it has its own
+        inside = copy(inside)
         behind = np.eye(4)
         behind[2, 3] = -panel.gap - 0.5 * panel.size[2]
         inside.add_box("panel", panel.size, g @ behind)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -56,7 +57,8 @@ def solve_ik(
     A redundant arm moves in the null space toward `posture`, to a minimum of ‖θ − posture‖².
 
     With a `scene` an answer that reaches the target collides with nothing. It is the nearest such one found. `stop` is
-    IN_COLLISION if every configuration found collides, and `contacts` are the pairs.
+    IN_COLLISION if every configuration found collides, and `contacts` are the pairs. If the first answer collides,
+    more searches follow, from starts of one seed; `posture`, `rng` and `restarts` count for the first answer alone.
 
     A target that cannot be reached is no error. The solution is then the nearest configuration. It has the least
     position error inside the limits, then the least rotation error. `stop` and `explain()` say why.
@@ -79,6 +81,7 @@ def solve_ik(
     Raises:
         InputError: The target, the start, the posture or a number cannot be used.
     """
+    begun = time.monotonic()
     if scene is not None:
         from ..collision import require_scene
 
@@ -94,7 +97,7 @@ def solve_ik(
         found = IKResult(arm, textbook.solve(arm, goal, request), goal)
     if scene is None or not found.converged or not scene.collides(found.theta):
         return found
-    return collision_free(scene, found, Deadline.after(max_time))
+    return collision_free(scene, found, Deadline(np.inf if max_time is None else begun + max_time))
 
 
 def _by_core(arm: Arm, target: TargetLike, theta0: Any, posture: Any, options: Options) -> IKResult:

@@ -51,17 +51,17 @@ def vee(matrix: ArrayLike) -> Array:
     """The twist (..., 6) of a matrix (..., 4, 4) in se(3), or the vector (..., 3) of one (..., 3, 3) in so(3).
 
     The inverse of `hat`. It drops the symmetric part that a numerical derivative leaves. InputError for more than
-    `ALGEBRA_TOL` of the matrix's size.
+    `ALGEBRA_TOL` of the matrix's largest entry, or of 1 if that is more.
     """
     matrix = as_floats(matrix, "matrix")
     if matrix.shape[-2:] not in ((3, 3), (4, 4)):
         raise InputError(f"matrix must have shape (..., 4, 4) or (..., 3, 3); got {matrix.shape}")
     W = matrix[..., :3, :3]
     symmetric, last_row = W + np.swapaxes(W, -1, -2), matrix[..., 3:, :]  # so(3) has no last row
-    off = max(np.abs(symmetric).max(initial=0.0), np.abs(last_row).max(initial=0.0))
-    if off > ALGEBRA_TOL * max(1.0, np.abs(matrix).max(initial=0.0)):
+    off = np.maximum(*(np.abs(part).max(axis=(-2, -1), initial=0.0) for part in (symmetric, last_row)))
+    if (far := off > ALGEBRA_TOL * np.maximum(1.0, np.abs(matrix).max(axis=(-2, -1), initial=0.0))).any():
         space = "so(3), skew-symmetric" if matrix.shape[-1] == 3 else "se(3), [ŵ, v; 0, 0]"
-        raise InputError(f"matrix is not in {space}: it is off by {off:.3g}; build it with hat")
+        raise InputError(f"matrix is not in {space}: it is off by {off[far].max():.3g}; build it with hat")
     w = 0.5 * np.stack([W[..., k, j] - W[..., j, k] for j, k in ((1, 2), (2, 0), (0, 1))], axis=-1)
     return w if matrix.shape[-1] == 3 else np.concatenate([matrix[..., :3, 3], w], axis=-1)
 

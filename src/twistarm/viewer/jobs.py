@@ -96,7 +96,12 @@ class Workers:
                 if job is None:
                     del self._threads[key]
                     return
-            self._do(job)
+            try:
+                self._do(job)
+            except BaseException:  # of a report or a delivery: without this no later job of the key would start
+                with self._lock:
+                    del self._threads[key]
+                raise
 
     def _do(self, job: Job) -> None:
         has_reported = False
