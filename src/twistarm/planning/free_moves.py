@@ -18,10 +18,9 @@ from ..support.checks import Array
 from ..support.errors import missing_extra
 from ..support.messages import Argument, Quantity, Remedies, Text
 from .refusal import PathError
+from .segments import CLEARANCE
 from .trajectory import Trajectory
 
-# How far [m] states keep from everything, so that the ways between them do too; less where start or goal is nearer.
-CLEARANCE = 0.004
 # Distance [rad, m] of the checked states of a path, for one attempt after the other.
 STEPS = (0.1, 0.05, 0.02, 0.01, 0.005)
 # For the last tries: the share of the clearance that states keep, that of the time, and the distances of states.

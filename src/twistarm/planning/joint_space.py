@@ -181,8 +181,8 @@ def plan_joint(
     if len(points) > 2 and not stop_at_waypoints:
         notes += swings(arm, points, ends, breakpoints, coefficients)
     motion = Trajectory(
-        arm.joint_names, arm.units, points, ends, breakpoints, coefficients, arm.actuators, (),
-        (*usual, *notes, *back), bounds,
+        arm.joint_names, arm.units, points, ends, breakpoints, coefficients, arm.actuators,
+        notes=(*usual, *notes, *back), limits=bounds,
     )  # fmt: skip
     if times is not None:
         require_rates(motion, bounds)

@@ -16,10 +16,11 @@ from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.messages import Argument, Remedies, Text
 from .following import outside_limits
-from .free_moves import CLEARANCE, SMALL, UNLIMITED, require_clear
+from .free_moves import SMALL, UNLIMITED, require_clear
 from .keep import Constraint, Flags
 from .piecewise import JointPath
 from .refusal import PathError
+from .segments import CLEARANCE
 from .spline import interpolating
 
 # For one attempt after the other: the distance [rad, m] of states, the share of the tolerances that they use, and that

@@ -22,7 +22,7 @@ from .piecewise import JointPath
 from .refusal import PathError
 from .route import PathPart, Router
 from .s_curve import s_curve
-from .segments import Dwell, FreeMove, JointMove, Segment, as_segments, place
+from .segments import CLEARANCE, Dwell, FreeMove, JointMove, Segment, as_segments, place
 from .stretches import Corner, path_along, runs
 from .time_law import PathBounds, TimeLaw, quintic
 from .time_optimal import time_optimal
@@ -59,7 +59,7 @@ def plan(
     payload: Load = 0.0,
     scene: Scene | None = None,
     max_time: float = 5.0,
-    clearance: float = 0.004,
+    clearance: float = CLEARANCE,
     progress: Progress | None = None,
 ) -> Trajectory:
     """Plan a rest-to-rest motion through `segments`, inside the limits of joints and motors.
@@ -101,7 +101,7 @@ def plan(
     Returns:
         The `Trajectory`. Its waypoints are the start and the end of every segment, its labels those of the segments.
             Its `notes` name usual limits for missing ones, shorter ways by whole turns, curves without motion, and
-            where free moves come nearer than `clearance`.
+            where free moves come nearer than a `clearance` above the default.
 
     Raises:
         PathError: A curve cannot be followed. The message says where it stops, why, and what would help. Or the motion
@@ -161,11 +161,12 @@ def plan(
     if scene is not None and around is not scene and (contacts := scene.contacts(motion.waypoints[-1])):
         raise PathError(f"the motion ends in collision, as it began: {contacts[0]}", reason="collision")
     report(1.0)
-    if around is not None and any(isinstance(move, FreeMove) for move in moves):
+    # Measured only for who asks for more than the default: to measure may take as long as to plan.
+    if around is not None and clearance > CLEARANCE and any(isinstance(move, FreeMove) for move in moves):
         nearest = around.clearance(motion)
-        if nearest.metres < how["clearance"]:
-            kept = Argument("clearance", Quantity(how["clearance"], "m"))
-            note = Text("comes nearer than {clearance}: {nearest}", clearance=kept, nearest=nearest)
+        if nearest.metres < clearance:
+            asked = Argument("clearance", Quantity(clearance, "m"))
+            note = Text("comes nearer than {clearance}: {nearest}", clearance=asked, nearest=nearest)
             motion = replace(motion, notes=(*motion.notes, note))
     return motion
 

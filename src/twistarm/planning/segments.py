@@ -22,6 +22,9 @@ Constrained = Literal["pose", "approach", "position"]
 CONSTRAINED: tuple[Constrained, ...] = ("pose", "approach", "position")
 
 LABEL_LENGTH = 200
+# How far [m] states of a free move keep from everything, so that the ways between them do too; less where start or goal
+# is nearer.
+CLEARANCE = 0.004
 
 OPTIONAL = {
     "linear_speed": as_positive,
