@@ -60,7 +60,7 @@ def test_a_motion_is_begun_for_the_arm_that_the_options_say(forked: Path, capsys
 
 
 def test_init_leaves_nothing_behind_when_it_fails(folder: Path, capsys: Capture) -> None:
-    assert "--tip 'tool9'" in error_of(capsys, "init", "arm.urdf", "--tip", "tool9")
+    assert "--tip tool9" in error_of(capsys, "init", "arm.urdf", "--tip", "tool9")
     assert "xacro" in error_of(capsys, "init", "arm.urdf", "--xacro", "a:=1")
     assert [path.name for path in folder.iterdir()] == ["arm.urdf"]
 

@@ -295,7 +295,7 @@ OF_EVERY_SIZE = [
 def drawn_targets(arm: Arm, count: int) -> list[Pose | Position | Approach | TolerancedPose]:
     """Targets of every kind at Pinocchio's poses of configurations inside the limits."""
     goals, _, _ = reference(arm, arm.random_theta(np.random.default_rng(6), count))
-    along, about = (0.01, 0.02, 0.0, 0.2, 0.0, np.inf), (0.0, np.inf, 0.0, 4.0, 0.1, 0.1)
+    along, about = (0.01, 0.02, 0.0, 0.2, 0.0, np.inf), (0.0, np.inf, 0.0, 3.0, 0.1, 0.1)
     kinds = (
         Pose,
         lambda g: Position(g[:3, 3]),

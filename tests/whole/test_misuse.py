@@ -100,7 +100,7 @@ GOOD: dict[str, Any] = {
     "motor": [0.0, 0.0], "motor_dot": [0.0, 0.0], "tau": [0.0, 0.0], "tau_motor": [0.0, 0.0], "directions": 3,
     "engine": "Pinocchio", "size": None, "port": 9871, "solutions": SOLUTIONS, "answer": None, "visible": True,
     "load": lambda: ARM, "files": [], "closed_form": False, "restarts": 2, "threads": 1, "handle_signals": False,
-    "host": "127.0.0.1", "cycles": stream.Streaming(ARM, Says(None), SIMULATED, SIMULATED),
+    "host": "127.0.0.1", "loop": stream.Streaming(ARM, Says(None), SIMULATED, SIMULATED),
     "metronome": stream.Metronome(0.01), "clock": stream.MonotonicClock(), "n": 3, "motors": None, "theta0": None,
     "arms": [ARM, OTHER], "mass": 1.0,
 }  # fmt: skip
