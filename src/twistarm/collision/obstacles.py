@@ -23,9 +23,6 @@ from ..support.files import as_path
 from ..support.units import TURN
 from .cloud_files import as_points
 
-Placed = tuple[Mapping[str, Body], Mapping[str, frozenset[str]]]
-"""Obstacles by name, and what those that a link holds may touch."""
-
 Mesh = Path | Triangles | Array | None  # Of an obstacle: a file, triangles, or points (N, 3).
 DOUBLE = np.dtype(np.float64)
 PLAIN = (2.0 * TURN) ** 2  # Angles that look like degrees are beyond two turns. NaN is no less.
@@ -213,16 +210,6 @@ class Obstacles:
         if name in self._touching:
             raise InputError(f"{body.carrier} holds {name!r}: detach it before you move it")
         self._obstacles[name] = replace(body, carrier=self.arm.base, pose=_as_place(pose))
-        self._changed()
-
-    @property
-    def placed(self) -> Placed:
-        """The obstacles as they are now, for `put_back`. Equal as long as none changes."""
-        return dict(self._obstacles), dict(self._touching)
-
-    def put_back(self, placed: Placed) -> None:
-        """Have the obstacles of an earlier `placed` again, and no others."""
-        self._obstacles, self._touching = dict(placed[0]), dict(placed[1])
         self._changed()
 
     def resize(self, name: str, size: Row) -> None:

@@ -41,6 +41,7 @@ WIDER_SEARCHES = 100  # The most searches for each of them. `explain` takes thei
 ANOTHER_BRANCH = "the target is near the pose of theta0, but the answer is not near theta0"
 NEAREST_ELSEWHERE = "the nearest configuration is not near theta0, where the arm stays farther from the target"
 
+SQUARE = 1e-3  # The cosine of an angle that counts as right.
 MANY_JOINTS = 16  # On arms with more joints, the nearest-configuration search finds one of very many minima.
 
 PERHAPS_NEARER = "an arm of so many joints may come nearer: try another rng or theta0"
@@ -314,7 +315,9 @@ def _remedy(solution: IKResult) -> str:
     if not isinstance(solution.target, Approach):
         return "ask for the position alone, or with the direction of the tool"
     nearest = solution.arm.fk(solution.theta)[:3, :3] @ solution.target.axis
-    return f"ask for the position alone, or for the direction {numbers(nearest)}, the nearest"
+    # At right angles every direction that the tool can have is as near as this one.
+    which = "the nearest" if solution.target.direction @ nearest > SQUARE else "for example"
+    return f"ask for the position alone, or for the direction {numbers(nearest)}, {which}"
 
 
 def at_bounds(solution: IKResult) -> list[str]:
