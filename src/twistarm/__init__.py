@@ -1,8 +1,8 @@
 """twistarm: the kinematics of robot arms in the language of screws.
 
-Conventions, everywhere: SI units and radians; `theta` (..., n) is one number per degree of freedom, base to tip; a
-pose `g_ab` (..., 4, 4) is frame b seen from frame a, p_a = g_ab @ p_b; a twist is (v, w), linear part first, as in
-Murray, Li & Sastry and in Pinocchio; s is the space frame (the base link), t the tool frame (the tip link).
+Conventions, everywhere: SI units and radians. `theta` (..., n) is one number per degree of freedom, base to tip. A
+pose `g_ab` (..., 4, 4) is frame b seen from frame a, p_a = g_ab @ p_b. A twist is (v, w), linear part first, as in
+Murray, Li & Sastry and in Pinocchio. The space frame s is the base link, the tool frame t the tip link.
 
 The public names are in `__init__.pyi`. Each is imported at its first use, so that `import twistarm` takes milliseconds.
 """
@@ -17,7 +17,7 @@ __version__ = "0.1.0"
 
 
 def _public_names() -> dict[str, str]:
-    """{name: the module that it comes from}, read from `__init__.pyi`: a second list would differ one day (SPEC 1)."""
+    """{name: the module that it comes from}, read from `__init__.pyi`: a second list would differ one day."""
     with open(f"{__file__}i", encoding="utf-8") as stub:
         lines = [line.split() for line in stub if line.startswith("from ")]
     return {name: module for _, module, _, name, *_ in lines}

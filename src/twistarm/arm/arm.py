@@ -53,7 +53,7 @@ class Arm(ArmData):
 
     @cached_property
     def compiled(self) -> engine.Chain | None:
-        """The arm in the compiled core; None without a core (`engine.why_not()`) or for more than 64 joints."""
+        """The arm in the compiled core. None without a core (`engine.why_not()`) or for more than 64 joints."""
         bounds = self.limits.lower, self.limits.upper
         numbers = self.screws, self.home, self.coupling.A
         return engine.chain_of(*numbers, bounds, self.sampling_bounds, self.reach)
@@ -66,7 +66,7 @@ class Arm(ArmData):
 
     @property
     def why_not_compiled(self) -> str:
-        """Why the arm is not in the compiled core; empty if it is."""
+        """Why the arm is not in the compiled core. Empty if it is."""
         if self.compiled is not None:
             return ""
         count = max(self.coupling.A.shape)
@@ -161,7 +161,7 @@ class Arm(ArmData):
 
         Args:
             theta: Configurations (N, n) [rad, m].
-            others: Values of joints outside the chain; the rest are at 0.
+            others: Values of joints outside the chain. The rest are at 0.
         """
         if self.description is None:
             raise InputError(f"{self.name} has no description, so only its tool has a pose: use fk")
@@ -174,7 +174,7 @@ class Arm(ArmData):
 
         Args:
             theta: Configurations (N, n) [rad, m].
-            others: Values of joints outside the chain; the rest are at 0.
+            others: Values of joints outside the chain. The rest are at 0.
         """
         columns = dict(zip(self.joint_names, theta.T, strict=True)) | {k: np.array(x) for k, x in others.items()}
         zero = np.zeros(len(theta))
@@ -207,7 +207,7 @@ class Arm(ArmData):
 
         Args:
             theta: Configurations (..., n) [rad, m].
-            length: The length [m] that counts like 1 rad; by default `reach`.
+            length: The length [m] that counts like 1 rad. By default `reach`.
 
         Raises:
             InputError: theta does not fit the arm, or length is not positive.
@@ -260,10 +260,10 @@ class Arm(ArmData):
 
         Args:
             theta: Configurations (..., n) [rad, m].
-            theta_dot: Velocities (..., n) [rad/s, m/s]; None is at rest.
-            theta_ddot: Accelerations (..., n) [rad/s², m/s²]; None is none.
+            theta_dot: Velocities (..., n) [rad/s, m/s]. None is at rest.
+            theta_ddot: Accelerations (..., n) [rad/s², m/s²]. None is none.
             payload: A point mass at the tool [kg], or the mass and its place (3,) in tool axes [m].
-            gravity: Acceleration of free fall (3,) [m/s²], in base axes; None is `self.gravity`.
+            gravity: Acceleration of free fall (3,) [m/s²], in base axes. None is `self.gravity`.
 
         Raises:
             InputError: An argument has another shape, or the payload is negative.

@@ -278,7 +278,7 @@ class ArmData:
 
         Args:
             rng: A seed, which gives the same configurations each time, or a NumPy Generator.
-            size: How many: a number or a shape; None for a single configuration.
+            size: How many: a number or a shape. None for a single configuration.
 
         Returns:
             (n,), or an array of shape `size` followed by n.
@@ -323,7 +323,7 @@ class ArmData:
 
         Args:
             values: Numbers (..., n) [rad, m], the name of a configuration, {joint: value}, or joint names.
-            numbers: The values that belong to joint names (n,); None otherwise.
+            numbers: The values that belong to joint names (n,). None otherwise.
             name: The argument's name in the text of an error.
 
         Raises:
@@ -373,9 +373,9 @@ _KEPT: WeakKeyDictionary[ArmData, dict[Hashable, Any]] = WeakKeyDictionary()
 
 
 def kept(arm: ArmData, key: Hashable, make: Callable[[], T]) -> T:
-    """The value of `make`, which follows from the arm and `key` alone, computed once for as long as the arm lives.
+    """The value of `make`, computed once for as long as the arm lives.
 
-    The key begins with a name, so that no two modules have one key.
+    It follows from the arm and `key` alone. The key begins with a name, so that no two modules have one key.
     """
     of_arm = _KEPT.get(arm)
     if of_arm is None:  # `setdefault` alone would make a weak reference in each step of a servo
@@ -400,8 +400,8 @@ def roll_axis(body_screws: Array, coupling: Array, reach: float) -> Array:
     zero. Joints after the last turning joint only slide, so its axis w is fixed in the tool.
 
     The wrist is the point of that axis nearest to the axis of the turning joint before it. The last joint is a roll
-    if the two axes are not parallel, and the tool's origin is at the wrist or within 45° of ±w seen from there. With
-    one turning joint only, it is a roll if the tool's origin lies on its axis. A last joint that pitches gives z.
+    if the two axes are not parallel, and the tool's origin is at the wrist or within 45° of ±w. With one turning joint
+    only, it is a roll if the tool's origin lies on its axis. A last joint that pitches gives z.
 
     The axis points outward, from the wrist to the tool's origin. If the two coincide, or only one joint turns, the
     first component of z, x, y of at least 0.5 in size is positive.

@@ -76,7 +76,7 @@ def digest_of(arm: Arm) -> str:
 
 
 def content_of(arm: Arm) -> dict[str, Any]:
-    """An arm without its description and findings, for JSON. SI, as in `Arm`; `source` without its folder."""
+    """An arm without its description and findings, for JSON; SI, as in `Arm`. `source` without its folder."""
     bounds, motors = _bounds(arm.limits), arm.actuators
     return {
         "name": arm.name,
@@ -198,7 +198,7 @@ def fields_of(content: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _limits(content: Mapping[str, list[float | None]]) -> JointLimits:
-    """Limits by field; null means not given."""
+    """Limits by field. Null means not given."""
     return JointLimits(**{field: _given(content[field], -np.inf if field == "lower" else np.inf) for field in FIELDS})
 
 

@@ -41,7 +41,7 @@ class Body:
     """A shape of the collision library, with its pose (4, 4) in the frame of the link `carrier`.
 
     `name` is the link's or the obstacle's. `kind` says how the shape was made. An obstacle has the numbers of its size
-    [m], a mesh its file or triangles, and a cloud its file or points (N, 3).
+    [m]. A mesh has its file or triangles, a cloud its file or points (N, 3).
     """
 
     name: str
@@ -65,7 +65,7 @@ class Body:
 
     @property
     def solid(self) -> Solid | None:
-        """The triangles that are kept of a mesh; None for a convex shape."""
+        """The triangles that are kept of a mesh. None for a convex shape."""
         return getattr(self.shape, "solid", None)
 
     @property
@@ -187,7 +187,7 @@ class Shapes:
 
 
 def _with_volume(points: Array) -> Array:
-    """The distinct points; a flat mesh, or a line, is given a thickness."""
+    """The distinct points. A flat mesh, or a line, is given a thickness."""
     points = np.unique(points, axis=0)
     centre = points.mean(axis=0)
     _, spread, axes = np.linalg.svd(points - centre, full_matrices=False)

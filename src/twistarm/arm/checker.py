@@ -17,7 +17,7 @@ TOLERANCE = 1e-9  # Of the distance between convex shapes [m].
 
 
 class _Own(NamedTuple):
-    """What a thread has for itself: data of the model and of the geometry, and a broad phase on one with few pairs.
+    """Data of a thread. They are of the model and of the geometry, with a broad phase on one with few pairs.
 
     Checkers that differ in their margins share it. It has those of the one that was asked last.
     """

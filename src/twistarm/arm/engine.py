@@ -75,7 +75,7 @@ def core() -> ModuleType | None:
 
 
 def why_not() -> str:
-    """One line with the reason for a missing core and the remedy; empty with a core."""
+    """One line with the reason for a missing core and the remedy. Empty with a core."""
     return _found()[1]
 
 
@@ -88,7 +88,7 @@ def need(what: str) -> ModuleType:
 
 
 def asked(name: str, *given: object) -> Any:
-    """The answer of a function of the core; None without a core, or if Python must check the input."""
+    """The answer of a function of the core. None without a core, or if Python must check the input."""
     module = core()
     return None if module is None else getattr(module, name)(*given)
 
@@ -100,7 +100,7 @@ def answered(answer: T | None) -> T:
 
 
 def instruction_set() -> str:
-    """The instruction set of the core's kernels (avx512, avx2, baseline); empty without a core."""
+    """The instruction set of the core's kernels (avx512, avx2, baseline). Empty without a core."""
     module = core()
     return "" if module is None else str(module.instruction_sets()[0])
 
@@ -108,7 +108,7 @@ def instruction_set() -> str:
 def chain_of(
     screws: Array, home: Array, A: Array, limits: tuple[Array, Array], starts: tuple[Array, Array], reach: float
 ) -> Chain | None:
-    """The chain of screws (6, m), home and A (m, n) in the core; None without a core or beyond its size.
+    """The chain of screws (6, m), home and A (m, n) in the core. None without a core or beyond its size.
 
     `limits` are the lower and upper bounds (n,), `starts` the finite bounds of random starts. `reach` [m] compares
     metres with radians in a rank.
@@ -133,7 +133,7 @@ def servo_of(arrays: tuple[Array, ...], length: float, below: float, damping: fl
 
 @cache
 def _say_once() -> None:
-    """Log once that everything is slower without the core; the default log is stderr."""
+    """Log once that everything is slower without the core. The default log is stderr."""
     _LOG.warning("no compiled core, so inverse kinematics %s: %s", _LOST, why_not())
 
 

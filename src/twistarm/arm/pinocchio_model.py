@@ -169,7 +169,7 @@ def import_pinocchio() -> Any:
 
 @functools.cache
 def why_no_pinocchio() -> str:
-    """How to install Pinocchio; empty if it is installed."""
+    """How to install Pinocchio. Empty if it is installed."""
     try:
         import_pinocchio()
     except MissingExtraError as missing:

@@ -29,7 +29,7 @@ def assert_arm(
 
     Args:
         source: As in `load_arm`.
-        against: A golden file written by `freeze`, or whatever else `compare` takes; None for the cross-check alone.
+        against: A golden file written by `freeze`, or whatever else `compare` takes. None for the cross-check alone.
         samples: Number of random configurations.
         **load: The options of `load_arm`.
 
@@ -37,7 +37,7 @@ def assert_arm(
         The arm.
 
     Raises:
-        AssertionError: Engines disagree, or the arm has changed; the message gives every difference.
+        AssertionError: Engines disagree, or the arm has changed. The message gives every difference.
         MissingExtraError: yourdfpy is not installed: a proof that leaves an engine out is none.
     """
     __tracebackhide__ = True
@@ -66,10 +66,10 @@ def assert_free(
     Args:
         arm: The arm.
         trajectory: A `Trajectory`, or a file that `load_trajectory` reads.
-        scene: A `Scene` of the arm or a scene file; None for the robot alone.
+        scene: A `Scene` of the arm or a scene file. None for the robot alone.
 
     Raises:
-        AssertionError: The motion collides; the message gives the time, the pair and the depth.
+        AssertionError: The motion collides. The message gives the time, the pair and the depth.
         InputError: The motion or the scene is of another arm.
     """
     __tracebackhide__ = True

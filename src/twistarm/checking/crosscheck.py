@@ -98,12 +98,12 @@ def crosscheck(
 ) -> CrossCheck:
     """Compare the kinematics of independent engines at random configurations inside the limits.
 
-    Pose, J^s and J^b of the product of exponentials are compared with Pinocchio's model and with the compiled core. An
+    Pose, J^s and J^b are those of the product of exponentials, of Pinocchio's model and of the compiled core. An
     arm made from screws has no model of Pinocchio.
 
     Further comparisons are J^s = Ad(g) J^b, and J^b against fourth-order central differences of Pinocchio's pose. Every
     link's pose by our walk is compared with Pinocchio. Pinocchio and yourdfpy also read the unrepaired text of the
-    file, or xacro's output without our changes. Both give every link's pose; Pinocchio gives the position limits too.
+    file, or xacro's output without our changes. Both give every link's pose. Pinocchio gives the position limits too.
     Of an MJCF they read the URDF that MuJoCo's compilation gave. Masses are not compared. A quantity that an engine
     lacks is "not compared", with the reason.
 
@@ -136,7 +136,7 @@ def crosscheck(
 def _compared(
     quantity: str, engines: tuple[str, str], difference: Array, theta: Array, tolerance: float
 ) -> EngineComparison:
-    """The worst entry of `difference` (samples, …) and its configuration; NaN counts as infinite."""
+    """The worst entry of `difference` (samples, …) and its configuration. NaN counts as infinite."""
     errors = np.abs(np.nan_to_num(difference, nan=np.inf)).reshape(len(theta), -1).max(axis=1)
     worst = int(errors.argmax())
     return EngineComparison(quantity, engines, len(theta), float(errors[worst]), tolerance, frozen(theta[worst]))

@@ -44,7 +44,7 @@ NO_MASSES = "masses were not compared: the reference has none. A new golden file
 
 @dataclass(frozen=True)
 class Difference:
-    """What has changed, one sentence each; empty for the same arm. `pose_error` and `jacobian_error` are the worst.
+    """What has changed, one sentence each. Empty for the same arm. `pose_error` and `jacobian_error` are the worst.
 
     `notes` say what could not be compared.
     """
@@ -70,13 +70,13 @@ class Difference:
 def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
     """Write the arm as numbers (JSON, SI): what `bake` keeps, and each link's mass, centre and inertia.
 
-    `compare` lists the changes since. The file lists what it does not cover: shapes and meshes, named poses, the SRDF,
-    damping and friction, and limits of joints beside the chain. A digest covers every number, so an edited file is
-    refused. The file is written whole or not at all.
+    `compare` lists the changes since. The file lists what it does not cover. These are shapes and meshes, named poses,
+    the SRDF, damping and friction, and limits of joints beside the chain. A digest covers every number, so an edited
+    file is refused. The file is written whole or not at all.
 
     Args:
         arm: The arm.
-        path: The file to write; an existing golden file is replaced.
+        path: The file to write. An existing golden file is replaced.
 
     Raises:
         InputError: The file cannot be written.
@@ -153,7 +153,7 @@ def _other(arm: Arm, against: Arm | str | os.PathLike[str]) -> tuple[Arm, Mappin
 
 
 def _bodies_of(arm: Arm) -> Mapping[str, Body] | None:
-    """The mass of each link; None for an arm without a description."""
+    """The mass of each link. None for an arm without a description."""
     return None if arm.description is None else bodies(arm.description)
 
 

@@ -93,7 +93,7 @@ def yourdfpy_poses(description: Description, values: Mapping[str, Array], base: 
 
 
 def beyond_yourdfpy(arm: Arm) -> str:
-    """Why yourdfpy cannot be asked about this arm; empty if it can."""
+    """Why yourdfpy cannot be asked about this arm. Empty if it can."""
     assert arm.description is not None
     joints = arm.description.joints
     if len(arm.description.links) > LINKS:

@@ -61,12 +61,12 @@ def is_part(word: str) -> bool:
 
 
 def separate(text: str) -> list[str]:
-    """The numbers of a list, with their units. Spaces or commas separate them; brackets may enclose them."""
+    """The numbers of a list, with their units. Spaces or commas separate them. Brackets may enclose them."""
     return _VALUE.findall(text)
 
 
 def typed_number(text: str, quantity: str = NUMBER, *, radians: bool = False) -> float:
-    """A number with or without a unit, in SI; NaN if it is no `quantity`.
+    """A number with or without a unit, in SI. NaN if it is no `quantity`.
 
     An angle without a unit is in degrees, unless `radians` is set.
     """
@@ -234,7 +234,7 @@ class JointValues:
         return np.where(np.abs(theta - onto) <= ROUNDING, onto, theta)
 
     def _pairs(self, otherwise: str) -> tuple[list[str], list[str]]:
-        """Names and values of the pairs; InputError with the text `otherwise` if there is anything else."""
+        """Names and values of the pairs. InputError with the text `otherwise` if there is anything else."""
         names, values, end = [], [], 0
         for match in _PAIR.finditer(self.text):
             if match.start() != end:

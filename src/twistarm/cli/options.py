@@ -140,7 +140,7 @@ class Source:
 
 
 def arms_like(typed: str) -> list[str]:
-    """Completions of ARM: names of the catalogue and descriptions here; none lets the shell complete."""
+    """Completions of ARM: names of the catalogue and descriptions here. None lets the shell complete."""
     endings = (".urdf", ".xacro", ".xml", ".toml", ".json", ".csv")
     names = [name for name in (*own_arms(), *model_arms()) if name.startswith(typed)]
     here = [path.name for path in Path().glob("*")]

@@ -156,7 +156,7 @@ class Sheet:
     def columns(self, known: Mapping[str, str], units: Mapping[str, str]) -> dict[str, Array]:
         """The values (N,) of the quantities in `units` [m, rad, 1] by the header's names in `known`, in SI.
 
-        A unit may follow a name; the default is SI. Unknown columns are ignored with a note.
+        A unit may follow a name. The default is SI. Unknown columns are ignored with a note.
         """
         found, others = known_columns(self.header, known, units, self.file)
         if not found:

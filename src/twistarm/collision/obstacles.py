@@ -66,7 +66,7 @@ class Obstacles:
         Args:
             name: A name that no link and no obstacle has.
             size: The sides along x, y, z [m].
-            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+            pose: Pose (4, 4) or position (3,) in the base frame. By default its origin.
         """
         self._add(name, "box", as_vector(size, "size"), pose)
 
@@ -76,7 +76,7 @@ class Obstacles:
         Args:
             name: A name that no link and no obstacle has.
             radius: Its radius [m].
-            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+            pose: Pose (4, 4) or position (3,) in the base frame. By default its origin.
         """
         self._add(name, "sphere", [radius], pose)
 
@@ -87,7 +87,7 @@ class Obstacles:
             name: A name that no link and no obstacle has.
             radius: Its radius [m].
             length: Its length [m].
-            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+            pose: Pose (4, 4) or position (3,) in the base frame. By default its origin.
         """
         self._add(name, "cylinder", [radius, length], pose)
 
@@ -98,12 +98,12 @@ class Obstacles:
             name: A name that no link and no obstacle has.
             radius: Its radius [m].
             length: The distance of its two centres [m].
-            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+            pose: Pose (4, 4) or position (3,) in the base frame. By default its origin.
         """
         self._add(name, "capsule", [radius, length], pose)
 
     def add_plane(self, name: str = "ground", pose: Given | None = None) -> None:
-        """Add everything below the plane z = 0 of `pose` (4, 4); by default the plane of the base.
+        """Add everything below the plane z = 0 of `pose` (4, 4). By default the plane of the base.
 
         Args:
             name: A name that no link and no obstacle has.
@@ -120,7 +120,7 @@ class Obstacles:
         Args:
             name: A name that no link and no obstacle has.
             path: The file.
-            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+            pose: Pose (4, 4) or position (3,) in the base frame. By default its origin.
             scale: A factor, or one for each axis.
         """
         factors = [as_number(scale, "scale")] * 3 if np.ndim(scale) == 0 else as_vector(scale, "scale")
@@ -144,9 +144,9 @@ class Obstacles:
             name: A name that no link and no obstacle has.
             points: Points (N, 3) [m] in the frame of the cloud, or a .ply, .pcd, .npy, .xyz, .txt or .csv file.
             voxel: Side of the voxels [m].
-            pose: Pose (4, 4) or position (3,) of the cloud's frame in the base frame; by default its origin.
+            pose: Pose (4, 4) or position (3,) of the cloud's frame in the base frame. By default its origin.
             without_arm: Leave out points within 20 mm of the arm's shapes at `theta`.
-            theta: The configuration (n,) in which the arm stood; by default its ready one.
+            theta: The configuration (n,) in which the arm stood. By default its ready one.
         """
         place = _as_place(pose)
         given: Path | Array = as_path(points) if isinstance(points, (str, os.PathLike)) else as_points(points)
@@ -239,7 +239,7 @@ class Obstacles:
 
         Args:
             name: The obstacle.
-            link: The link that carries it; by default that of the tip.
+            link: The link that carries it. By default that of the tip.
             theta: The configuration (n,) at which the link takes it.
             touching: Further links that may touch it (MoveIt's touch_links).
         """

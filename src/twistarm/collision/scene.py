@@ -33,7 +33,7 @@ class Scene(Checkers):
     """The shapes of an arm's robot and of obstacles, with the pairs to check for collisions.
 
     A link has its collision shapes, otherwise its visuals, otherwise capsules to the joints that it carries. Meshes are
-    replaced by their convex hulls; with `exact=True` they are kept. `findings` tell what each link has.
+    replaced by their convex hulls. With `exact=True` they are kept. `findings` tell what each link has.
 
     `allowed` are the pairs of links that are not checked, with their reasons. They come from the SRDF, or from
     `collision.allowed_pairs`. Obstacles are checked against every link that can move relative to them.
@@ -271,7 +271,7 @@ class Scene(Checkers):
         return None if found is None else Collision(*found, self.contacts(found[1]))
 
     def clearance(self, motion: Any, coefficients: Given | None = None) -> Distance:
-        """The nearest pair of bodies along a motion, with its `time` [s]; margins are not counted.
+        """The nearest pair of bodies along a motion, with its `time` [s]. Margins are not counted.
 
         The distance is exact at that time. At other times a pair may come nearer by at most 1 mm or 5 % of it, the
         larger. An interval is left when no pair can lose enough of its distance within it. Otherwise it is halved, for

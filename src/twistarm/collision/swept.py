@@ -45,7 +45,7 @@ class Sweep:
         self._speeds = np.unique(np.round(speeds / self._shares[:, None], 9), axis=0)
 
     def first(self, times: Array, pieces: Array) -> tuple[float, Array] | None:
-        """The first time at which something collides, and theta (n,) there; None if nothing does.
+        """The first time at which something collides, and theta (n,) there. None if nothing does.
 
         `times` are breakpoints (s + 1,), `pieces` coefficients (degree + 1, s, n), highest power first.
         """

@@ -1,4 +1,4 @@
-"""A count of items in chunks: each a pure function, on any executor, a file each, so that a sweep resumes."""
+"""A count of items in chunks. Each is a pure function, on any executor, with a file, so that a sweep resumes."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Sweep:
         """Yield each chunk once: its first item and its arrays, in the order in which they are done.
 
         Args:
-            workers: Threads; None for one per processor. They share the work of the compiled core and of NumPy.
+            workers: Threads. None for one per processor. They share the work of the compiled core and of NumPy.
             executor: Where to compute instead: a ProcessPoolExecutor, dask's `client.get_executor()`, an
                 MPIPoolExecutor, or anything with their `submit`.
             folder: A folder for a file per chunk, made if it is missing. The chunks that it has are read.

@@ -27,11 +27,11 @@ SAMPLES, CUBES = 2000, 40  # Configurations, and cubes along the diameter of the
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Design(Brief):
-    """An arm in numbers, over random configurations inside its limits. NaN is unknown; `notes` say why.
+    """An arm in numbers, over random configurations inside its limits. NaN is unknown. `notes` say why.
 
     `reach` [m] is `arm.reach`, and `farthest` [m] the greatest distance of the tool from the base's origin. `volume`
     [m³] is that of the positions that inverse kinematics reaches, by a random point in each of 40³ cubes, to 1 %.
-    `condition` is the median condition number in the directions that the arm has, and `singular` the share of
+    `condition` is the median condition number in the directions that the arm has. `singular` is the share of
     configurations where it is above 100. `payload` [kg] is the least and `median_payload` the median, at rest.
     `mass` [kg] is that of the moving links. `duration` [s] is that of the motion.
     `panel` is the share of a panel's tasks that the arm does, parked where it does most.
@@ -62,7 +62,7 @@ def compare_designs(
 
     Args:
         arms: Two arms or more. Equal names get numbers.
-        poses: Two targets or more for the tool; each arm plans joint moves through them, at rest at each. () for no
+        poses: Two targets or more for the tool. Each arm plans joint moves through them, at rest at each. () for no
             motion. An arm that misses a pose has the duration NaN, and a note.
         panel: Tasks that `best_parking` tries with each arm, or None.
         progress: Called with the fraction done, or None.

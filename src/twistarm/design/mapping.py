@@ -66,7 +66,7 @@ def reach_map(
         scene: A `Scene` of this arm, or None. Configurations that collide do not count.
         method: "ik" or "fk".
         samples: The number of random configurations of "fk".
-        workers: Threads; None for one per processor.
+        workers: Threads. None for one per processor.
         executor: Where to compute instead, as in `Sweep.run`: processes or a cluster.
         folder: A folder for a file per chunk, from which the same call resumes.
         progress: Called with the fraction done, or None.
@@ -124,7 +124,7 @@ def _grid(arm: Arm, side: float, per_cube: int) -> Grid:
 
 
 def _directions(given: Any) -> Array:
-    """Unit vectors (N, 3); none for the position alone."""
+    """Unit vectors (N, 3). None for the position alone."""
     if isinstance(given, str):
         down = require_choice(given, ("down", "position"), "directions") == "down"
         return np.array([[0.0, 0.0, -1.0]]) if down else np.empty((0, 3))

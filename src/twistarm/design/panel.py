@@ -1,4 +1,4 @@
-"""panel.toml: tasks on a panel, each a place, a direction and a screw of the tool, and where the rover may park."""
+"""panel.toml: tasks on a panel, and where the rover may park. A task has a place, a direction and a screw."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which tasks of a panel an arm does, with which margin, why it fails at others, and where the rover parks best."""
+"""Which tasks of a panel an arm does, and why it fails at others. Where the rover parks best."""
 
 from __future__ import annotations
 
@@ -60,8 +60,8 @@ class TaskResult(Brief):
 class PanelReport(Brief):
     """The tasks of a panel with the arm's base at `base` (4, 4), as `plan` does them one by one.
 
-    `places` (p, 4) are the parking poses x, y [m], yaw [rad] that were looked at, and how many tasks the arm may do
-    from there by a few points of each.
+    `places` (p, 4) are the parking poses x, y [m], yaw [rad] that were looked at. The last column says how many tasks
+    the arm may do from there, by a few points of each.
     """
 
     arm: Arm
@@ -116,7 +116,7 @@ def check_panel(
     Args:
         arm: The arm.
         panel: What `load_panel` read.
-        base: The pose (4, 4) of the arm's base in the world; None for the origin.
+        base: The pose (4, 4) of the arm's base in the world. None for the origin.
         scene: A `Scene` of the arm, or None. Its obstacles ride on the rover. A panel with a size is a box in it.
         progress: Called with the fraction done, or None.
 

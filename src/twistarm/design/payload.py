@@ -1,4 +1,4 @@
-"""The greatest mass at the tool by the limits of efforts, and what joints and motors need for a wanted one."""
+"""The greatest mass at the tool by the limits of efforts. What joints and motors need for a wanted one."""
 
 from __future__ import annotations
 
@@ -91,15 +91,15 @@ def payload(
     The payload is a point mass. The limits are the joints' `limits.effort` and those of `arm.actuators`. Motors that
     share joints have the efforts of least norm. `Arm.torques` says what the model leaves out.
 
-    Without theta it takes random configurations, and descends from their extremes to the least mass and to the
-    greatest effort of each joint. It may miss a minimum.
+    Without theta it takes random configurations. From their extremes it descends to the least mass and to the greatest
+    effort of each joint. It may miss a minimum.
 
     Args:
         arm: The arm, with a description.
         theta: Configurations (..., n) [rad, m], the name of one, a `Trajectory`, or None. A trajectory counts every
             0.01 s, and on both sides of its breakpoints.
-        theta_dot: Velocities (..., n) [rad/s, m/s]; None is at rest. A trajectory has its own.
-        theta_ddot: Accelerations (..., n) [rad/s², m/s²]; None is none. A trajectory has its own.
+        theta_dot: Velocities (..., n) [rad/s, m/s]. None is at rest. A trajectory has its own.
+        theta_ddot: Accelerations (..., n) [rad/s², m/s²]. None is none. A trajectory has its own.
         offset: The place of the mass (3,) [m], in tool axes.
         samples: How many random configurations, without theta.
 

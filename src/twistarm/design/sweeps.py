@@ -78,9 +78,9 @@ def sweep(
     Args:
         arms: A function from the parameters, as keywords, to an arm; a xacro file with them as arguments; or
             {name: arm}.
-        parameters: {name: values}, such as {"height": numpy.linspace(0.2, 0.6, 5)}; None for {name: arm}.
+        parameters: {name: values}, such as {"height": numpy.linspace(0.2, 0.6, 5)}. None for {name: arm}.
         measure: A function from an arm to {name: number}.
-        workers: Threads; None for one per processor. A measure in Python alone gains only by processes.
+        workers: Threads. None for one per processor. A measure in Python alone gains only by processes.
         executor: Where to measure instead, as in `reach_map`. The functions must be at the top of a module.
         folder: A folder for a file per design, from which the same call resumes.
         progress: Called with the fraction done, or None.

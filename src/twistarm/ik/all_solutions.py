@@ -88,7 +88,7 @@ class AllSolutions:
 
     @property
     def colliding(self) -> NDArray[np.bool_]:
-        """(k,): which of theta collide with the scene of the call; none without a scene."""
+        """(k,): which of theta collide with the scene of the call. None without a scene."""
         return np.zeros(len(self), dtype=bool) if self._colliding is None else self._colliding.copy()
 
     @property

@@ -189,7 +189,7 @@ def _by_core(
     threads: int,
     solve_single: Callable[[TargetLike, Array], AllSolutions],
 ) -> AllSolutionsBatch | None:
-    """The core's answer; None as in `arm.engine`.
+    """The core's answer. None as in `arm.engine`.
 
     `solve_single` solves a target if the core cannot separate families, or if only the tolerances reach it.
     """

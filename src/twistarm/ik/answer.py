@@ -52,7 +52,7 @@ def record_type(n: int) -> np.dtype[np.void]:
     `unlimited` is an answer without them. other_branch: theta is not near theta0. Either the target is near theta0's
     pose, or it cannot be reached. start_moved: theta0 lay outside the limits. by_closed_form: theta comes from the
     closed form, because no search reached the target. certain: the closed form shows that no configuration reaches the
-    target. theta0 and numbers are copies of what was asked; `numbers` are the target's, followed by 0.
+    target. theta0 and numbers are copies of what was asked. `numbers` are the target's, followed by 0.
     """
     reals = ["position_error", "orientation_error", "position_tol", "orientation_tol"]
     wholes = ["iterations", "restarts", "stop", "kind"]

@@ -178,7 +178,7 @@ def solve_ik_batch(
 def _of_poses(
     arm: Arm, poses: RealArray, theta0: Any, posture: Any, options: Options, threads: int, progress: Progress | None
 ) -> IKBatch | None:
-    """The core's answers to poses (N, 4, 4), which it checks much faster; None as in `arm.engine`."""
+    """The core's answers to poses (N, 4, 4), which it checks much faster. None as in `arm.engine`."""
     start = arm.ready if theta0 is None else named(arm, theta0)
     preferred = None if posture is None else named(arm, posture, start)
     report = partial(_report, progress, 0, None) if callable(progress) else progress

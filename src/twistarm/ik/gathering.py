@@ -249,7 +249,7 @@ class Gathering(Task):
     def inside(self, thetas: Iterable[Array]) -> list[Array]:
         """Those of the configurations that lie inside the limits, by whole turns near to theta0. When late, the first.
 
-        An array (k, n) is compared with the limits at once, as thousands of roots one by one would break the deadline.
+        An array (k, n) is compared with the limits at once. Thousands of roots one by one would break the deadline.
         """
         if isinstance(thetas, np.ndarray):
             thetas = thetas[self.may_be_inside(thetas, self.near)]

@@ -78,7 +78,7 @@ def reachable(
         arm: The arm.
         targets: Poses (N, 4, 4), positions (N, 3) [m], or a sequence of targets of any kinds, as in `solve_ik_batch`.
         theta0: Start (n,) [rad, m], or the name of one.
-        direction: Direction (3,) or (N, 3) of `arm.tool_axis` at positions (N, 3), as in `Approach`; None for any.
+        direction: Direction (3,) or (N, 3) of `arm.tool_axis` at positions (N, 3), as in `Approach`. None for any.
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].
         restarts: Greatest number of searches for each target.

@@ -152,7 +152,7 @@ class Deadline:
 
     @classmethod
     def after(cls, seconds: float | None) -> Deadline:
-        """`seconds` from now; never for infinity and None."""
+        """`seconds` from now. Never for infinity and None."""
         return cls(math.inf if seconds is None else time.monotonic() + seconds)
 
     @property

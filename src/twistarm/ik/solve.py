@@ -58,7 +58,7 @@ def solve_ik(
 
     With a `scene` an answer that reaches the target collides with nothing. It is the nearest such one found. `stop` is
     IN_COLLISION if every configuration found collides, and `contacts` are the pairs. If the first answer collides,
-    more searches follow, from starts of one seed; `posture`, `rng` and `restarts` count for the first answer alone.
+    more searches follow, from starts of one seed. `posture`, `rng` and `restarts` count for the first answer alone.
 
     A target that cannot be reached is no error. The solution is then the nearest configuration. It has the least
     position error inside the limits, then the least rotation error. `stop` and `explain()` say why.
@@ -66,11 +66,11 @@ def solve_ik(
     Args:
         arm: The arm.
         target: `Pose`, `Position`, `Approach`, `TolerancedPose`, or a pose (4, 4).
-        theta0: Start (n,) [rad, m], {joint: value} or the name of one; by default `arm.ready`.
+        theta0: Start (n,) [rad, m], {joint: value} or the name of one. By default `arm.ready`.
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].
         restarts: Greatest number of searches.
-        max_time: Greatest time [s]; None for no limit.
+        max_time: Greatest time [s]. None for no limit.
         rng: Seed, or a NumPy Generator.
         posture: Preferred configuration (n,), its name, "theta0", "middle" (of the limits), or None.
         scene: A `Scene` of this arm, or None.

@@ -68,7 +68,7 @@ def solve_ik_all(
 
     Args:
         arm: The arm.
-        target: `Pose`, `Position`, `Approach` or pose (4, 4); a `TolerancedPose` is only searched for.
+        target: `Pose`, `Position`, `Approach` or pose (4, 4). A `TolerancedPose` is only searched for.
         theta0: Configuration (n,) [rad, m] from which distances are counted, by default `arm.ready`.
         fixed_joints: {joint: value} [rad, m] of joints to hold there.
         redundancy_samples: Number of values of each other held joint, in (0, 1000]; at most 4,096 combinations.

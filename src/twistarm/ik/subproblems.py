@@ -112,7 +112,7 @@ def subproblem_3(xi: ArrayLike, p: ArrayLike, q: ArrayLike, distance: float) -> 
         xi: Twist (6,) of a joint that turns or slides.
         p: Point (3,) [m].
         q: Centre of the sphere (3,) [m].
-        distance: Radius δ [m]; InputError if it is negative.
+        distance: Radius δ [m]. InputError if it is negative.
     """
     axis, start, centre = _axis(xi, "xi"), _point(p, "p"), _point(q, "q")
     radius = as_number(distance, "distance [m]")
@@ -129,13 +129,13 @@ def subproblem_3(xi: ArrayLike, p: ArrayLike, q: ArrayLike, distance: float) -> 
 def subproblem_4(xi: ArrayLike, p: ArrayLike, normal: ArrayLike, offset: float) -> Roots:
     """The turn about one axis that takes p into a plane: n · e^{ξ̂θ} p = d. Subproblem 4 of IK-Geo.
 
-    The circle of p meets the plane where a cos θ + b sin θ = c, so θ = atan2(b, a) ± acos(c / √(a² + b²)). There are up
+    The circle of p meets the plane where a cos θ + b sin θ = c. So θ = atan2(b, a) ± acos(c / √(a² + b²)). There are up
     to two values. The line of a sliding joint meets it once, unless they are parallel.
 
     Args:
         xi: Twist (6,) of a joint that turns or slides.
         p: Point (3,) [m].
-        normal: Normal n (3,), which is made a unit vector; InputError for zero.
+        normal: Normal n (3,), which is made a unit vector. InputError for zero.
         offset: d [m], the plane's distance from the origin along the normal.
 
     Source: A. J. Elias & J. T. Wen, IK-Geo: Unified Robot Inverse Kinematics Using Subproblem Decomposition, 2022.

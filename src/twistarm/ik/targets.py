@@ -55,7 +55,7 @@ FARTHEST = 1e6
 class Pose(Brief):
     """The whole pose: g_st(θ) = g, (4, 4); from position and orientation by `from_rpy` and `from_quaternion`.
 
-    Position error ‖p − p_g‖; orientation error the angle of R_gᵀ R. InputError for a matrix that is not in SE(3).
+    Position error ‖p − p_g‖. Orientation error the angle of R_gᵀ R. InputError for a matrix that is not in SE(3).
     """
 
     g: Array
@@ -378,7 +378,7 @@ def checked_target(arm: Arm, value: Any) -> AnyTarget:
 
 
 def as_target(value: Any) -> AnyTarget:
-    """`value` as a target; a bare (4, 4) means `Pose`."""
+    """`value` as a target. A bare (4, 4) means `Pose`."""
     if isinstance(value, KINDS):
         return value
     try:
@@ -399,7 +399,7 @@ def shape_hint(value: Any) -> str:
 
 
 def target_of(kind: int, numbers: Array) -> AnyTarget:
-    """The target with this `kind` and these `numbers`; more numbers behind them do not count."""
+    """The target with this `kind` and these `numbers`. More numbers behind them do not count."""
     if kind == Position.kind:
         return Position(numbers[:3])
     if kind == Approach.kind:

@@ -155,7 +155,7 @@ class Actuators:
         return self._motors(tau_motor, "tau_motor") @ self.G
 
     def to_counts(self, motor: ArrayLike) -> Array:
-        """Return motors (..., k) [rad or m] in each drive's `units`; ticks are not rounded. Rates alike."""
+        """Return motors (..., k) [rad or m] in each drive's `units`. Ticks are not rounded. Rates alike."""
         return self._motors(motor, "motor") * self.counts_per_unit
 
     def from_counts(self, counts: ArrayLike) -> Array:

@@ -87,7 +87,7 @@ class JointLimits:
         return usual_range(self.lower, self.upper, as_theta(half, self.lower.size, "half"))
 
     def middle(self) -> Array:
-        """Return the middle between the bounds (n,); without two bounds the allowed value nearest to 0."""
+        """Return the middle between the bounds (n,). Without two bounds the allowed value nearest to 0."""
         bounded = (self.lower > -AS_GOOD_AS_UNBOUNDED) & (self.upper < AS_GOOD_AS_UNBOUNDED)
         lower, upper = np.where(bounded, self.lower, 0.0), np.where(bounded, self.upper, 0.0)
         return np.clip((lower + upper) / 2, self.lower, self.upper)
@@ -100,7 +100,7 @@ class JointLimits:
             names: The n joint names, base to tip.
 
         Returns:
-            A new `JointLimits`; this one does not change.
+            A new `JointLimits`. This one does not change.
 
         Raises:
             InputError: A value cannot be used, or a lower limit exceeds the upper one.

@@ -154,7 +154,7 @@ def as_seed(rng: Any) -> int:
 
 
 def require(value: Any, kind: type[T], name: str, how: str) -> T:
-    """`value`, or InputError where it is no `kind`; `how` says where one comes from."""
+    """`value`, or InputError where it is no `kind`. `how` says where one comes from."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIO" else "a"
         raise InputError(f"{name} must be {article} {kind.__name__}, {how}; got {quote(value)}")
@@ -220,7 +220,7 @@ def as_vector(value: ArrayLike, name: str, size: int = 3) -> Array:
 
 
 def as_direction(value: ArrayLike, name: str) -> Array:
-    """`value` as unit vectors (..., 3); a zero vector has no direction and is refused."""
+    """`value` as unit vectors (..., 3). A zero vector has no direction and is refused."""
     array = as_vector(value, name)
     # hypot does not overflow where the sum of squares would.
     norm = np.hypot.reduce(array, axis=-1, keepdims=True)

@@ -67,7 +67,7 @@ def length_in_words(metres: float) -> str:
 
 
 def angle_in_words(radians: float) -> str:
-    """An angle in degrees; a tiny angle in rad."""
+    """An angle in degrees. A tiny angle in rad."""
     return f"{math.degrees(radians):.2g}°" if radians > 1e-4 else f"{radians:.1e} rad"
 
 

@@ -1,4 +1,4 @@
-"""The exceptions, and helpers to word a message: what was given, what is allowed, what to do; no private folders."""
+"""The exceptions, and helpers to word a message: what was given, what is allowed, what to do. No private folders."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class DescriptionError(TwistarmError):
 
 
 class UnknownNameError(TwistarmError, LookupError):
-    """A name that does not exist; the message offers the closest ones."""
+    """A name that does not exist. The message offers the closest ones."""
 
 
 class LimitError(TwistarmError):
@@ -64,7 +64,7 @@ class LimitError(TwistarmError):
 
 
 class NotConvergedError(TwistarmError):
-    """`IKResult.require()` on a solution that did not converge; `.solution` is that solution."""
+    """`IKResult.require()` on a solution that did not converge. `.solution` is that solution."""
 
     def __init__(self, message: str, solution: Any = None) -> None:
         super().__init__(message)
@@ -76,11 +76,11 @@ class NoClosedFormError(TwistarmError):
 
 
 class MissingExtraError(TwistarmError, ImportError):
-    """An optional dependency is not installed; the message is the command that installs it."""
+    """An optional dependency is not installed. The message is the command that installs it."""
 
 
 class RoundedPoseWarning(UserWarning):
-    """A pose or rotation was rounded, as printed numbers are; the nearest rotation is used instead."""
+    """A pose or rotation was rounded, as printed numbers are. The nearest rotation is used instead."""
 
 
 class UnitsWarning(UserWarning):

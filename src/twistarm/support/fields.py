@@ -1,4 +1,4 @@
-"""Fields of files and messages: a number, text or table called X at a place Y, each checked by a declared `Check`.
+"""Fields of files and messages. A declared `Check` checks a number, text or table called X at a place Y.
 
 A format is a table of names and checks, which `fields` applies. Every error is an InputError that names the field, what
 is allowed and what was given. `inside` adds the file and the place in it.

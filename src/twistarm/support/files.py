@@ -41,7 +41,7 @@ TEMPORARY = ".twistarm.part"  # How the names of our temporary files end.
 
 
 def is_file(path: Path) -> bool:
-    """Whether `path` is a visible regular file; False for a too long or malformed name."""
+    """Whether `path` is a visible regular file. False for a too long or malformed name."""
     try:
         return path.is_file()
     except (OSError, ValueError):
@@ -49,7 +49,7 @@ def is_file(path: Path) -> bool:
 
 
 def why_no_file(path: Path) -> str:
-    """What is at `path` instead of a regular file; empty for one."""
+    """What is at `path` instead of a regular file. Empty for one."""
     try:
         mode = os.stat(path).st_mode
     except ValueError as error:
@@ -88,12 +88,12 @@ def read_bounded(path: str | os.PathLike[str], most: int) -> bytes:
 
 
 def kind_of(data: bytes, kinds: Mapping[bytes, tuple[str, str]] = KINDS) -> tuple[str, str] | None:
-    """What the file is by its first bytes, and what to do about it; None if it is none of these `kinds`."""
+    """What the file is by its first bytes, and what to do about it. None if it is none of these `kinds`."""
     return next((kind for start, kind in kinds.items() if re.match(start, data[:LOOKED_AT])), None)
 
 
 def stamp(path: Path) -> tuple[int, ...] | None:
-    """The time of change, length and inode of a file, which change with its content; None if there is no file.
+    """The time of change, length and inode of a file, which change with its content. None if there is no file.
 
     The inode changes where an editor replaces the file.
     """
@@ -117,7 +117,7 @@ def as_path(path: str | os.PathLike[str]) -> Path:
 
 
 def as_paths(paths: Iterable[str | os.PathLike[str]], name: str) -> tuple[Path, ...]:
-    """One path or several, each `as_path`; InputError for what is neither."""
+    """One path or several, each `as_path`. InputError for what is neither."""
     try:
         return tuple(map(as_path, [paths] if isinstance(paths, (str, os.PathLike)) else paths))
     except TypeError as error:
@@ -128,11 +128,11 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes | Path, *, ov
     """Write `content` to `path` so that a reader sees the old file or the new one, never a part.
 
     Text is written as UTF-8, with its line ends unchanged. A Path is a file in the same file system, which is moved.
-    The content goes into a temporary file in the same folder, which then takes the name in one step (POSIX `rename`).
-    On any error it is removed, and the old file stays. A killed process leaves it, under a name that ends with
+    The content goes into a temporary file in the same folder. This takes the name in one step (POSIX `rename`). On any
+    error it is removed, and the old file stays. A killed process leaves it, under a name that ends with
     `.twistarm.part`. A link is followed. An existing file keeps its permissions. Returns the path.
 
-    Raises InputError for a folder that does not exist or is not writable, or if `path` is a folder or a device. A
+    Raises InputError for a folder that is missing or not writable, or if `path` is a folder or a device. A
     description (`DESCRIPTIONS`) is replaced only with `over_description`.
     """
     target = writable(path, over_description=over_description)

@@ -1,7 +1,7 @@
 """Messages as data: texts that keep the quantities and arguments in them, for readers with other words.
 
 A `Text` is a string in the words of Python, with SI units: `joint 'elbow' at 0.5 rad; pass tip='wrist'`. Its values
-stay with it, so that the command line can write `28.648°` and `--tip wrist` without a look at the sentence.
+stay with it. So the command line writes `28.648°` and `--tip wrist` without a look at the sentence.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ _ENCODER = json.JSONEncoder(allow_nan=False, separators=(",", ":"))
 
 
 def encode(message: Mapping[str, Any]) -> str:
-    """A message as one line of JSON; NaN and infinity are refused rather than written."""
+    """A message as one line of JSON. NaN and infinity are refused rather than written."""
     return _ENCODER.encode(message)
 
 

@@ -63,7 +63,7 @@ def _rate(unit: str) -> tuple[str, str]:
 
 
 def parse(text: str, quantity: str, default: str = "") -> float:
-    """A written number such as `30 deg/s` or `500 g` in the SI unit of `quantity`; `default` is its unit without one.
+    """A written number such as `30 deg/s` or `500 g` in the SI unit of `quantity`. `default` is its unit without one.
 
     Raises InputError for anything else, and for a number beyond the floats.
     """
@@ -113,5 +113,5 @@ def theta_hint(theta: Array, units: Sequence[str], lower: Array, upper: Array) -
 
 
 def length_hint(distance: float, reach: float) -> str:
-    """`583 m from the base looks like millimetres`; nothing for a distance that may be in metres."""
+    """`583 m from the base looks like millimetres`. Nothing for a distance that may be in metres."""
     return f"{distance:.4g} m from the base looks like millimetres" if distance > FAR * reach else ""

@@ -29,7 +29,7 @@ class Wheel:
 
 
 def load(wheel: Wheel) -> Any:
-    """The module. MissingExtraError if it is not installed; TwistarmError with its file and the remedy if unusable."""
+    """The module. MissingExtraError if it is not installed. TwistarmError with its file and the remedy if unusable."""
     install = f"pip install '{wheel.distribution}>={wheel.oldest}'"
     try:
         with _installed_modules():

@@ -64,7 +64,7 @@ def spherical(point: ArrayLike, axes: ArrayLike | None = None) -> Array:
 
     Args:
         point: The ball's centre (3,) [m].
-        axes: The rotation (3, 3) with the joint's x, y, z at rest as columns; by default the identity.
+        axes: The rotation (3, 3) with the joint's x, y, z at rest as columns. By default the identity.
     """
     R = np.eye(3) if axes is None else require_one(as_rotation(axes, "axes"), "axes", 2)
     return np.hstack([revolute(R[:, i], point) for i in (2, 1, 0)])

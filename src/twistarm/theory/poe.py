@@ -94,7 +94,7 @@ def products(factors: Array) -> Array:
 
 
 def _motion(moved: Array) -> Array:
-    """The last of the motions (..., 4, 4); the identity for a chain without joints."""
+    """The last of the motions (..., 4, 4). The identity for a chain without joints."""
     if moved.shape[-3] == 0:
         return np.broadcast_to(np.eye(4), (*moved.shape[:-3], 4, 4))
     return moved[..., -1, :, :]

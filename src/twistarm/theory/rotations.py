@@ -57,7 +57,7 @@ def exp(w: ArrayLike, theta: ArrayLike = 1.0) -> Array:
 
 
 def log(R: ArrayLike) -> Array:
-    """The shortest w (..., 3) [rad] with e^ŵ = R, ‖w‖ ≤ π; the inverse of `exp`.
+    """The shortest w (..., 3) [rad] with e^ŵ = R, ‖w‖ ≤ π. The inverse of `exp`.
 
     w = 2 atan2(‖q‖, q₀) q/‖q‖ from the quaternion (q₀, q), which is accurate near 0 and near π alike. At ‖w‖ = π, w and
     −w give the same R. The first non-zero component of w is then positive.
@@ -79,7 +79,7 @@ def nearest(A: ArrayLike) -> Array:
     its own nearest. InputError unless σ₂ + s σ₃ > 0. A matrix of rank 1 or 0, or a reflection with σ₂ = σ₃, is equally
     near to many rotations.
 
-    Source: Kabsch 1976, "A solution for the best rotation to relate two sets of vectors"; Golub & Van Loan, Matrix
+    Source: Kabsch 1976, "A solution for the best rotation to relate two sets of vectors". Golub & Van Loan, Matrix
     Computations, §6.4.1 (the orthogonal Procrustes problem).
     """
     A = as_floats(A, "A")
@@ -94,7 +94,7 @@ def nearest(A: ArrayLike) -> Array:
 
 
 def angle_between(R1: ArrayLike, R2: ArrayLike) -> Array:
-    """The angle (...) in [0, π] [rad] of R1ᵀ R2, which takes R1 to R2; accurate near 0 and near π.
+    """The angle (...) in [0, π] [rad] of R1ᵀ R2, which takes R1 to R2. Accurate near 0 and near π.
 
     Args:
         R1: Rotations (..., 3, 3).
@@ -180,7 +180,7 @@ def from_quaternion_wxyz(Q: ArrayLike) -> Array:
 
 
 def to_quaternion_wxyz(R: ArrayLike) -> Array:
-    """The unit quaternion (q₀, q) (..., 4) of R (..., 3, 3), scalar first; of the two, the one with q₀ ≥ 0.
+    """The unit quaternion (q₀, q) (..., 4) of R (..., 3, 3), scalar first. Of the two, the one with q₀ ≥ 0.
 
     At a half turn q₀ = 0, and the first non-zero component is positive.
     """

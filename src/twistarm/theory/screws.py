@@ -121,9 +121,9 @@ def _swapped(value: ArrayLike, name: str, twists: Twists | None) -> Array:
 def exp(xi: ArrayLike, theta: ArrayLike = 1.0) -> Array:
     """The motion g = e^{ξ̂θ} (..., 4, 4) along the twist xi = (v, w) (..., 6) by θ.
 
-    By Chasles' theorem it turns about a line and slides along it. With u = w/‖w‖, φ = ‖w‖θ and v = v∥ + v⊥ along and
-    across u, the turn is A = hat(v⊥/‖w‖, u) and the slide C = hat(v∥, 0):
-    e^{ξ̂θ} = I + A sin φ + A² (1 − cos φ) + C θ. Where w = 0, A = 0 and C = hat(v, 0).
+    By Chasles' theorem it turns about a line and slides along it. Let u = w/‖w‖, φ = ‖w‖θ and v = v∥ + v⊥ along and
+    across u. The turn is A = hat(v⊥/‖w‖, u) and the slide C = hat(v∥, 0).
+    Then e^{ξ̂θ} = I + A sin φ + A² (1 − cos φ) + C θ. Where w = 0, A = 0 and C = hat(v, 0).
     The series end so because A³ = −A and A C = C A = 0.
     This is MLS §2.3.2 (eq. 2.32 and 2.36, there for ‖w‖ = 1) in a form where nothing cancels: accurate to rounding for
     every ‖w‖.

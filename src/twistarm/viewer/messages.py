@@ -140,7 +140,7 @@ Source = Callable[[], Iterable[Message]]
 
 
 class ChangePublisher:
-    """Keeps what the pages know. A failing source keeps its last messages; its error is reported once."""
+    """Keeps what the pages know. A failing source keeps its last messages. Its error is reported once."""
 
     def __init__(self) -> None:
         self._messages: dict[str, Message] = {}

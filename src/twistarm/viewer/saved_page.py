@@ -195,7 +195,7 @@ def save_html(
     Args:
         arm: The arm.
         path: The file to write.
-        theta: The configuration to show (n,) [rad, m]; by default `arm.ready`.
+        theta: The configuration to show (n,) [rad, m]. By default `arm.ready`.
         trajectory: A motion that the page plays, or None.
     """
     target = writable(path)

@@ -50,7 +50,7 @@ SAMPLES = 20_000  # Random configurations; in the best of them the tool is as fa
 def save_site(arms: Iterable[Arm], folder: str | os.PathLike[str]) -> Path:
     """Write a static site of `arms`: index.html, and a page for each that opens without a server.
 
-    Links are relative, and all pages share their scripts. An installed browser draws the pictures; without one, the
+    Links are relative, and all pages share their scripts. An installed browser draws the pictures. Without one, the
     index has line drawings. The site is written whole or not at all. It replaces files of the same names, and
     removes the pages of an older site. Other files in the folder stay.
 

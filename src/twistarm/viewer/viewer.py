@@ -48,7 +48,7 @@ class Viewer(Closeable):
 
     port: 0 takes a free one.
 
-    open_browser: show the page at once; without a browser, open `url` yourself.
+    open_browser: show the page at once. Without a browser, open `url` yourself.
 
     scene: obstacles and collision checks. The pages change this scene, so `solve_ik` and `plan` see their obstacles.
     Without one, the pages make a scene when the layer Collision is first switched on.
@@ -105,7 +105,7 @@ class Viewer(Closeable):
     def open_page(self) -> bool:
         """Open the page in this user's browser. Returns whether a graphical browser exists.
 
-        The browser starts with `url` as an argument. Other users of a shared computer can read arguments; paste `url`
+        The browser starts with `url` as an argument. Other users of a shared computer can read arguments. Paste `url`
         there.
         """
         return _started_browser(self.url)
@@ -215,7 +215,7 @@ class Viewer(Closeable):
         """Show a cycle of `stream.run`: joint values, status and reason.
 
         An output of `servo_step` shows only status and reason. None ends the servo and enables the sliders. Call it at
-        any rate; the view shows the latest, at most 60 times a second. After the view is closed it does nothing, so a
+        any rate. The view shows the latest, at most 60 times a second. After the view is closed it does nothing, so a
         control loop can continue.
         """
         if answer is None and self._server.driver.on:  # no servo of the program's
@@ -386,7 +386,7 @@ class Viewer(Closeable):
             self.close()
 
     def close(self) -> None:
-        """Stop serving; nothing is left running. Harmless when repeated."""
+        """Stop serving. Nothing is left running. Harmless when repeated."""
         self._closed.set()
         for watch in self._watches:
             watch.close()

@@ -39,10 +39,10 @@ class Diagnosis:
 def diagnose(source: str | os.PathLike[str] | Arm, **load: Any) -> tuple[Finding, ...]:
     """All findings about a description: errors, then warnings, then remarks, each with its remedy.
 
-    The doctor adds to the findings of `load_arm`: limits that look like degrees, singular configurations, impossible
-    inertias, meshes out of scale, a missing tool frame and idle joints. It also reports what the arm cannot do with its
-    tool, which axes are almost exact, and which closed form of inverse kinematics they miss. Errors of a description
-    that `load_arm` refuses are findings here, and the rest of it is examined as far as it can be read.
+    The doctor adds to the findings of `load_arm`. It finds limits that look like degrees, singular configurations,
+    impossible inertias, meshes out of scale, a missing tool frame and idle joints. It also reports what the arm cannot
+    do with its tool. It names axes that are almost exact, and the closed form that they miss. Errors of a description
+    that `load_arm` refuses are findings here. The rest of it is examined as far as it can be read.
 
     Args:
         source: As in `load_arm`, or an `Arm`.

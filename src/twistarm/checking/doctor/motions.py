@@ -71,7 +71,7 @@ def check_zero(arm: Arm) -> Iterator[Finding]:
 def check_postures(arm: Arm, rank: int) -> Iterator[Finding]:
     """Zero, home and ready pose: the condition number of the `rank` directions of the arm's tool.
 
-    A singular home that is also the ready pose is a remark, not a warning, because most arms are delivered so.
+    A singular home that is also the ready pose is a remark, not a warning. Most arms are delivered so.
     """
 
     def condition(theta: Array) -> float:

@@ -73,7 +73,7 @@ def _place(description: Description, arm: Arm | None, joint: Joint, *fields: str
 def check_mimics(
     description: Description, couplings: Mapping[str, Affine], chain: tuple[str, ...]
 ) -> Iterator[Finding]:
-    """A follower's range of motion against its limits; the walk has checked those in the chain."""
+    """A follower's range of motion against its limits. The walk has checked those in the chain."""
     for name, affine in couplings.items():
         follower = description.joints[name]
         if name in chain or affine.master in (None, name):

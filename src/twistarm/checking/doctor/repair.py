@@ -50,10 +50,10 @@ class Repair:
 
 
 def repair(description: Description, output: str | os.PathLike[str]) -> Repair:
-    """The repaired text of a description, for the file `output`; a xacro source is expanded.
+    """The repaired text of a description, for the file `output`. A xacro source is expanded.
 
-    The copy is read again and must be the same robot: in names, types, limits, and poses of all links at random joint
-    values. Raises InputError otherwise, and for an output that is no .urdf file or is the source.
+    The copy is read again and must be the same robot. Names, types and limits must agree, and poses of all links at
+    random joint values. Raises InputError otherwise, and for an output that is no .urdf file or is the source.
     """
     target = writable(output, over_description=True)
     if target.suffix != ".urdf":
@@ -81,7 +81,7 @@ def repaired(description: Description, folder: Path) -> Repair:
 
 
 def _mend_axis(source: SourceText, joint: ET.Element, *_: object) -> Iterator[str]:
-    """A unit vector; none for a joint that does not move."""
+    """A unit vector. None for a joint that does not move."""
     axis, kind, name = joint.find("axis"), joint.get("type", ""), f"joint {joint.get('name', '')!r}"
     if axis is None:
         return
@@ -100,7 +100,7 @@ def _mend_axis(source: SourceText, joint: ET.Element, *_: object) -> Iterator[st
 
 
 def _mend_limit(source: SourceText, joint: ET.Element, description: Description, _: Path) -> Iterator[str]:
-    """A revolute joint without bounds becomes continuous; rates become numbers that every parser reads."""
+    """A revolute joint without bounds becomes continuous. Rates become numbers that every parser reads."""
     if joint.get("type") not in ("revolute", "continuous", "prismatic"):
         return
     limit, read = joint.find("limit"), description.joints[joint.get("name", "")]
@@ -171,7 +171,7 @@ def _moved_uri(uri: str, description: Description, folder: Path) -> str:
 
 
 def difference(one: Description, other: Description) -> str:
-    """The first difference in links, joints, limits, couplings or poses, in words; empty if there is none.
+    """The first difference in links, joints, limits, couplings or poses, in words. Empty if there is none.
 
     A turning joint without bounds is one kind, by any name.
     """

@@ -23,7 +23,7 @@ from ..scene.drawing import link_path, screw_path
 
 
 def describe_arm(arm: Arm) -> dict[str, Any]:
-    """Names, joints and poses, as the panel shows them; infinite limits are null."""
+    """Names, joints and poses, as the panel shows them. Infinite limits are null."""
     lower, upper = arm.limits.lower, arm.limits.upper
     joints = zip(arm.joint_names, arm.joint_types, lower, upper, arm.usual_half, strict=True)
     others = [(name, j.type, j.lower, j.upper, usual_half(j.type)) for name, j in extra_joints(arm).items()]
@@ -136,7 +136,7 @@ def tool_path(arm: Arm, motion: Trajectory | ArrayLike) -> dict[str, Any]:
 
 
 def distinct_points(arm: Arm, points: Array) -> list[list[float]]:
-    """The distinguishable points of (k, 3) [m]; none if all are in one place."""
+    """The distinguishable points of (k, 3) [m]. None if all are in one place."""
     kept = [points[0]]
     for point in points[1:]:
         if np.linalg.norm(point - kept[-1]) > STILL * arm_size(arm):

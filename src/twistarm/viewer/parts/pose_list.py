@@ -98,7 +98,7 @@ class PoseList:
         self.poses = poses
 
     def next_steps(self) -> dict[str, str | None]:
-        """The names of the changes that "undo" and "redo" concern; None without one."""
+        """The names of the changes that "undo" and "redo" concern. None without one."""
         return {kind: steps[-1][0] if steps else None for kind, steps in self._steps.items()}
 
     def take_over(self, other: PoseList) -> list[str]:
@@ -120,7 +120,7 @@ class PoseList:
         return self._pose(number).theta
 
     def named(self) -> dict[str, Array]:
-        """Theta (n,) by name, in order; the arrays are the caller's."""
+        """Theta (n,) by name, in order. The arrays are the caller's."""
         return {pose.name: pose.theta.copy() for pose in self.poses}
 
     def _exchange(self, words: str, old: RecordedPose, *new: RecordedPose) -> None:

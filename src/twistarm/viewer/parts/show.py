@@ -41,7 +41,7 @@ class Playback:
         return float(self.trajectory.duration)
 
     def play(self, now: float) -> None:
-        """Run from the moment shown; at the end, run from the start."""
+        """Run from the moment shown. At the end, run from the start."""
         if self.time >= self.duration:
             self.time = 0.0
         self.running, self._last = True, now
@@ -52,7 +52,7 @@ class Playback:
         self.time = min(max(time, 0.0), self.duration)
 
     def advance(self, now: float) -> None:
-        """Advance the clock to `now`. At the end, start again with `loop`; otherwise stop there."""
+        """Advance the clock to `now`. At the end, start again with `loop`. Otherwise stop there."""
         if not self.running:
             return
         self.time += self.speed * (now - self._last)

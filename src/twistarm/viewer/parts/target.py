@@ -150,13 +150,13 @@ class Solutions(Part):
             self.take(choices, start)
 
     def take(self, choices: Choices, goal: Array) -> None:
-        """Hold these configurations; the arm stands at `where` (n,)."""
+        """Hold these configurations. The arm stands at `where` (n,)."""
         here = choices.inside > 0 and np.abs(choices.theta[0] - goal).max(initial=0.0) < AT_SOLUTION
         self._choices, self._goal = choices, goal
         self._at = self._current = 0 if here else None
 
     def _step(self, show: Show, now: float, place: int, ease: bool) -> None:
-        """Choose a configuration. The arm goes there if it is inside the limits; otherwise its ghost shows."""
+        """Choose a configuration. The arm goes there if it is inside the limits. Otherwise its ghost shows."""
         if self._choices is None or place >= len(self._choices.theta):
             raise InputError("the arm has moved since: press All configurations again")
         assert self._goal is not None
@@ -167,7 +167,7 @@ class Solutions(Part):
 
     @property
     def theta(self) -> Array | None:
-        """The configurations (k, n) that are held; None without any."""
+        """The configurations (k, n) that are held. None without any."""
         return None if self._choices is None else self._choices.theta
 
     def release(self) -> None:
@@ -176,7 +176,7 @@ class Solutions(Part):
 
 
 def _find_all(arm: Arm, target: AnyTarget, start: Array, tolerances: Mapping[str, Any]) -> Choices:
-    """All configurations; joints that the target does not determine stay where they are."""
+    """All configurations. Joints that the target does not determine stay where they are."""
     held = {name: float(start[arm.joint_names.index(name)]) for name in closed_form_of(arm, target).held}
     values = [
         f"{name} at {value_in_words(value, arm.units[arm.joint_names.index(name)])}" for name, value in held.items()
@@ -186,7 +186,7 @@ def _find_all(arm: Arm, target: AnyTarget, start: Array, tolerances: Mapping[str
 
 
 def choices_of(solutions: AllSolutions, more: Sequence[str] = ()) -> Choices:
-    """The configurations and their message; `more`: further lines of words."""
+    """The configurations and their message. `more`: further lines of words."""
     theta = np.vstack([solutions.theta, solutions.outside])[:MAX_SHOWN]
     message = {
         "type": "solutions",

@@ -84,7 +84,7 @@ class Drawing:
             self._begin()
 
     def draw(self) -> bool:
-        """Draw the next mesh; False where none is left."""
+        """Draw the next mesh. False where none is left."""
         with self._turn:  # one reads at a time
             with self._lock:
                 meshes = self._meshes

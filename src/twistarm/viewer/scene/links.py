@@ -1,4 +1,4 @@
-"""The links of a description: primitives at once, then the meshes; simple shapes until they arrive."""
+"""The links of a description: primitives at once, then the meshes. Simple shapes until they arrive."""
 
 from __future__ import annotations
 
@@ -167,7 +167,7 @@ def missing_frame(link: Link, size: float) -> list[bytes]:
 
 
 def shape(path: str, geometry: Geometry, colour: Colour) -> list[bytes]:
-    """A primitive of a description at `path`; nothing for a mesh."""
+    """A primitive of a description at `path`. Nothing for a mesh."""
     g, size = geometry.origin, geometry.size
     if geometry.shape == "box":
         return [drawing.box(path, size, colour, g)]

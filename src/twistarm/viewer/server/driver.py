@@ -203,7 +203,7 @@ class Drive:
         self.end()
 
     def read(self, now: float, state: ServoState | None) -> Reading:
-        """The command of the pages; none after `end`."""
+        """The command of the pages. None after `end`."""
         if self.end_asked <= now:
             return Reading(None, inf, "Drive was switched off", idle=True)
         return self._commands.inbox.read(now, state)

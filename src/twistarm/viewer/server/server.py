@@ -232,7 +232,7 @@ class Server:
     def receive(self, text: str | bytes, sender: str) -> list[dict[str, Any]]:
         """Do the request of the page `sender`, update every page, and return the sender's replies.
 
-        A command to the servo changes nothing on show; the resulting motion does.
+        A command to the servo changes nothing on show. The resulting motion does.
         """
         try:
             request = parse(text)
@@ -332,7 +332,7 @@ class Server:
             self._try(self.publish)
 
     def _try(self, action: Callable[[], None]) -> None:
-        """Show an error of `action` on the pages; the server goes on."""
+        """Show an error of `action` on the pages. The server goes on."""
         try:
             action()
         except Exception as error:

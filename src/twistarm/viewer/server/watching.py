@@ -39,7 +39,7 @@ def meshes_of(arm: Arm) -> set[Path]:
 
 
 class Watch(Closeable):
-    """Shows the result of `load` on `server` whenever `files` change, until `close`; a context manager.
+    """Shows the result of `load` on `server` whenever `files` change, until `close`. A context manager.
 
     The pages show each loading and its error. The last good arm stays on show. Nothing is loaded while a servo drives.
     `say` gets the same text, from another thread.
@@ -55,7 +55,7 @@ class Watch(Closeable):
         self._thread.start()
 
     def close(self) -> None:
-        """Stop watching. A loading that runs is not shown; the call waits for it, one second at most."""
+        """Stop watching. A loading that runs is not shown. The call waits for it, one second at most."""
         self._closed.set()
         self._thread.join(1.0)
 
