@@ -40,7 +40,7 @@ assert np.allclose(np.diff(counts, axis=0)[0, 3:], [60 * 4096, -60 * 4096])
 assert np.allclose(motors.to_theta(motors.from_counts(counts)), [arm.ready, turn])
 
 # Both motors carry the pitch, half each; the power is the same on both sides of the gears.
-tau = arm.torques(arm.ready, payload=1.0)
+tau = arm.inverse_dynamics(arm.ready, payload=1.0)
 tau_motor, rates = motors.torque_to_motor(tau), np.array([0.1, 0.2, -0.3, 0.4, 0.5])
 assert np.allclose(tau_motor[3:], (tau[3] + [tau[4], -tau[4]]) / 120)
 assert np.isclose(tau_motor @ motors.velocity_to_motor(rates), tau @ rates)

@@ -20,7 +20,7 @@ lift = [
 def used(motion):
     """The largest share of the efforts (n,) at 5,000 instants, with the sample."""
     t = np.linspace(0.0, motion.duration, 5000)
-    torques = arm.torques(motion(t), motion(t, 1), motion(t, 2), payload=SAMPLE)
+    torques = arm.inverse_dynamics(motion(t), motion(t, 1), motion(t, 2), payload=SAMPLE)
     return np.abs(torques / arm.limits.effort).max(axis=0)
 
 

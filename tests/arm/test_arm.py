@@ -63,7 +63,7 @@ def test_every_method_takes_leading_axes(shape: tuple[int, ...], rover: twistarm
     for J in (rover.spatial_jacobian(theta), rover.body_jacobian(theta), rover.hybrid_jacobian(theta)):
         assert J.shape == (*shape, 6, n)
     assert rover.joint_torques(theta, np.ones(6)).shape == (*shape, n)
-    assert rover.torques(theta, payload=1.0).shape == (*shape, n)
+    assert rover.inverse_dynamics(theta, payload=1.0).shape == (*shape, n)
     assert rover.manipulability(theta).singular_values.shape == (*shape, min(6, n))
     assert {g.shape for g in rover.poses(theta).values()} == {(*shape, 4, 4)}
     if theta.size:
@@ -107,7 +107,7 @@ def test_torques_of_followers_do_the_work_that_the_energy_gains(tmp_path: Path) 
         return float(total)
 
     power = (energy(h) - energy(-h)) / (2 * h)
-    assert np.isclose(arm.torques([at], [rate], [push], payload=(payload, com))[0] * rate, power, rtol=1e-5)
+    assert np.isclose(arm.inverse_dynamics([at], [rate], [push], payload=(payload, com))[0] * rate, power, rtol=1e-5)
 
 
 def test_gravity_is_in_axes_of_a_base_that_a_joint_tilts(tmp_path: Path) -> None:
@@ -121,7 +121,7 @@ def test_gravity_is_in_axes_of_a_base_that_a_joint_tilts(tmp_path: Path) -> None
         return float(9.81 * (2.0 * (g @ [0.1, 0, 0, 1])[2] + payload * (g @ [*com, 1])[2]))
 
     expected = (energy(0.3 + h) - energy(0.3 - h)) / (2 * h)
-    assert np.isclose(arm.torques([0.3], payload=(payload, com))[0], expected, rtol=1e-6)
+    assert np.isclose(arm.inverse_dynamics([0.3], payload=(payload, com))[0], expected, rtol=1e-6)
 
 
 def test_torques_of_the_two_link_arm_of_the_textbook(tmp_path: Path) -> None:
@@ -149,17 +149,19 @@ def test_torques_of_the_two_link_arm_of_the_textbook(tmp_path: Path) -> None:
         - beta * s * (2 * rate[:, 0] + rate[:, 1]) * rate[:, 1] + 9.81 * (first * np.cos(theta[:, 0]) + along),
         (delta + beta * c) * push[:, 0] + delta * push[:, 1] + beta * s * rate[:, 0] ** 2 + 9.81 * along,
     ])  # fmt: skip
-    assert np.allclose(arm.torques(theta, rate, push, payload=payload, gravity=(0, -9.81, 0)), expected, rtol=1e-12)
+    assert np.allclose(
+        arm.inverse_dynamics(theta, rate, push, payload=payload, gravity=(0, -9.81, 0)), expected, rtol=1e-12
+    )
     # One rate for all configurations; a tool farther out carries what stands behind it.
     longer = arm.with_tool(screws.exp([1.0, 0, 0, 0, 0, 0], 0.3), "longer")
-    there = longer.torques(theta, rate[0], payload=(payload, [-0.3, 0, 0]))
-    assert np.allclose(there[2], arm.torques(theta[2], rate[0], payload=payload))
+    there = longer.inverse_dynamics(theta, rate[0], payload=(payload, [-0.3, 0, 0]))
+    assert np.allclose(there[2], arm.inverse_dynamics(theta[2], rate[0], payload=payload))
 
 
 def test_torques_without_any_mass_are_told(tmp_path: Path) -> None:
     arm = load_arm(write(tmp_path, two_joints()))
     with pytest.warns(UserWarning, match="no link that tiny moves has a mass"):
-        assert arm.torques([0.1, 0.2]).tolist() == [0.0, 0.0]
+        assert arm.inverse_dynamics([0.1, 0.2]).tolist() == [0.0, 0.0]
 
 
 def test_manipulability_of_the_planar_two_link_arm() -> None:
@@ -262,10 +264,19 @@ def test_a_pose_is_named_wherever_a_theta_is_taken(case: str, rover: twistarm.Ar
 
 WRONG_ARGUMENTS = {
     "theta too short": (lambda arm: arm.fk([0.0, 0.1]), r"theta must have shape \(..., 5\): slide, shoulder"),
-    "a payload below zero": (lambda arm: arm.torques("ready", payload=-1.0), "payload's mass must be .* 0 or more"),
-    "a rate too short": (lambda arm: arm.torques("ready", [0.1]), "theta_dot must have shape"),
-    "rates that do not fit": (lambda arm: arm.torques(np.zeros((2, 5)), np.zeros((3, 5))), "leading axes do not match"),
-    "no place of a payload": (lambda arm: arm.torques("ready", payload=(1.0, 2.0)), "the payload's place must have"),
+    "a payload below zero": (
+        lambda arm: arm.inverse_dynamics("ready", payload=-1.0),
+        "payload's mass must be .* 0 or more",
+    ),
+    "a rate too short": (lambda arm: arm.inverse_dynamics("ready", [0.1]), "theta_dot must have shape"),
+    "rates that do not fit": (
+        lambda arm: arm.inverse_dynamics(np.zeros((2, 5)), np.zeros((3, 5))),
+        "leading axes do not match",
+    ),
+    "no place of a payload": (
+        lambda arm: arm.inverse_dynamics("ready", payload=(1.0, 2.0)),
+        "the payload's place must have",
+    ),
     "no length": (lambda arm: arm.manipulability("ready", length=0.0), "length must be positive"),
     "a tool without a name": (lambda arm: arm.with_tool(np.eye(4), " "), "the tool's name must be a text"),
     "an unknown frame": (lambda arm: arm.pose("ready", "tool_0"), r"closest: 'tool0' \(\d+ frames: arm"),

@@ -139,7 +139,7 @@ def test_what_needs_the_description_says_so(rover: Arm, tmp_path: Path) -> None:
     baked = load_arm(bake(rover, tmp_path))
     asked: tuple[Callable[[], object], ...] = (
         lambda: baked.pinocchio,
-        lambda: baked.torques(baked.ready),
+        lambda: baked.inverse_dynamics(baked.ready),
         lambda: baked.pose(baked.ready, "forearm"),
     )
     for ask in asked:

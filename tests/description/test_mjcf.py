@@ -305,7 +305,7 @@ def test_torques_hold_the_arm_in_the_gravity_of_the_file(path: Path) -> None:
     for theta in arm.random_theta(1, 5):
         moved(model, data, arm, theta)
         mujoco.mj_forward(model, data)
-        np.testing.assert_allclose(arm.torques(theta), data.qfrc_bias[dofs], atol=1e-9)
+        np.testing.assert_allclose(arm.inverse_dynamics(theta), data.qfrc_bias[dofs], atol=1e-9)
 
 
 def test_gravity_is_in_axes_of_the_base() -> None:

@@ -105,7 +105,7 @@ def test_a_mass_that_is_no_number_weighs_nothing_and_is_said(mass: str, tmp_path
     arm = load_arm(path)
     assert [finding.code for finding in arm.findings] == ["inertial-unusable"]
     assert "link 'upper': its <inertial> is malformed" in str(arm.findings[0])
-    assert arm.torques([0.0, 0.0])[0] == 0.0
+    assert arm.inverse_dynamics([0.0, 0.0])[0] == 0.0
 
 
 @pytest.mark.parametrize("mass", ["2", " 2", "2 ", "\n2\t", "+2.", "2e0"])
@@ -116,7 +116,7 @@ def test_a_mass_with_space_around_it_weighs_what_it_says(mass: str, tmp_path: Pa
     arm = load_arm(path)
     assert arm.findings == ()
     # 2 kg, 1 m in front of the axis; the axis is y, gravity along −z.
-    assert arm.torques([0.0, 0.0])[0] == pytest.approx(-2 * 9.81)
+    assert arm.inverse_dynamics([0.0, 0.0])[0] == pytest.approx(-2 * 9.81)
 
 
 MIMICS = {

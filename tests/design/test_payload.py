@@ -88,7 +88,7 @@ def differential(rover: twistarm.Arm, effort: float) -> twistarm.Arm:
 
 def test_two_motors_share_a_joint(rover: twistarm.Arm) -> None:
     arm = differential(rover, 0.1)
-    own, with_one = (rover.torques("ready", payload=m)[3] for m in (0.0, 1.0))
+    own, with_one = (rover.inverse_dynamics("ready", payload=m)[3] for m in (0.0, 1.0))
     found = payload(arm, "ready")
     assert np.isclose(found.mass, (2 * 60 * 0.1 - abs(own)) / abs(with_one - own))
     assert found.names[found.limiting] in ("motor left", "motor right")
@@ -105,7 +105,7 @@ def test_the_limit_is_met_exactly_and_not_passed(name: str) -> None:
     theta, rate, push = (scale * arm.random_theta(k, 20) for k, scale in ((1, 1.0), (2, 0.3), (3, 0.3)))
     found = payload(arm, theta, rate, push)
     for k, mass in enumerate(found.mass):
-        held = np.abs(arm.torques(theta[k], rate[k], push[k], payload=mass)) / arm.limits.effort
+        held = np.abs(arm.inverse_dynamics(theta[k], rate[k], push[k], payload=mass)) / arm.limits.effort
         row = found.limiting[k]
         assert np.isclose(held[row], 1.0) if mass else held[row] > 1.0
         assert mass == 0.0 or (held <= 1.0 + 1e-9).all()
@@ -120,7 +120,7 @@ def test_along_a_motion_jumps_of_the_acceleration_count(rover: twistarm.Arm) -> 
         np.concatenate([np.linspace(0, motion.duration, 3000), motion.breakpoints - 1e-9, motion.breakpoints + 1e-9])
     )
     t = t[(t >= 0) & (t <= motion.duration)]
-    torques = rover.torques(*(motion(t, order) for order in range(3)), payload=1.0)
+    torques = rover.inverse_dynamics(*(motion(t, order) for order in range(3)), payload=1.0)
     needs = found.needs(1.0)
     assert np.allclose(needs.effort, np.abs(torques).max(axis=0), rtol=1e-3, atol=1e-9)
     assert np.allclose(needs.speed, motion.peak(1), rtol=1e-3, atol=1e-12)

@@ -153,7 +153,7 @@ def _other_torques(arm: Arm, robot: ET.Element, locked: Mapping[str, float]) -> 
     )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # links without a mass
-        slope, ours = (ahead - behind) / (2 * step), arm.torques(theta) @ direction
+        slope, ours = (ahead - behind) / (2 * step), arm.inverse_dynamics(theta) @ direction
     size = 1 + abs(slope) + (abs(ahead) + abs(behind)) * 1e-9 / step
     return [] if abs(slope - ours) <= 1e-6 * size else [f"gravity torques do {ours:g} J along a slope of {slope:g} J"]
 

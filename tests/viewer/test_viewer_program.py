@@ -288,7 +288,9 @@ def test_torque_limits_count_with_the_payload_of_the_request() -> None:
     free, heavy = planned(stage, kind="time_optimal"), {"torques": True, "payload": 6.0}
     motion = planned(stage, kind="time_optimal", **heavy)
     t = np.linspace(0.0, motion.duration, 1001)
-    used = np.abs(ARM.torques(*(motion(t, order) for order in range(3)), payload=6.0) / ARM.limits.effort).max()
+    used = np.abs(
+        ARM.inverse_dynamics(*(motion(t, order) for order in range(3)), payload=6.0) / ARM.limits.effort
+    ).max()
     assert motion.duration > 1.001 * free.duration
     assert 0.98 < used < 1.001
     assert heavy.items() <= said(stage, "program").items()

@@ -241,7 +241,7 @@ class Arm(ArmData):
         F = as_twist(wrench_body, "wrench_body")
         return np.einsum("...in,...i->...n", self.body_jacobian(theta), F)
 
-    def torques(
+    def inverse_dynamics(
         self,
         theta: ArrayLike,
         theta_dot: ArrayLike | None = None,
@@ -287,7 +287,7 @@ class Arm(ArmData):
         at = np.broadcast_arrays(*motion)
         rows = [x.reshape(-1, self.n) for x in at]
         fall = require_one(as_vector(self.gravity if gravity is None else gravity, "gravity"), "gravity", 1)
-        efforts = self.pinocchio.torques(rows, self.base, fall, self.tip_link, load)
+        efforts = self.pinocchio.inverse_dynamics(rows, self.base, fall, self.tip_link, load)
         return efforts.reshape(at[0].shape)
 
     @property

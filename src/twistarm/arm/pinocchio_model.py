@@ -137,7 +137,7 @@ class PinocchioModel:
             if moving[list(above)].any()
         )
 
-    def torques(
+    def inverse_dynamics(
         self, motion: Sequence[Array], base: str, gravity: Array, link: str, load: tuple[float, Array]
     ) -> Array:
         """Joint efforts (N, n) of theta and its first two rates (N, n), by the recursive Newton-Euler algorithm.

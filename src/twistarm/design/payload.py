@@ -89,7 +89,7 @@ def payload(
     """The greatest mass at the tool in each configuration, along a motion, or anywhere inside the limits.
 
     The payload is a point mass. The limits are the joints' `limits.effort` and those of `arm.actuators`. Motors that
-    share joints have the efforts of least norm. `Arm.torques` says what the model leaves out.
+    share joints have the efforts of least norm. `Arm.inverse_dynamics` says what the model leaves out.
 
     Without theta it takes random configurations. From their extremes it descends to the least mass and to the greatest
     effort of each joint. It may miss a minimum.
@@ -114,7 +114,7 @@ def payload(
         masses = (0.0, offset), (1.0, offset)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # a note of the report says that no link has a mass
-            own, loaded = (arm.torques(x, theta_dot, theta_ddot, payload=m) @ W.T for m in masses)
+            own, loaded = (arm.inverse_dynamics(x, theta_dot, theta_ddot, payload=m) @ W.T for m in masses)
         return own, loaded - own
 
     def costs(x: Array) -> Array:

@@ -30,7 +30,7 @@ Load = float | tuple[ArrayLike, ArrayLike]
 
 @dataclass(frozen=True, eq=False)
 class TorqueLimits:
-    """The efforts (r,) [N m, N] of joints and motors of an arm with a `payload`, as `Arm.torques` takes it."""
+    """The efforts (r,) [N m, N] of joints and motors of an arm with a `payload` of `Arm.inverse_dynamics`."""
 
     arm: Arm
     payload: Load
@@ -100,7 +100,7 @@ class TorqueLimits:
         return t, self.shares(*(state.reshape(-1, self.arm.n) for state in states))
 
     def _torques(self, *motion: Array) -> Array:
-        return self.arm.torques(*motion, payload=self.payload) @ self.efforts.W.T
+        return self.arm.inverse_dynamics(*motion, payload=self.payload) @ self.efforts.W.T
 
     def _held(self, q: Array, where: str = "") -> tuple[Array, Array]:
         """The torques (k, r) at rest, and what they leave of the efforts in both directions (k, 2 r)."""
