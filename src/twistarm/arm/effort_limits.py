@@ -11,7 +11,7 @@ from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED
 from ..support.checks import Array
 from .arm import Arm
 
-ROUNDING = 1e-9  # Entries of P below this share of the largest are the rounding of 0.
+RATIO_ROUNDING = 1e-9  # Entries of P below this share of the largest are the rounding of 0.
 
 
 class EffortLimits(NamedTuple):
@@ -36,7 +36,7 @@ def effort_limits(arm: Arm, effort: Array | None = None) -> EffortLimits:
     names, W, C = arm.joint_names, np.eye(arm.n), np.eye(arm.n)
     unlimited, motors = limits >= AS_GOOD_AS_UNBOUNDED, arm.actuators
     if motors is not None and not motors.undriven:
-        carries = np.abs(motors.P) > ROUNDING * np.abs(motors.P).max()
+        carries = np.abs(motors.P) > RATIO_ROUNDING * np.abs(motors.P).max()
         unlimited = unlimited & (carries & (motors.limits.effort >= AS_GOOD_AS_UNBOUNDED)).any(axis=1)
         names += tuple(f"motor {name}" for name in motors.names)
         W, C, limits = np.vstack([W, motors.P.T]), np.vstack([C, motors.G]), np.append(limits, motors.limits.effort)

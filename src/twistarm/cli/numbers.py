@@ -41,7 +41,7 @@ XYZ, RPY, WXYZ, XYZW, PLACE = "'X Y Z'", "'R P Y'", "'W X Y Z'", "'X Y Z W'", "'
 # The values in the help of options that take several words: numbers, and units after them.
 NUMBERS = (VALUES, POSE, AXIS, XYZ, RPY, WXYZ, XYZW, PLACE, *METAVARS.values())
 OfJoints = Mapping[str, float]  # A typed quantity of joints, by their units rad and m.
-ROUNDING = 1e-6  # A smaller distance outside a limit [rad, m] is rounding of a printed number.
+PRINTED_ROUNDING = 1e-6  # A smaller distance outside a limit [rad, m] is rounding of a printed number.
 
 _NAMES = "|".join(sorted({unit for units in UNITS.values() for unit in units if unit[0].isalpha()}, key=len)[::-1])
 # A unit that may follow a number, a rate too.
@@ -231,7 +231,7 @@ class JointValues:
                 raise InputError(f"{joint} takes a number such as {SUCH_AS[unit]}; got {text!r}")
         theta = arm.theta_from([*found], [*found.values()])
         onto = np.clip(theta, arm.limits.lower, arm.limits.upper)
-        return np.where(np.abs(theta - onto) <= ROUNDING, onto, theta)
+        return np.where(np.abs(theta - onto) <= PRINTED_ROUNDING, onto, theta)
 
     def _pairs(self, otherwise: str) -> tuple[list[str], list[str]]:
         """Names and values of the pairs. InputError with the text `otherwise` if there is anything else."""

@@ -78,7 +78,7 @@ class Checkers(Obstacles):
 
     def _kept(self, what: str, make: Callable[[], T]) -> T:
         """What `make` makes of the present bodies, made once."""
-        made = self._made  # another thread may replace it while `make` runs
+        made = self._cache  # another thread may replace it while `make` runs
         if what not in made:
             made[what] = make()
         return made[what]

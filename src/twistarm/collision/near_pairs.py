@@ -18,7 +18,7 @@ from .swept import ancestors, pair_speeds
 ENDLESS = 1e3  # Half the depth of a half-space [m].
 LOOK = 0.05  # Pairs nearer than this beyond their margin [m] are always near.
 UNIT = 1e-6  # The square of a direction differs from 1 by no more.
-ROUNDING = 1e-6  # What bounds may be too large by rounding, and distances too small by GJK's tolerance [m].
+GJK_TOL = 1e-6  # What bounds may be too large by rounding, and distances too small by GJK's tolerance [m].
 
 Indices = NDArray[np.signedinteger[Any]]
 
@@ -78,7 +78,7 @@ class NearPairs(Checker):
         for rows, body, middle in zip(at, objects, centre, strict=True):
             rows[:, 0], rows[:, 1:] = body.placement.act(middle), body.placement.rotation
         joints, around = [body.parentJoint for body in objects], radius[ball] + edge[box]
-        around[~self.exact] += ROUNDING
+        around[~self.exact] += GJK_TOL
         sizes = np.column_stack([(half - edge[:, None])[box], around, self.exact])
         motion = self._motion(*self.body_pairs.T)
         self._gaps = engine.asked("Gaps", joints, at, ball.tolist(), box.tolist(), sizes, *motion)
@@ -110,7 +110,7 @@ class NearPairs(Checker):
             metres, found = self.measure(geometry, best)
         else:
             frames = self._model.joint_frames(q)
-            best, metres = self._gaps.nearest(frames, self._last, ROUNDING, lambda k: self.measure(geometry, k)[0])
+            best, metres = self._gaps.nearest(frames, self._last, GJK_TOL, lambda k: self.measure(geometry, k)[0])
             self._last = best
             parted = self._parted[best]
             found = self.measure(geometry, best)[1] if parted else geometry.distanceResults[int(self._owner[best])]

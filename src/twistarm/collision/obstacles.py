@@ -53,7 +53,7 @@ class Obstacles:
         self._touching: dict[str, frozenset[str]] = {}
         self._allowed_too: dict[Pair, str] = {}
         self._known_obstacles: set[str] = set()
-        self._made: dict[str, Any] = {}  # the checker and the sweep of the present bodies
+        self._cache: dict[str, Any] = {}  # the checker and the sweep of the present bodies
 
     @property
     def obstacles(self) -> Mapping[str, Body]:
@@ -173,12 +173,12 @@ class Obstacles:
         if body.kind != "points":
             raise InputError(f"{name!r} is a {body.kind}, no cloud; remove it, then add_points")
         other = copy(self)
-        other._made = {}
+        other._cache = {}
         del other._obstacles[name]
         other.add_points(name, points, body.size[0], body.pose, without_arm=without_arm, theta=theta)
         other._obstacles[name] = replace(other._obstacles[name], carrier=body.carrier)
         other._prepare()
-        tiles, before = list(body.shape.tiles), self._made
+        tiles, before = list(body.shape.tiles), self._cache
         vars(self).update(vars(other))  # all at once for other threads, with the pairs found meanwhile
         del body, before, other
         while tiles:  # To free all octrees at once would hold the interpreter for 15 ms.
@@ -328,7 +328,7 @@ class Obstacles:
 
     def _changed(self) -> None:
         # Another thread may still be making a checker of the bodies before: it goes into the mapping before.
-        self._made = {}
+        self._cache = {}
 
     def _require_obstacle(self, name: str) -> Body:
         if not isinstance(name, str) or name not in self._obstacles:

@@ -26,7 +26,7 @@ from .scene_file import Entry, SceneFile, read_scene, scene_text, with_points_in
 from .swept import FINE, shifted
 
 FAR = 2.0  # A cloud whose nearest point is so many times the arm's reach away is in another unit or frame.
-NEARLY = 1e-3, 0.05  # How much less than the clearance found a motion may have: so much [m], or this part of it.
+SLACK = 1e-3, 0.05  # How much less than the clearance found a motion may have: so much [m], or this part of it.
 
 
 class Scene(Checkers):
@@ -157,14 +157,14 @@ class Scene(Checkers):
         Raises:
             InputError: The arm lacks a link that the scene names.
         """
-        scene = _made(arm, self._margin, self.exact, self.content(), None, progress)
+        scene = _rebuilt(arm, self._margin, self.exact, self.content(), None, progress)
         scene.file = self.file
         return scene
 
     def __reduce__(self) -> tuple[Any, ...]:
         """The arm, the obstacles and the pairs found. Shapes are read again, from the same files."""
         given = self.arm, self._margin, self.exact, self.content(), self.find_allowed_pairs()
-        return _made, given, {"file": self.file}
+        return _rebuilt, given, {"file": self.file}
 
     def __copy__(self) -> Scene:
         """Another scene with the same bodies. By `__reduce__` a copy would read and build them all again."""
@@ -291,12 +291,12 @@ class Scene(Checkers):
             about = shifted(piece[:, None], np.array([middle]))[:, 0]
             moved = np.float_power(half, np.arange(len(piece) - 1, 0, -1)) @ np.abs(about[:-1])
             low, lost = near.bounds(about[-1], moved, pairs), near.speeds[pairs] @ moved
-            counts = low < best + np.maximum(lost - NEARLY[0], 0.0)
+            counts = low < best + np.maximum(lost - SLACK[0], 0.0)
             pairs, lost = pairs[counts], lost[counts]
             metres = near.distances_of(about[-1], pairs)
             if metres.min(initial=np.inf) < best:
                 best, time, theta = metres.min(), begin + middle, about[-1]
-            pairs = pairs[metres - lost < best - max(NEARLY[0], NEARLY[1] * best)]
+            pairs = pairs[metres - lost < best - max(SLACK[0], SLACK[1] * best)]
             if len(pairs):
                 waiting += [(begin, piece, middle + side, 0.5 * half, pairs) for side in (-0.5 * half, 0.5 * half)]
         return replace(self.distance(theta), time=time)
@@ -338,7 +338,7 @@ class Scene(Checkers):
         other, margins = copy(self), list(checker.margins)
         for k, metres in zip(hit, checker.distances(q, hit).tolist(), strict=True):
             margins[k] = min(margins[k], metres - 2.0 * FINE)
-        other._made = {"checker": checker.with_margins(margins)}
+        other._cache = {"checker": checker.with_margins(margins)}
         return other
 
     # -- inside --------------------------------------------------------------------------------------------------
@@ -390,7 +390,7 @@ def _names(bodies: Sequence[Body], pair: tuple[int, int]) -> tuple[str, str]:
     return bodies[pair[0]].name, bodies[pair[1]].name
 
 
-def _made(
+def _rebuilt(
     arm: Arm, margin: float | Mapping[str, float], exact: bool, content: SceneFile, pairs: Mapping[Pair, str] | None,
     progress: Callable[[float], object] | None = None,
 ) -> Scene:  # fmt: skip

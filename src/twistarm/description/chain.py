@@ -89,7 +89,7 @@ def _follow(description: Description, name: str, locked_joints: Mapping[str, flo
 
 
 @dataclass(frozen=True)
-class Chain:
+class WalkedChain:
     """The chain from base to tip. `coordinates` are the independent joints, `moving` are all moving ones.
 
     `screws` (6, m) and `home` (4, 4) belong to the moving joints, with every coordinate at 0. Joint values are
@@ -109,7 +109,7 @@ class Chain:
     findings: tuple[Finding, ...]
 
 
-def walk_chain(description: Description, base: str, tip: str, tool: Array, locked_joints: Mapping[str, float]) -> Chain:
+def walk_chain(description: Description, base: str, tip: str, tool: Array, locked: Mapping[str, float]) -> WalkedChain:
     """Walk from `base` to `tip`, and on by the fixed pose `tool` (4, 4) of the tool in the tip link's frame.
 
     Raises DescriptionError for a floating joint on the way, or if no joint moves between base and tip.
@@ -120,7 +120,7 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
             what = f"between {base!r} and {tip!r} it is floating: its motion is not one number per joint"
             remedy = Text("choose a {base} beyond it", base=Argument("base"))
             raise refusal("no-chain", description.place(joint), what, remedy)
-    couplings = resolve_couplings(description, locked_joints)
+    couplings = resolve_couplings(description, locked)
     moving = tuple(joint.name for joint in joints if joint.moving)
     coordinates = tuple(dict.fromkeys(m for name in moving if (m := couplings[name].master) is not None))
     if not coordinates:
@@ -137,7 +137,7 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
     for name in followers:
         limits, narrowing = _narrowed(limits, coordinates, description, name, couplings[name])
         findings += narrowing
-    return Chain(
+    return WalkedChain(
         coordinates=coordinates,
         types=tuple("helical" if joint.name in helical else joint.type for joint in masters),
         moving=moving,
@@ -147,7 +147,7 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
         limits=limits,
         reach=float(sum(np.linalg.norm(end - start) for start, end in pairwise([*points, (home @ tool)[:3, 3]]))),
         couplings=couplings,
-        findings=(*findings, *_locked_outside(description, locked_joints)),
+        findings=(*findings, *_locked_outside(description, locked)),
     )
 
 
@@ -188,9 +188,9 @@ def _narrowed(
     return limits, [finding(code, description.place(follower), what, remedy)]
 
 
-def _locked_outside(description: Description, locked_joints: Mapping[str, float]) -> list[Finding]:
+def _locked_outside(description: Description, locked: Mapping[str, float]) -> list[Finding]:
     found = []
-    for name, value in locked_joints.items():
+    for name, value in locked.items():
         joint = description.joints[name]
         if not joint.lower <= value <= joint.upper:
             bounds = {"value": value, "lower": joint.lower, "upper": joint.upper}

@@ -20,7 +20,7 @@ from .batch import MAX_THREADS, targets_for
 from .closed_form.methods import Method, method_for
 from .reached import reachable
 from .request import checked, in_radians
-from .solve_all import DEFAULT_SAMPLES, ROUNDING, checked_fixed_joints, solve_ik_all
+from .solve_all import DEFAULT_SAMPLES, ROOT_TOL, checked_fixed_joints, solve_ik_all
 from .targets import AnyTarget, Approach, Pose, TargetLike
 from .task_space import ORIENTATION_TOL, POSITION_TOL, Tolerances
 
@@ -197,7 +197,7 @@ def _by_core(
     numbers = targets
     if isinstance(targets, tuple):
         numbers = np.array([target.numbers for target in targets]) if targets else np.zeros((0, 4, 4))
-    exact = tolerances.at_most(ROUNDING)
+    exact = tolerances.at_most(ROOT_TOL)
     how = exact.position, exact.orientation, threads
     answer = method.core.solve_batch(as_given(numbers), as_given(near), *how)
     if answer is None:

@@ -15,14 +15,12 @@ from .answer import CONVERGED, NOT_FINISHED, STOPS, Configurations, Record, Stop
 from .closed_form.methods import Method, family_for
 from .ranges import joint_ranges
 from .targets import AnyTarget
-from .task_space import Tolerances
+from .task_space import EXACT_TOL, Tolerances
 
 TIMED_OUT, BLOCKED = STOPS.index(StopReason.TIMED_OUT), STOPS.index(StopReason.BLOCKED_BY_LIMITS)
 
 OTHER_SEED = 0x5EED  # Of the searches after which limits are the reason.
 SAMPLES = 5  # Values tried for a joint that the target does not determine, its bounds included.
-# Greatest errors [m, rad] of what the closed form finds, which is exact whatever the tolerances are.
-EXACT = 1e-6
 # Error [m, rad] of the nearest configuration for certainty that no configuration reaches the target exactly.
 FAR = 1e-5
 BARELY_OUTSIDE = 1e-4  # A configuration outside the limits by less than this [rad, m] proves nothing.
@@ -40,7 +38,7 @@ def decided(arm: Arm, target: AnyTarget, missed: Record, has_time: bool) -> Reco
     if missed["stop"] in (CONVERGED, TIMED_OUT, NOT_FINISHED) or missed["restarts"] <= 1:
         return missed
     method, start = family_for(arm, target), np.array(missed["theta0"])
-    exact = Tolerances(float(missed["position_tol"]), float(missed["orientation_tol"])).at_most(EXACT)
+    exact = Tolerances(float(missed["position_tol"]), float(missed["orientation_tol"])).at_most(EXACT_TOL)
     if method is None or method.core is None:
         return _searched_again(arm, target, missed) if has_time and missed["stop"] == BLOCKED else missed
     held = _held_values(arm, method, start)

@@ -15,7 +15,6 @@ from ..arm.engine import answered
 from ..support.checks import Array, Progress
 from .all_solutions import AllSolutions
 from .answer import Configurations
-from .certainty import EXACT
 from .closed_form.methods import Method
 from .closed_form.roots import ROUNDED_LIMIT, Root, Task, copies_inside, joint_difference
 from .ranges import holding, joint_ranges
@@ -24,7 +23,7 @@ from .searches import searched
 from .self_motions import SelfMotions
 from .solution import IKResult
 from .solve import solve_ik
-from .task_space import Tolerances
+from .task_space import EXACT_TOL, Tolerances
 
 STARTS = 1000  # Searches where no closed form is known.
 # Searches besides elimination, or a family that the axes miss. They find what rounding loses.
@@ -182,7 +181,7 @@ class Gathering(Task):
         starts = np.vstack([self.near, self.arm.random_theta(0, count - 1)])
         arm = holding(self.arm, self.method.given, self.near)
         done = searched(
-            arm, [self.target] * count, starts, Tolerances(EXACT, EXACT), max_time=self.deadline.left,
+            arm, [self.target] * count, starts, Tolerances(EXACT_TOL, EXACT_TOL), max_time=self.deadline.left,
             progress=lambda done: self.report_progress(before + done * count, before + count),
         )  # fmt: skip
         idle = [i in self.method.idle for i in range(self.arm.n)]  # their values distinguish no answers

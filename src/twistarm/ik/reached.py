@@ -19,19 +19,18 @@ from ..support.errors import InputError
 from ..theory.screws import to_screw
 from .answer import ConfigurationsBatch
 from .batch import MAX_THREADS, targets_for
-from .certainty import EXACT
 from .closed_form.chain import NO_PITCH
 from .closed_form.methods import family_for
 from .request import Request, checked
 from .targets import FARTHEST, AnyTarget, Approach, Pose, Position, TargetLike, TolerancedPose, checked_target
-from .task_space import ORIENTATION_TOL, POSITION_TOL
+from .task_space import EXACT_TOL, ORIENTATION_TOL, POSITION_TOL
 
 STEPS = 50  # Steps toward the smallest radius. Each of them gives a bound.
 SHORTEST = 1e-6  # Shorter distances [m] count as this in a step's weights.
-ROUNDING = 1e-9  # What the radius has beyond the bound [m].
+RADIUS_ROUNDING = 1e-9  # What the radius has beyond the bound [m].
 CHUNK = 4096  # Targets after which a search begins at theta0 again, not at the answer before.
 # Searches for a target that the closed form excludes. The nearest configuration may still be within the tolerances.
-NEARLY = 4
+FEW_SEARCHES = 4
 AT_ONCE = 16 * CHUNK  # Targets whose closed forms are in memory at once: six configurations of each take 40 MB.
 
 
@@ -180,7 +179,7 @@ def _left_by_closed_form(
     method, tolerances = family_for(arm, group.like) if group.own else None, request.tolerances
     if method is None or method.core is None or method.sampled or not method.exact:
         return [(some, request.restarts)]
-    open_, excluded, exact = [some[:0]], [some[:0]], tolerances.at_most(EXACT)
+    open_, excluded, exact = [some[:0]], [some[:0]], tolerances.at_most(EXACT_TOL)
     for begin in range(0, len(some), AT_ONCE):
         part = some[begin : begin + AT_ONCE]
         how = request.theta0, exact.position, exact.orientation, threads
@@ -192,7 +191,7 @@ def _left_by_closed_form(
         open_.append(part[~inside & (every.families > 0)])
         excluded.append(part[~inside & (every.families == 0)])
     left = [(np.concatenate(open_), request.restarts)]
-    return left if exact == tolerances else [*left, (np.concatenate(excluded), min(request.restarts, NEARLY))]
+    return left if exact == tolerances else [*left, (np.concatenate(excluded), min(request.restarts, FEW_SEARCHES))]
 
 
 class ReachBall(NamedTuple):
@@ -232,5 +231,5 @@ def reach_ball(arm: Arm, like: Position | Approach | Pose, bounds: tuple[Array, 
         z = np.linalg.lstsq((rows * weight[:, None, None]).reshape(3 * count, len(z)),
                             -(offset * weight[:, None]).ravel(), rcond=None)[0]  # fmt: skip
         length = np.linalg.norm(offset + rows @ z, axis=1)
-    radius = float(length.sum() + (np.abs(advance) * half).sum()) + ROUNDING
+    radius = float(length.sum() + (np.abs(advance) * half).sum()) + RADIUS_ROUNDING
     return ReachBall(fixed @ z[count:], at[0] + along[0] @ z, radius)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 DEFAULT_SAMPLES = 32
 
-ROUNDING = 1e-9  # Greatest errors [m, rad] of an exact answer, whatever the tolerances are.
+ROOT_TOL = 1e-9  # Greatest errors [m, rad] of a root, whatever the tolerances are.
 
 
 def solve_ik_all(
@@ -109,7 +109,7 @@ def solve_ik_all(
         as_flag(closed_form, "closed_form")
         count = as_whole(redundancy_samples, "redundancy_samples", 1, 1000)
         method, near = _method_and_start(arm, goal, request.theta0, fixed_joints, closed_form)
-        exact, deadline = request.tolerances.at_most(ROUNDING), Deadline.after(request.max_time)
+        exact, deadline = request.tolerances.at_most(ROOT_TOL), Deadline.after(request.max_time)
         task = Gathering(arm, goal, exact, near, method, deadline, progress)
         answer = _answered(task, request.tolerances, count, include_turns)
     return answer if scene is None else replace(answer, _colliding=scene.collides(answer.theta))
@@ -191,7 +191,7 @@ def _at_once(
     if type(position_tol) is not float or not in_radians(orientation_tol):
         return None
     start, tolerances = arm.ready if theta0 is None else theta0, Tolerances(position_tol, orientation_tol)
-    exact = tolerances.at_most(ROUNDING)
+    exact = tolerances.at_most(ROOT_TOL)
     answer = method.core.solve(numbers, start, None, exact.position, exact.orientation)
     found = None if answer is None else Configurations(*answer)
     if found is None or found.families:

@@ -27,9 +27,9 @@ UNIT = 1e-6
 """How far a twist's length may be from 1."""
 
 SAME = 1e-6
-"""Values nearer together than this [rad, m] are one if the halfway miss is no greater than theirs plus `ROUNDING`."""
+"""Values nearer together than this [rad, m] are one if the halfway miss is below theirs plus `MISS_ROUNDING`."""
 
-ROUNDING = 1e-14
+MISS_ROUNDING = 1e-14
 """[m]"""
 
 BEST = 1e-6
@@ -253,7 +253,7 @@ def _roots(
 
 def _same(a: Array, b: Array, turns: Mask, off: Callable[..., float], best: float) -> bool:
     difference = _wrapped(a - b, turns)
-    return bool(np.abs(difference).max() < SAME) and off(b + 0.5 * difference) <= best + ROUNDING
+    return bool(np.abs(difference).max() < SAME) and off(b + 0.5 * difference) <= best + MISS_ROUNDING
 
 
 def _wrapped(x: Array, turns: Mask) -> Array:

@@ -12,6 +12,7 @@ from ..support.checks import Array
 Rows = tuple[Array, Array]  # (error (k,), rows (k, n)).
 # What every call tolerates unless it says otherwise [m, rad]: finer than a drive, coarser than what CAD rounds.
 POSITION_TOL, ORIENTATION_TOL = 1e-5, 5e-5
+EXACT_TOL = 1e-6  # Greatest errors [m, rad] of an answer that counts as exact, whatever the tolerances are.
 
 
 @dataclass(frozen=True)

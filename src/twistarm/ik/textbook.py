@@ -17,14 +17,13 @@ from .answer import STOPS, Record, StopReason, fill, record_type
 from .ranges import JointRanges, joint_ranges
 from .request import Deadline, Request
 from .targets import AnyTarget
-from .task_space import Tolerances, excess_rows
+from .task_space import EXACT_TOL, Tolerances, excess_rows
 
 # Weight of a squared radian relative to the squared reach in the error E, which is 0 at an answer.
 ROTATION_WEIGHT = 0.2
 # λ = DAMPING · E + LEAST_DAMPING: strong far from the target, vanishing with the error (Chan & Lawrence).
 DAMPING, LEAST_DAMPING = 0.03, 1e-9
-# Errors [m, rad] below which a search has reached its target, and below which it also stops.
-EXACT, POLISHED = 1e-6, 1e-9
+POLISHED_TOL = 1e-9  # Errors [m, rad] below which a search stops.
 
 ITERATIONS = 30
 # An iteration that leaves E above PROGRESS times the best is a stall. A search ends after STALLS of them.
@@ -63,10 +62,10 @@ def solve(arm: Arm, target: AnyTarget, request: Request) -> Record:
     start = problem.ranges.inside(request.theta0)
     found = best = search(problem, start, start)
     searches, steps = 1, found.iterations
-    exact = problem.tolerances.at_most(EXACT)
+    exact = problem.tolerances.at_most(EXACT_TOL)
     while not exact.converged(*found.errors) and searches < request.restarts and not deadline.passed:
         found = search(problem, arm.random_theta(rng), start)
-        best = min(best, found, key=lambda end: _rank(problem, end))
+        best = min(best, found, key=lambda end: _preference(problem, end))
         searches, steps = searches + 1, steps + found.iterations
     timed_out = deadline.passed and searches < request.restarts
     stop = StopReason.CONVERGED if best.converged else StopReason.TIMED_OUT if timed_out else StopReason.EXHAUSTED
@@ -95,7 +94,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
     lower, upper = np.where(ranges.turns, [[-np.inf], [np.inf]], [ranges.lower, ranges.upper])
     weight = math.sqrt(ROTATION_WEIGHT) * problem.arm.reach
     theta, best, stalls, iterations = np.clip(theta, lower, upper), math.inf, 0, 0
-    polished = problem.tolerances.at_most(POLISHED)
+    polished = problem.tolerances.at_most(POLISHED_TOL)
     while True:
         g, J_b = problem.arm.fk_and_body_jacobian(theta)
         errors = target.position_error(g), target.orientation_error(g)
@@ -120,11 +119,11 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
     return Search(theta, errors, iterations, problem.tolerances.converged(*errors))
 
 
-def _rank(problem: Problem, end: Search) -> tuple[bool, bool, float, float]:
+def _preference(problem: Problem, end: Search) -> tuple[bool, bool, float, float]:
     """A key that sorts ends: reached exactly, reached within the tolerances, the position missed, the rotation."""
     position, orientation = end.errors
     missed = 0.0 if position <= problem.tolerances.position else position
-    return not problem.tolerances.at_most(EXACT).converged(*end.errors), not end.converged, missed, orientation
+    return not problem.tolerances.at_most(EXACT_TOL).converged(*end.errors), not end.converged, missed, orientation
 
 
 def _leaves_branch(problem: Problem, start: Array, theta: Array) -> bool:

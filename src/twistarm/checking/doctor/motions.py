@@ -32,7 +32,7 @@ from ...theory.manipulability import POOR, scaled_jacobian
 from .numbers import LONGEST_REACH, OTHER
 
 # A condition number beyond which a configuration is singular in practice: one direction a thousand times slower.
-SINGULAR = 1e3
+SINGULAR_CONDITION = 1e3
 NO_MOTION = 1e-9  # A column of the Jacobian this small [m/reach, rad] is zero but for rounding.
 ROLLS = 0.98  # Cosine from which on a tool rolls about its axis: one beside the roll axis nearly does.
 OUT = 0.1  # How far out [m] the tool of the snippet is, if the tip has no shape.
@@ -82,7 +82,7 @@ def check_postures(arm: Arm, rank: int) -> Iterator[Finding]:
     if arm.named_states.get("home", homes["zero"]).any():
         homes["home"] = arm.named_states["home"]
     conditions = {pose: condition(theta) for pose, theta in homes.items() if arm.limits.contains(theta)}
-    singular = {pose: number for pose, number in conditions.items() if number > SINGULAR}
+    singular = {pose: number for pose, number in conditions.items() if number > SINGULAR_CONDITION}
     at_ready = condition(arm.ready)
     poor = at_ready > POOR
     if not (poor or singular):

@@ -150,7 +150,7 @@ MOST_JOINTS = 6
 
 
 @dataclass(frozen=True, eq=False)
-class Chain:
+class AxisChain:
     """`axes`: of the arm's n joints, then of what the target leaves free. `rates` (n,): x = rate · theta."""
 
     axes: tuple[JointAxis, ...]
@@ -198,7 +198,7 @@ class Chain:
         return np.array(columns).T
 
 
-def chain_for(arm: Arm, like: AnyTarget) -> Chain:
+def chain_for(arm: Arm, like: AnyTarget) -> AxisChain:
     """The chain for targets like this one. InputError says why an arm or a target has none."""
     A = arm.coupling.A
     if A.shape[0] != arm.n or np.count_nonzero(A - np.diag(np.diagonal(A))) or not np.diagonal(A).all():
@@ -206,7 +206,7 @@ def chain_for(arm: Arm, like: AnyTarget) -> Chain:
     own = tuple(axis_of(xi) for xi in arm.screws.T)
     linear, angular = (np.linalg.norm(part, axis=0) for part in np.split(arm.screws, 2))
     scale = np.where([axis.slides for axis in own], linear, angular)
-    return Chain((*own, *_left_free(arm, like)), np.diagonal(A) * scale, arm.reach)
+    return AxisChain((*own, *_left_free(arm, like)), np.diagonal(A) * scale, arm.reach)
 
 
 def goal(arm: Arm, target: AnyTarget) -> Array:
@@ -241,4 +241,4 @@ def _any_pose(target: AnyTarget) -> Array:
 
 
 def _rank(matrix: Array) -> int:
-    return int((np.linalg.svd(matrix)[1] > INDEPENDENT).sum())
+    return int(np.linalg.matrix_rank(matrix, tol=INDEPENDENT))

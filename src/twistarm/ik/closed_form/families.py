@@ -30,9 +30,9 @@ PARALLEL = 1e-6  # Sines below this are those of parallel axes: their distance i
 # For each axis of a chain its place in the arm; what a target leaves free has places behind the arm's joints.
 Joints = Sequence[int]
 # Axes are exact if they miss a point by less than this share of the reach, or a direction by less than this [rad].
-EXACT = 1e-9
+EXACT_MISS = 1e-9
 # Up to this share of the reach, or angle [rad], the nearest exact arm's family gives starts for Newton's method.
-NEARLY = 2e-3
+NEAR_MISS = 2e-3
 MAX_OTHERS = 3  # Joints beside the group that can be solved for.
 INDEPENDENT = 1e-5  # Motions with singular values above this are independent.
 TRIALS = 3  # Random configurations among which a rank is the largest; almost every one has it.
@@ -86,7 +86,7 @@ class FittedFamily:
         return self.off / reach if self.family.kind == SPHERICAL else self.off
 
 
-def families(axes: tuple[JointAxis, ...], reach: float, tolerance: float = NEARLY) -> list[FittedFamily]:
+def families(axes: tuple[JointAxis, ...], reach: float, tolerance: float = NEAR_MISS) -> list[FittedFamily]:
     """All families of at most six axes (k,), exact ones first, then by simplicity.
 
     `tolerance`: share of the reach [m], or angle [rad], by which the axes may miss.
@@ -105,7 +105,7 @@ def families(axes: tuple[JointAxis, ...], reach: float, tolerance: float = NEARL
                 fitted = Family(kind, order, first, last).fitted(axes)
                 if fitted.off_share(reach) <= tolerance and _determined(fitted):
                     found.append(fitted)
-    return sorted(found, key=lambda fitted: _rank(fitted, reach))
+    return sorted(found, key=lambda fitted: _preference(fitted, reach))
 
 
 def closest_miss(axes: tuple[JointAxis, ...], reach: float) -> FittedFamily | None:
@@ -114,13 +114,13 @@ def closest_miss(axes: tuple[JointAxis, ...], reach: float) -> FittedFamily | No
     return min(found, key=lambda fitted: fitted.off_share(reach), default=None)
 
 
-def _rank(fitted: FittedFamily, reach: float) -> tuple[object, ...]:
+def _preference(fitted: FittedFamily, reach: float) -> tuple[object, ...]:
     """A key that sorts families: exact ones, then the largest group, then the arm's order."""
     off = fitted.off_share(reach)
     family = fitted.family
     size = family.last - family.first
     # Rounded, so that of families that are missed by nearly the same the larger group comes first.
-    return off > EXACT, round(off, 6) if off > EXACT else 0.0, -size, family.kind != SPHERICAL, family.order
+    return off > EXACT_MISS, round(off, 6) if off > EXACT_MISS else 0.0, -size, family.kind != SPHERICAL, family.order
 
 
 def _kinds(group: list[JointAxis]) -> list[str]:
@@ -157,7 +157,7 @@ def _orders(axes: tuple[JointAxis, ...]) -> list[tuple[int, ...]]:
         for i in range(len(axes) - 1):
             a, b = axes[order[i]], axes[order[i + 1]]
             # Two slides commute too, but no group gains by that.
-            if a.slides != b.slides and np.linalg.norm(np.cross(a.w, b.w)) < EXACT:
+            if a.slides != b.slides and np.linalg.norm(np.cross(a.w, b.w)) < EXACT_MISS:
                 swapped = (*order[:i], order[i + 1], order[i], *order[i + 2 :])
                 if swapped not in known:
                     known[swapped] = None
@@ -172,7 +172,7 @@ def _decoupled(fitted: FittedFamily) -> bool:
         J = _columns(fitted.axes, rng.uniform(-2.0, 2.0, len(fitted.axes)))
         turns = [xi[3:] for xi, axis in zip(J, fitted.axes, strict=True) if not axis.slides]
         slides = [xi[:3] for xi, axis in zip(J, fitted.axes, strict=True) if axis.slides]
-        if _rank_of(turns) == len(turns) and _rank_of(slides) == len(slides):
+        if _independent(turns) and _independent(slides):
             return True
     return False
 
@@ -195,7 +195,7 @@ def _determined(fitted: FittedFamily) -> bool:
         assert fitted.kept is not None
         moved = fitted.kept.moved(product(fitted.axes[:first], x[:first]))
         beside = [_velocity(moved, xi) for xi in (*J[:first], *J[last:])]
-        if _rank_of(beside) == len(beside) and _rank_of(J[first:last]) == last - first:
+        if _independent(beside) and _independent(J[first:last]):
             return True
     return False
 
@@ -206,9 +206,8 @@ def _velocity(X: Point | Plane, xi: Array) -> Array:
     return np.append(np.cross(w, X.n), v @ X.n) if isinstance(X, Plane) else v + np.cross(w, X.p)
 
 
-def _rank_of(rows: list[Array]) -> int:
-    size = np.linalg.svd(np.array(rows))[1] if rows else np.zeros(0)
-    return int((size > INDEPENDENT).sum())
+def _independent(rows: list[Array]) -> bool:
+    return not rows or bool(np.linalg.matrix_rank(np.array(rows), tol=INDEPENDENT) == len(rows))
 
 
 def family_in_words(arm: Arm, fitted: FittedFamily, joints: Joints) -> str:

@@ -22,12 +22,12 @@ from ...support.errors import InputError
 from ...theory.screws import inverse
 from ..ranges import locked_joints
 from ..targets import AnyTarget, Approach, Pose, Position, TargetLike, checked_target
-from .chain import MOST_JOINTS, Chain, JointAxis, Plane, chain_for, goal, product
+from .chain import MOST_JOINTS, AxisChain, JointAxis, Plane, chain_for, goal, product
 from .elimination import Candidates, Elimination, Lines, elimination_for
 from .families import (
     DECOUPLED,
-    EXACT,
-    NEARLY,
+    EXACT_MISS,
+    NEAR_MISS,
     Family,
     closest_miss,
     families,
@@ -59,7 +59,7 @@ class ClosedFormParameters(NamedTuple):
 
 
 def family_numbers(
-    arm: Arm, chain: Chain, family: Family, held: tuple[int, ...], idle: Set[int]
+    arm: Arm, chain: AxisChain, family: Family, held: tuple[int, ...], idle: Set[int]
 ) -> ClosedFormParameters:
     """The numbers of a family with joints `held`. `idle` joints may have any value in an answer.
 
@@ -85,7 +85,7 @@ def family_numbers(
     )  # fmt: skip
 
 
-def _carried(chain: Chain, held: tuple[int, ...], joint: int) -> Array:
+def _carried(chain: AxisChain, held: tuple[int, ...], joint: int) -> Array:
     """The motion (4, 4) that the held joints before this one have given it."""
     before = tuple(chain.axes[i] for i in held if i < joint)
     return product(before, np.full(len(before), SAMPLE))
@@ -114,7 +114,7 @@ class Method:
     core and in it. `verifier`: what verifies the candidates of elimination in the core.
     """
 
-    chain: Chain
+    chain: AxisChain
     held: tuple[int, ...]
     given: tuple[int, ...]
     idle: tuple[int, ...]
@@ -134,7 +134,7 @@ class Method:
     @property
     def exact(self) -> bool:
         """Whether the candidates hold every answer: by an exact family or by elimination."""
-        return self.elimination is not None or (self.family is not None and self.off <= EXACT)
+        return self.elimination is not None or (self.family is not None and self.off <= EXACT_MISS)
 
     @property
     def name(self) -> str:
@@ -256,7 +256,7 @@ def _find_method(arm: Arm, target: AnyTarget, given: tuple[int, ...], *, familie
     try:
         chain = chain_for(arm, target)
     except InputError as error:
-        return Method(Chain((), np.ones(arm.n), arm.reach), given, given, (), reason=str(error))
+        return Method(AxisChain((), np.ones(arm.n), arm.reach), given, given, (), reason=str(error))
     idle = tuple(i for i in range(arm.n) if i not in given and chain.idle(i))
     surplus = chain.surplus(given)
     rest = [i for i in range(arm.n) if i not in idle and i not in given]
@@ -273,7 +273,7 @@ def _find_method(arm: Arm, target: AnyTarget, given: tuple[int, ...], *, familie
 
 
 def _by_family(
-    arm: Arm, chain: Chain, ways: list[tuple[int, ...]], given: tuple[int, ...], idle: tuple[int, ...]
+    arm: Arm, chain: AxisChain, ways: list[tuple[int, ...]], given: tuple[int, ...], idle: tuple[int, ...]
 ) -> Method | None:
     """The way to hold joints that leaves the axes nearest to a family."""
     best: Method | None = None
@@ -283,13 +283,13 @@ def _by_family(
             continue
         for fitted in families(axes, arm.reach)[:1]:
             off = fitted.off_share(arm.reach)
-            if best is None or off < best.off - EXACT:
+            if best is None or off < best.off - EXACT_MISS:
                 best = Method(chain, held, given, tuple(i for i in idle if i in held), fitted.family, off=off)
     return best
 
 
 def _by_elimination(
-    arm: Arm, chain: Chain, ways: list[tuple[int, ...]], given: tuple[int, ...], idle: tuple[int, ...]
+    arm: Arm, chain: AxisChain, ways: list[tuple[int, ...]], given: tuple[int, ...], idle: tuple[int, ...]
 ) -> Method:
     """The first choice of held joints that leaves axes for elimination, or why no choice does."""
     for held in ways:
@@ -297,7 +297,7 @@ def _by_elimination(
         way = elimination_for(axes, arm.reach)
         if way is not None:
             return Method(chain, held, given, tuple(i for i in idle if i in held), elimination=way)
-    misses = [miss for held in ways if (miss := _closest(arm, chain, held)) is not None]
+    misses = [miss for held in ways if (miss := _miss(arm, chain, held)) is not None]
     none = 0.0, "no three of its axes that follow one another meet in a point or are parallel"
     return Method(chain, ways[0] if ways else (), given, idle, reason=min(misses, default=none)[1])
 
@@ -309,10 +309,10 @@ def closest_miss_of(arm: Arm, method: Method) -> tuple[float, str]:
     """
     if method.exact and method.family is not None:
         return 0.0, ""
-    return _closest(arm, method.chain, method.held, method.family) or (0.0, "")
+    return _miss(arm, method.chain, method.held, method.family) or (0.0, "")
 
 
-def _closest(arm: Arm, chain: Chain, held: tuple[int, ...], family: Family | None = None) -> tuple[float, str] | None:
+def _miss(arm: Arm, chain: AxisChain, held: tuple[int, ...], family: Family | None = None) -> tuple[float, str] | None:
     axes, _ = chain.held(held, np.full(len(held), SAMPLE))
     if not axes or len(axes) > MOST_JOINTS:
         return None
@@ -354,7 +354,7 @@ def closed_form_of(arm: Arm, like: TargetLike | None = None) -> ClosedFormReport
     held = tuple(arm.joint_names[i] for i in method.sampled)
     return ClosedFormReport(
         type(target).__name__, method.name, method.in_words(arm), method.exact, held, miss,
-        nearly=bool(miss) and off <= NEARLY,
+        nearly=bool(miss) and off <= NEAR_MISS,
     )  # fmt: skip
 
 

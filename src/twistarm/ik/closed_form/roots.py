@@ -17,8 +17,8 @@ from ..task_space import Tolerances
 
 STEPS = 30  # Newton steps for a candidate. Exact ones need one or two, those of a nearby arm four or five.
 LONGEST_STEP = 0.3  # Longest Newton step [rad, m]. A candidate farther from an answer is dropped.
-ROUNDING = 1e-14  # Errors [m, rad] below this are those of forward kinematics itself.
-SINGULAR = 1e-12  # Relative singular values below this are 0. Newton's step does not use those directions.
+FK_ROUNDING = 1e-14  # Errors [m, rad] below this are those of forward kinematics itself.
+SINGULAR_RATIO = 1e-12  # Relative singular values below this are 0. Newton's step does not use those directions.
 DEPENDENT = 1e-6  # Relative singular values below this are directions without first-order motion.
 # Two candidates nearer together than this [rad, m] are one if the target is reached equally well halfway.
 SAME = 1e-5
@@ -67,7 +67,7 @@ class Task:
         return np.concatenate([e_p, e_r]), np.concatenate([J_p, J_r])
 
     def corrected(
-        self, theta: Array, held: tuple[int, ...] = (), singular: float = SINGULAR, enough: float = ROUNDING
+        self, theta: Array, held: tuple[int, ...] = (), singular: float = SINGULAR_RATIO, enough: float = FK_ROUNDING
     ) -> Array:
         """theta (n,) after some of Newton's steps of least length, −J⁺ e, toward the target. `held` joints stay.
 

@@ -48,7 +48,7 @@ class PoseList:
 
     def __init__(self, arm: Arm) -> None:
         self._arm = arm
-        self._made = 0
+        self._last = 0
         self.poses: tuple[RecordedPose, ...] = ()
         self._steps: dict[str, list[tuple[str, tuple[RecordedPose, ...]]]] = {"undo": [], "redo": []}
         """The changes that can be undone or redone: the name of each, and the poses without it."""
@@ -140,10 +140,10 @@ class PoseList:
             self._require_inside(free, checked)
         else:
             inside_from(checked, arm.limits, arm.joint_names, arm.units)
-        self._made += 1
+        self._last += 1
         # A slider's end may lie beyond its limit by the rounding of decimal text, which a planner does not take.
         inside = np.clip(checked, arm.limits.lower, arm.limits.upper)
-        return RecordedPose(self._made, free, frozen(np.where(abs(checked - inside) > LIMIT_TOL, checked, inside)), by)
+        return RecordedPose(self._last, free, frozen(np.where(abs(checked - inside) > LIMIT_TOL, checked, inside)), by)
 
     def _require_inside(self, name: str, theta: Array) -> None:
         try:
