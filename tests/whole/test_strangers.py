@@ -1,4 +1,4 @@
-"""Files from strangers: one of each kind that wants to run code, to read a file outside, or to wait for ever."""
+"""Files from strangers: what would run code, read outside or wait for ever is refused in one line, or read right."""
 
 from __future__ import annotations
 
@@ -10,59 +10,70 @@ import subprocess
 import sys
 import time
 import zipfile
+from collections import deque
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 from xml.sax.saxutils import quoteattr
 
 import pytest
 
-from twistarm import diagnose, load_arm
+from twistarm import Arm, diagnose, load_arm
+from twistarm.arm.baking import text_of
+from twistarm.checking.difference import golden_text
+from twistarm.cli.application import run
 from twistarm.support.errors import DescriptionError
+from urdf_text import two_joints, write
 from xacro_text import ARM, MANIFEST, XMLNS, as_xacro, lay
 
 TOKEN = "canary-4711"  # Of the secrets beside the package.
+SECONDS = 60  # A reader that takes longer waits for ever.
 
-_events: list[str] = []
-_watched: list[str] = []
+_seen: deque[str] = deque(maxlen=10_000)
+STARTS = ("os.system", "subprocess.Popen", "os.exec", "os.posix_spawn", "os.fork", "socket.connect")
 
 
 def _note(event: str, details: tuple[object, ...]) -> None:
-    if not _watched:
-        return
     if event == "open" and isinstance(details[0], (str, bytes)):
-        real = os.path.realpath(os.fsdecode(details[0]))
-        if real.startswith((_watched[0], "/dev/", "/etc/passwd")) and not real.endswith("package.xml"):  # for its name
-            _events.append(f"open {real}")
-    elif event in ("os.system", "subprocess.Popen", "os.exec", "os.posix_spawn", "os.fork", "socket.connect"):
-        _events.append(event)
+        _seen.append(os.path.realpath(os.fsdecode(details[0])))
+    elif event in STARTS:
+        _seen.append(event)
 
 
 sys.addaudithook(_note)
 
 
-@pytest.fixture
-def watched(tmp_path: Path) -> Iterator[list[str]]:
-    """Files opened outside and commands run."""
-    _events.clear()
-    _watched.append(str(tmp_path.resolve() / "outside"))
-    try:
-        yield _events
-    finally:
-        _watched.clear()
+def seen_outside(folder: Path) -> list[str]:
+    """Commands run and files opened beside the package, but for the name of another one."""
+    places = (str(folder.resolve() / "outside"), "/dev/", "/etc/passwd", *STARTS)
+    return [one for one in _seen if one.startswith(places) and not one.endswith("package.xml")]
 
 
-@dataclass(frozen=True)
-class Nasty:
+@pytest.fixture(autouse=True)
+def patience() -> Iterator[None]:
+    def late(*_: object) -> None:
+        raise TimeoutError("it waits for ever")
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.alarm(SECONDS)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+Make = Callable[[Path], object]
+
+
+class Nasty(NamedTuple):
     """The code that it is answered with, the files of `pkg`, the first of which is loaded, and how more is made."""
 
     code: str
-    files: dict[str, str] = field(default_factory=dict)
-    make: Callable[[Path], object] = field(default=lambda folder: None)
+    files: dict[str, str]
+    make: Make = lambda folder: None
 
 
-def xacro(code: str, inside: str, make: Callable[[Path], object] = lambda folder: None, **files: str) -> Nasty:
-    return Nasty(code, {"arm.xacro": as_xacro(inside), **{f"{name}.xacro": text for name, text in files.items()}}, make)
+def xacro(code: str, inside: str, make: Make = lambda folder: None) -> Nasty:
+    return Nasty(code, {"arm.xacro": as_xacro(inside)}, make)
 
 
 def expression(text: str, code: str = "xacro-expression-refused") -> Nasty:
@@ -70,20 +81,20 @@ def expression(text: str, code: str = "xacro-expression-refused") -> Nasty:
     return xacro(code, f'<xacro:arg name="evil" default={quoteattr(text)}/><link name="${{$(arg evil)}}"/>')
 
 
-def include(name: str, code: str = "file-outside-packages", make: Callable[[Path], object] = lambda f: None) -> Nasty:
+def include(name: str, code: str = "file-outside-packages", make: Make = lambda folder: None) -> Nasty:
     return xacro(code, f'<xacro:include filename="{name}"/>', make)
 
 
-def mesh(name: str, code: str, make: Callable[[Path], object]) -> Nasty:
+def mesh(name: str, code: str, make: Make) -> Nasty:
     shape = f'<visual><geometry><mesh filename="{name}"/></geometry></visual>'
     return Nasty(code, {"arm.urdf": ARM.replace('<link name="upper"/>', f'<link name="upper">{shape}</link>')}, make)
 
 
-def text(name: str, content: str | bytes) -> Callable[[Path], object]:
+def text(name: str, content: str | bytes) -> Make:
     return lambda folder: (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
 
 
-def linked(name: str, target: str) -> Callable[[Path], object]:
+def linked(name: str, target: str) -> Make:
     return lambda folder: (folder / name).symlink_to(target)
 
 
@@ -95,26 +106,17 @@ def linked_package(folder: Path) -> None:
         (folder / "found" / name).symlink_to(hidden / name)
 
 
-def archive(folder: Path) -> None:
-    with zipfile.ZipFile(folder / "a.3mf", "w", zipfile.ZIP_DEFLATED) as packed:
-        packed.writestr("3D/3dmodel.model", bytes(10_000_000))
+def sized(name: str, size: int) -> Make:
+    return lambda folder: ((folder / name).touch(), os.truncate(folder / name, size))
 
 
-def giant(folder: Path) -> None:
-    with (folder / "giant.xacro").open("wb") as file:
-        file.truncate(50_000_000)
+def packed(folder: Path) -> None:
+    with zipfile.ZipFile(folder / "a.3mf", "w", zipfile.ZIP_DEFLATED) as file:
+        file.writestr("3D/3dmodel.model", bytes(10_000_000))
 
 
 ENTITY = '<!DOCTYPE robot [<!ENTITY s SYSTEM "file://@SECRET">]>'
-GLTF = {
-    "asset": {"version": "2.0"},
-    "scenes": [{"nodes": [0]}],
-    "nodes": [{"mesh": 0}],
-    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
-    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
-    "bufferViews": [{"buffer": 0, "byteLength": 36}],
-    "buffers": [{"uri": "%2e%2e/outside/secret.bin", "byteLength": 36}],
-}
+GLTF = {"asset": {"version": "2.0"}, "buffers": [{"uri": "%2e%2e/outside/secret.bin", "byteLength": 36}]}
 FACES = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n"
 
 NASTY = {
@@ -135,10 +137,8 @@ NASTY = {
     "a link to a file": include("link.xacro", make=linked("link.xacro", "../outside/secret.xacro")),
     "wildcards in a linked folder": include("linked/*.xacro", make=linked("linked", "../outside")),
     "a URI": include("file://@SECRET"),
-    "a device": include("/dev/zero"),
     "a pipe": include("pipe", "file-unreadable", make=lambda folder: os.mkfifo(folder / "pipe")),
-    "a giant": include("giant.xacro", "file-unreadable", make=giant),
-    "itself": include("arm.xacro", "xacro-failed"),
+    "a giant": include("giant.xacro", "file-unreadable", sized("giant.xacro", 50_000_000)),
     "YAML outside": xacro("file-outside-packages", "<a b=\"${xacro.load_yaml('@SECRET')}\"/>"),
     "an object in YAML": xacro(
         "xacro-failed",
@@ -158,7 +158,7 @@ NASTY = {
         "a.obj", "mesh-unreadable", text("a.obj", "mtllib ../outside/secret.mtl\n" + FACES)
     ),
     "an entity in COLLADA": mesh("a.dae", "mesh-unreadable", text("a.dae", ENTITY.encode("utf-16"))),
-    "an archive": mesh("a.3mf", "mesh-unreadable", archive),
+    "an archive": mesh("a.3mf", "mesh-unreadable", packed),
     "a count that lies": mesh(
         "a.stl", "mesh-unreadable", text("a.stl", bytes(80) + struct.pack("<I", 4_294_967_295) + bytes(500))
     ),
@@ -167,46 +167,40 @@ NASTY = {
 
 def laid(case: Nasty, folder: Path) -> Path:
     """The description in a package, and secrets in another package beside it."""
-    places = {"@SECRET": str(folder / "outside/secret.xacro"), "@MARKER": str(folder / "outside/command_ran")}
-
-    def filled(content: str) -> str:
-        for name, place in places.items():
-            content = content.replace(name, place)
-        return content
-
+    outside = folder / "outside"
     secrets = dict.fromkeys(("secret.yaml", "secret.bin", "secret.mtl"), f"key: {TOKEN}\n")
-    robot = f'<robot {XMLNS}><link name="{TOKEN}"/></robot>'
-    lay(folder / "outside", {**secrets, "secret.xacro": robot})
+    lay(outside, {**secrets, "secret.xacro": f'<robot {XMLNS}><link name="{TOKEN}"/></robot>'})
     lay(folder / "pkg", {"package.xml": MANIFEST("pkg")})
-    path = lay(folder / "pkg", {name: filled(content) for name, content in case.files.items()}) / next(iter(case.files))
+    for name, text in case.files.items():
+        text = text.replace("@SECRET", f"{outside}/secret.xacro").replace("@MARKER", f"{outside}/command_ran")
+        lay(folder / "pkg", {name: text})
     case.make(folder / "pkg")
-    return path
+    return folder / "pkg" / next(iter(case.files))
 
 
 @pytest.mark.parametrize("name", NASTY)
-def test_nothing_runs_and_nothing_outside_is_read(name: str, tmp_path: Path, watched: list[str]) -> None:
-    case = NASTY[name]
-    path = laid(case, tmp_path)
-    watched.clear()
+def test_nothing_runs_and_nothing_outside_is_read(name: str, tmp_path: Path) -> None:
+    path = laid(NASTY[name], tmp_path)
+    _seen.clear()
     try:
         found, told = [one.code for one in diagnose(load_arm(path, tip="tool0"))], ""
     except DescriptionError as error:
         found, told = [one.code for one in error.findings], str(error)
-    assert watched == []
-    assert case.code in found
+    assert seen_outside(tmp_path) == []
+    assert NASTY[name].code in found
     assert TOKEN not in told
     assert "\n" not in told
     assert not (tmp_path / "outside/command_ran").exists()
 
 
-def test_the_canary_sings(tmp_path: Path, watched: list[str]) -> None:
+def test_the_canary_sings(tmp_path: Path) -> None:
     """The test above can fail: xacro by itself reads the secret."""
     import xacro as program
 
     path = laid(NASTY["an absolute include"], tmp_path)
-    watched.clear()
+    _seen.clear()
     assert TOKEN in program.process_file(str(path), verbosity=0).toxml()
-    assert watched
+    assert seen_outside(tmp_path)
 
 
 @pytest.mark.parametrize("named", ["~/ros_ws/src", "../../../ros_ws/src"])
@@ -262,3 +256,65 @@ def test_ctrl_c_ends_what_takes_long(tmp_path: Path) -> None:
     finally:
         program.kill()
     assert "Traceback" not in errors
+
+
+SRDF = '<robot name="tiny"><group name="arm"><chain base_link="base_link" tip_link="tool0"/></group></robot>'
+LOG = "left,right,x,y,z\n" + "".join(f"{10 * k},{7 * k * k},0.1,0.2,1.0\n" for k in range(5))
+RECORDING = "time [s],a.position [rad],b.position [rad]\n0,0.1,0\n1,0.1,0\n"
+MOTORS = 'source = "arm.urdf"\n[actuators.left]\nratio = { a = 0.1 }\n[actuators.right]\nratio = { b = 0.1 }\n'
+
+READERS: dict[str, str | Callable[[Arm], str]] = {
+    "info in.urdf": two_joints(),
+    "info in.xacro": two_joints(),
+    "info in.toml": MOTORS,
+    "fk in.json": text_of,
+    "check arm.urdf --samples 5 --against in.json": golden_text,
+    "fk arm.urdf --configurations in.csv": "a,b\n" + "0.1,0.2\n" * 3,
+    "ik arm.urdf --targets in.csv": "x,y,z\n0.1,0.2,0.3\n",
+    "view arm.urdf --play in.csv -o out.html": RECORDING,
+    "wiring motors.toml in.csv": LOG,
+    "info arm.urdf --srdf in.srdf": SRDF,
+    "info arm.urdf --limits in.yaml": "joint_limits: {a: {max_velocity: 0.1}}\n",
+}
+"""A command for each reader, and what an honest file holds."""
+
+NO_FILES: dict[str, Callable[[Path], object]] = {
+    "a FIFO": os.mkfifo,
+    "a device": lambda path: path.symlink_to("/dev/zero"),
+    "a folder": lambda path: path.mkdir(),
+    "a link to itself": lambda path: path.symlink_to(path.name),
+    "700 MB": lambda path: sized(path.name, 700_000_000)(path.parent),
+}
+TEXTS: dict[str, Callable[[str], str | bytes]] = {
+    "no UTF-8": lambda good: b"\xff\xc0\x80" * 1000,
+    "brackets": lambda good: b"[" * 1_000_000,
+    "5,000 digits": lambda good: good.replace("0.1", "1" + "0" * 4999).replace('"1"', f'"{"1" * 5000}"'),
+    "no number": lambda good: good.replace("0.1", "NaN").replace('"1"', '"NaN"'),
+    "a name twice": lambda good: good + good.partition("\n")[2],
+}
+QUICK = ("a FIFO", "a link to itself", "no UTF-8", "5,000 digits", "a name twice")
+
+
+@pytest.mark.parametrize("command", READERS)
+@pytest.mark.parametrize(
+    "nasty", [case if case in QUICK else pytest.param(case, marks=pytest.mark.slow) for case in (*NO_FILES, *TEXTS)]
+)
+def test_every_reader_refuses_in_one_line_or_is_right(
+    command: str, nasty: str, here: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    arm, good = load_arm(write(here, two_joints())), READERS[command]
+    write(here, MOTORS, "motors.toml")
+    (name,) = (word for word in command.split() if word.startswith("in."))
+    if nasty in NO_FILES:
+        NO_FILES[nasty](here / name)
+    else:
+        text(name, TEXTS[nasty](good(arm) if callable(good) else good))(here)
+    code, said = run(command.split()), capfd.readouterr().err
+    assert code == 2 or (code in (0, 1) and nasty in TEXTS)
+    assert "Traceback" not in said
+    assert "fault of twistarm" not in said
+    if code == 2:
+        (line,) = [line for line in said.splitlines() if not line.startswith(("note: ", "warning: "))]
+        assert line.startswith("error: ")
+        assert name in line
+        assert len(line) < 2000
