@@ -161,32 +161,6 @@ template <int N, int M> void test_size(int n, wiring wired) {
 template <int... N> void test_sizes(std::integer_sequence<int, N...>) {
     (test_size<N, N>(N, wiring::plain), ...);
 }
-
-/// In single precision, to a tenth of a millimetre.
-void test_single_precision(tests::generator& random, int n, wiring wired) {
-    const drawn_arm source(random, n, wired);
-    chain<double, dynamic, dynamic> general{};
-    CHECK(chain_from_screws(source.model(), general), "arm");
-    const auto arm = narrowed<float, dynamic, dynamic>(general);
-    const tests::problems<float, targets> given(random, source, target_kind::pose);
-    const auto range = given.ranges(arm);
-    search_settings<float> settings;
-    settings.position_tolerance = settings.orientation_tolerance = 1e-4F;
-    int order[targets], solved = 0;
-    for (int t = 0; t < targets; ++t) order[t] = t;
-    static solution<float, dynamic> solutions[targets];
-    list<float, dynamic> all{given, order, targets, -1, solutions};
-    solve_batch<target_kind::pose>(arm, range, settings, all);
-    for (int t = 0; t < targets; ++t) {
-        solution<float, dynamic> single;
-        solve(arm, range, settings, given.asked[t], given.theta0 + t * n, seed, single);
-        for (const auto& found : {solutions[t], single}) {
-            tests::judge(source, given, t, found, 1e-4, 2e-5);
-            solved += found.converged;
-        }
-    }
-    CHECK(solved >= 2 * targets - 2, "float: %d of %d", solved, 2 * targets);
-}
 }  // namespace
 
 int main() {
@@ -194,10 +168,5 @@ int main() {
     test_size<dynamic, dynamic>(4, wiring::followers);
     test_size<dynamic, dynamic>(6, wiring::differential);
     test_size<dynamic, dynamic>(64, wiring::plain);
-    tests::generator random;
-    for (int i = 0; i < 2; ++i) {
-        test_single_precision(random, 6, wiring::plain);
-        test_single_precision(random, 5, wiring::followers);
-    }
     return tests::verdict("batch");
 }

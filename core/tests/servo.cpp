@@ -104,27 +104,6 @@ template <class T> void test_beside_a_limit(tests::generator& random) {
     CHECK(checked > 20, "%d arms", checked);
 }
 
-/// The lines that servo.hpp begins with.
-void test_usage(tests::generator& random) {
-    const driven_arm<double, 6, 6> driven(random, 6, wiring::plain, 0);
-    const auto& arm = driven.arm;
-    const auto& bounds = driven.bounds;
-    const double measured[6] = {};
-    const auto send = [&](const double* theta, const double* theta_dot) {
-        for (int k = 0; k < 6; ++k) CHECK(std::fabs(theta[k] - 0.01 * theta_dot[k]) < 1e-15, "joint %d", k);
-        CHECK(servo_detail::norm(theta_dot, 6) > 0, "nothing moves");
-    };
-    twistarm::servo_state<double, 6> state{};  // at rest, where the arm was measured to be
-    for (int k = 0; k < 6; ++k) state.theta[k] = measured[k];
-    twistarm::servo_command<double, 6> command{};
-    command.kind = twistarm::servo_kind::twist;
-    command.twist[0] = 0.05;                                     // m/s along the tool's x
-    command.held[3] = command.held[4] = command.held[5] = true;  // as it is turned now
-    twistarm::servo_output<double> out;
-    twistarm::servo_step(arm, bounds, command, 0.01, state, out);  // every 10 ms
-    send(state.theta, state.theta_dot);
-}
-
 template <class T, int N, int M> void test_arms(tests::generator& random, int n, wiring wired, int motors, int count) {
     for (int i = 0; i < count; ++i) {
         driven_arm<T, N, M> driven(random, n, wired, motors);
@@ -142,7 +121,6 @@ int main() {
     }
     test_arms<double, dynamic, dynamic>(random, most_joints, wiring::plain, 4, 1);
     test_arms<float, 4, 6>(random, 4, wiring::followers, 1, 4);
-    test_usage(random);
     test_beside_a_limit<double>(random);
     test_beside_a_limit<float>(random);
     return tests::verdict("servo");
