@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ import pinocchio
 import pytest
 
 from finding_cases import CASES, FAULTS, Case
+from test_cli import Capture, answer
 from twistarm import diagnose, load_arm
 from twistarm.cli.application import run
 from twistarm.description.findings import CODES, Finding, codes_page
@@ -99,14 +99,6 @@ def test_the_list_in_docs_is_the_list_in_the_code() -> None:
     assert DOCS.read_text("utf-8") == codes_page(), "write it anew: twistarm doctor --codes > docs/findings.md"
 
 
-Capture = pytest.CaptureFixture[str]
-
-
-def answer(capsys: Capture, *arguments: str, code: int = 0) -> Any:
-    assert run(["doctor", *arguments, "--json"]) == code
-    return json.loads(capsys.readouterr().out)
-
-
 def test_the_page_of_the_rover_arm(capsys: Capture) -> None:
     assert run(["doctor", "rover_arm"]) == 0
     captured = capsys.readouterr()
@@ -129,7 +121,7 @@ def test_exit_codes_by_severity(capsys: Capture, tmp_path: Path) -> None:
 
 
 def test_json_has_the_place_in_parts(capsys: Capture, tmp_path: Path) -> None:
-    content = answer(capsys, str(lay(CASES["unit-doubtful: degrees"], tmp_path)))
+    content = answer(capsys, "doctor", str(lay(CASES["unit-doubtful: degrees"], tmp_path)))
     first = content["findings"][0]
     assert {name: first[name] for name in ("code", "severity", "file", "line", "element", "name")} == {
         "code": "unit-doubtful", "severity": "warning",
@@ -138,7 +130,7 @@ def test_json_has_the_place_in_parts(capsys: Capture, tmp_path: Path) -> None:
     assert first["meaning"] == CODES["unit-doubtful"].meaning
     assert content["n"] == 2
     assert content["directions"] == {"position": 0, "rotation_in_place": 1}
-    refused = answer(capsys, str(lay(CASES["not-a-tree: a circle"], tmp_path)), code=1)
+    refused = answer(capsys, "doctor", str(lay(CASES["not-a-tree: a circle"], tmp_path)), code=1)
     assert (refused["n"], refused["directions"]) == (None, None)
     assert refused["findings"][0]["code"] == "not-a-tree"
 
@@ -152,9 +144,9 @@ def test_fix_writes_and_lists(capsys: Capture, tmp_path: Path) -> None:
     path, out = str(lay(CASES["axis-not-unit"], tmp_path)), tmp_path / "fixed.urdf"
     assert run(["doctor", path, "--fix", "-o", str(out)]) == 0
     assert str(out) in capsys.readouterr().out.replace("\n", "")
-    assert "axis-not-unit" not in [one["code"] for one in answer(capsys, str(out))["findings"]]
+    assert "axis-not-unit" not in [one["code"] for one in answer(capsys, "doctor", str(out))["findings"]]
     assert run(["doctor", path, "--fix", "-o", str(out)]) == 2
-    content = answer(capsys, path, "--fix", "-o", str(out), "--force")
+    content = answer(capsys, "doctor", path, "--fix", "-o", str(out), "--force")
     assert len(content["repairs"]) == 1
     assert content["written"] == [str(out)]
     assert run(["doctor", path, "--fix", "-o", path]) == 2

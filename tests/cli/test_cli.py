@@ -229,7 +229,6 @@ BAD = (
     ("info rover_arm --package-dir nowhere", "nowhere"),
     ("fk rover_arm --theta '1 2'", "takes 5 values"),
     ("fk rover_arm --theta 1 -2 x 4 5", "'x'"),
-    ("fk rover_arm --theta 1 2 3 4 x", "'x'"),
     ("fk rover_arm 0 -30 0 0 0", "--theta 0 -30 0 0 0"),
     ("ik rover_arm 1 0 0", "--xyz 1 0 0"),
     ("fk rover_arm -theta 0", "--theta"),
@@ -237,7 +236,6 @@ BAD = (
     ("fk rover_arm --theta 'slide=1 slide=2'", "slide, slide"),
     ("fk rover_arm --frame tol0", "'tool0'"),
     ("ik rover_arm", "--xyz"),
-    ("ik rover_arm --xyz '1 2'", "--xyz"),
     ("ik rover_arm --xyz '1e300 0 0'", "metres"),
     (IK + "--rpy '0 0 0' --direction '1 0 0'", "--rpy or --direction"),
     (IK + "--targets t.csv", "--targets"),
@@ -260,7 +258,6 @@ BAD = (
     ("plan rover_arm motion.toml --direction '0 0 1'", "--xyz"),
     (PLAN + "--velocity 0", "--velocity"),
     (PLAN + "--to ready --blend 0.1", "--blend"),
-    (PLAN + "--line --blend 0.1", "--blend"),
     (PLAN + "--line --stop --blend 0.1", "--stop"),
     (PLAN + "--kind quintic", "--kind quintic"),
     ("plan rover_arm" + " --xyz '1 0 1'" * 3 + " --direction '0 0 1'" * 2, "got 2 for 3 --xyz"),
@@ -272,13 +269,10 @@ BAD = (
     (SERVO + "--serial /dev/no_such_port", "'/dev/no_such_port'"),
     (SERVO + "--from 127.0.0.1", "--from"),
     (SERVO + "--units counts", "--units"),
-    (SERVO + "--serial /dev/ttyX:fast", "--serial"),
     (SERVO + "--commands 127.0.0.1:70000", "--commands"),
-    (SERVO + "--commands 127.0.0.1:0 --key /no/key", "'/no/key'"),
     (SERVO + "--commands no.such.host.invalid:5005", "'no.such.host.invalid'"),
     (FOLLOW + "--theta '0 0' --udp 127.0.0.1:5005 --listen 127.0.0.1:0", "--theta"),
     (FOLLOW + "--speed 0", "--speed"),
-    (FOLLOW + "--speed 2", "--speed"),
     (FOLLOW + "--rate 1", "10 Hz"),
 )
 """Command lines, and what the error names."""
@@ -322,18 +316,6 @@ def test_without_a_stdout_or_with_one_that_is_full(tmp_path: Path) -> None:
 def test_debug_shows_the_traceback() -> None:
     with pytest.raises(twistarm.support.errors.UnknownNameError):
         run(["info", "rover_amr", "--debug"])
-
-
-@pytest.mark.parametrize("command", ["ik", "plan", "servo", "calibrate"])
-def test_the_help_leaves_room_for_its_text(command: str, capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
-    lines = printed(capsys, command, "--help").splitlines()
-    assert max(map(len, lines)) <= 80
-    assert max(len(line) - len(line.lstrip()) for line in lines) <= 80 - 45
-    sections = [line for line in lines if line.endswith(":") and not line.startswith(" ")]
-    target = ["The target:"] if command in ("ik", "plan") else []
-    assert sections == ["Arguments:", *target, "Options:", "Loading the arm:"]
-    assert {"--tip", "--locked-joint"} <= {line.split()[0] for line in lines[lines.index(sections[-1]) :] if line}
 
 
 def test_version_commands_and_what_is_installed(capsys: Capture) -> None:

@@ -31,7 +31,7 @@ from twistarm import (
 from twistarm.cli.application import run
 from twistarm.ik.targets import target_for
 from twistarm.planning import configurations as finding
-from twistarm.planning.configurations import ALL_BUT_EXACT, errors_and_rows, projected
+from twistarm.planning.configurations import errors_and_rows
 
 RATES = {"velocity": 1.0, "acceleration": 3.0}
 DOWN = np.array([0.0, 0.0, -1.0])
@@ -156,19 +156,6 @@ def test_errors_of_a_task_away_from_its_target_are_what_exceeds_the_tolerances()
     e, J = errors_and_rows(task, g[None], off[None], ARM.body_jacobian(theta)[None])
     np.testing.assert_allclose(e[0], [0.015, 0.0, 0.0, 0.0, 0.0, 0.2], atol=1e-12)
     assert [bool(row.any()) for row in J[0]] == [True, True, False, False, False, True]
-
-
-def test_projected_configurations_meet_their_targets_inside_the_limits():
-    rng = np.random.default_rng(8)
-    wanted = rng.uniform(np.maximum(ARM.limits.lower, -3.0), np.minimum(ARM.limits.upper, 3.0), (200, ARM.n))
-    ideal = ARM.fk(wanted)
-    for like in likes(ideal[0])[1:3]:
-        theta, met = projected(ARM, like, ideal, wanted + rng.uniform(-0.1, 0.1, wanted.shape), ALL_BUT_EXACT)
-        assert met.mean() > 0.9
-        assert ARM.limits.contains(theta).all()
-        for g, pose in zip(ideal[met], ARM.fk(theta[met]), strict=True):
-            assert like.at(g).position_error(pose) <= 1e-9
-            assert like.at(g).orientation_error(pose) <= 1e-8
 
 
 @pytest.mark.parametrize(("name", "kind"), [("rover_arm", "approach"), ("panda", "pose"), ("ur5", "approach")])

@@ -183,11 +183,7 @@ def circle(graph: dict[Path, set[Path]]) -> str:
 
 
 def test_no_modules_import_each_other_in_a_circle() -> None:
-    graph = {file: package_imports(file, typing=False) for file in FILES if file != PACKAGE / "__init__.py"}
-    assert circle(graph) == ""
-
-
-def test_types_and_late_imports_make_no_circle_either() -> None:
+    """Neither late nor for the sake of types."""
     graph = {file: package_imports(file) for file in FILES if file != PACKAGE / "__init__.py"}
     assert circle(graph) == ""
 
