@@ -102,3 +102,19 @@ def test_limits_are_read_back_as_they_are(here: Path) -> None:
     assert run(["bake", "rover_arm", "-o", "joint_limits.yaml"]) == 2
     assert run(["bake", "rover_arm", "-o", "joint_limits.yaml", "--force"]) == 0
     assert load_arm("rover_arm", limits="joint_limits.yaml").limits.jerk.min() == np.inf
+
+
+def test_an_open_side_is_a_number_that_every_reader_takes(here: Path) -> None:
+    """ROS takes both sides of a position or none, and not every YAML reader takes .inf."""
+    arm = load_arm("rover_arm", limits={"lower": {"elbow": -np.inf, "slide": -np.inf}, "upper": {"slide": np.inf}})
+    bake(arm, "open.json")
+    assert run(["bake", "open.json", "-o", "joint_limits.yaml"]) == 0
+    text = Path("joint_limits.yaml").read_text()
+    written = yaml.safe_load(text)["joint_limits"]
+    assert "inf" not in text
+    assert written["elbow"]["has_position_limits"] is True
+    assert np.isfinite([written["elbow"]["min_position"], written["elbow"]["max_position"]]).all()
+    assert written["slide"]["has_position_limits"] is False
+    assert "min_position" not in written["slide"]
+    read = load_arm("rover_arm", limits="joint_limits.yaml").limits
+    assert (read.lower[2], read.upper[2]) == (-np.inf, arm.limits.upper[2])

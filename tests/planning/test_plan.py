@@ -24,7 +24,11 @@ from twistarm import (
     load_arm,
     plan,
     rotations,
+    screws,
 )
+from twistarm.planning.curves import MovingTarget, line
+from twistarm.planning.following import Blocked, Node
+from twistarm.planning.refusal import refusal
 from twistarm.support.errors import InputError, LimitError, NotConvergedError, UnknownNameError
 
 RATES = {"velocity": 1.2, "acceleration": 3.0, "jerk": 40.0}
@@ -302,6 +306,16 @@ def test_what_lies_beyond_the_end_of_a_path_says_why_it_ends():
     assert error.value.reason == "out of reach"
     reach = np.linalg.norm(arm.fk([0.0, 0.0])[:3, 3])
     assert error.value.share == pytest.approx((reach / np.linalg.norm(start) - 1.0) / 2.0, abs=1e-3)
+
+
+def test_a_leap_has_a_reason_of_its_own():
+    """No joint is at a limit, and the configuration is far from singular: neither of them is the reason."""
+    arm = load_arm("ur5", limits={"acceleration": 3.0})
+    g = arm.fk(arm.ready)
+    moving = MovingTarget(line(g, g @ screws.exp([0.0, 0.0, 0.1, 0.0, 0.0, 0.0])), Pose(g))
+    error = refusal(arm, arm.limits, Blocked(Node(moving, 0.0, arm.ready, 0.0), 0.1, leap=True), 0, "", others=False)
+    assert (error.reason, error.joint) == ("leap", None)
+    assert "leap to another configuration" in str(error)
 
 
 @pytest.mark.parametrize(

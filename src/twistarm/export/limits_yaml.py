@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arm.arm import Arm
+from ..description.bounds import NO_LIMIT
 from ..support.files import WRITTEN_YAML
 
 SUFFIXES = (".yaml", ".yml")
@@ -15,7 +16,8 @@ RATES = ("velocity", "acceleration", "jerk", "effort")
 def limits_yaml(arm: Arm) -> str:
     """The file's text: the known limits of each joint, and `has_…_limits: false` for the rest.
 
-    Positions in rad or m, the rates per s, s², s³, effort in N m or N. `load_arm(…, limits=FILE)` reads it back.
+    Positions in rad or m, the rates per s, s², s³, effort in N m or N. An open side beside a position limit is
+    `NO_LIMIT`, because ROS takes both sides or none. `load_arm(…, limits=FILE)` reads it back.
     """
     import yaml  # few calls need it
 
@@ -25,11 +27,11 @@ def limits_yaml(arm: Arm) -> str:
 
 
 def _joint(arm: Arm, i: int) -> dict[str, bool | float]:
-    lower, upper = float(arm.limits.lower[i]), float(arm.limits.upper[i])
-    bounded = bool(np.isfinite([lower, upper]).any())
+    sides = np.array([arm.limits.lower[i], arm.limits.upper[i]])
+    bounded = bool(np.isfinite(sides).any())
     entries: dict[str, bool | float] = {"has_position_limits": bounded}
     if bounded:
-        entries |= {"min_position": lower, "max_position": upper}
+        entries["min_position"], entries["max_position"] = np.clip(sides, -NO_LIMIT, NO_LIMIT).tolist()
     for rate in RATES:
         limit = float(getattr(arm.limits, rate)[i])
         entries[f"has_{rate}_limits"] = bool(np.isfinite(limit))

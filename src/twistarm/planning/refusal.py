@@ -34,10 +34,10 @@ class PathError(TwistarmError):
     """A path that the arm cannot follow to its end.
 
     `share`: the part that it can follow, s in [0, 1). `theta` (n,): the configuration there. `reason`: "limit",
-    "singular", "out of reach" or "impossible direction". In a scene it may be "collision", or "not kept" if start or
-    goal does not meet a `Keep`. `joint`: the joint at its limit, or None. `start` (n,): another configuration from
-    which the whole path can be followed, or None. `segment`: the index of the segment in the motion, with `place` in
-    words. `detail`: the message without the place.
+    "leap" (to another configuration), "singular", "out of reach" or "impossible direction". In a scene it may be
+    "collision", or "not kept" if start or goal does not meet a `Keep`. `joint`: the joint at its limit, or None.
+    `start` (n,): another configuration from which the whole path can be followed, or None. `segment`: the index of the
+    segment in the motion, with `place` in words. `detail`: the message without the place.
     """
 
     def __init__(
@@ -109,7 +109,7 @@ def _why(arm: Arm, blocked: Blocked, beyond: IKResult | None) -> tuple[str, str 
         leap = "the arm would have to leap to another configuration"
         if float(arm.manipulability(theta).singular_values[-1]) < SINGULAR:
             return "singular", None, f"at a singular configuration, {leap}"
-        return "limit", None, leap
+        return "leap", None, leap
     if beyond.stop is StopReason.BLOCKED_BY_LIMITS:
         return "limit", None, "the limits of the joints leave no configuration that meets it farther on"
     if beyond.stop is StopReason.IMPOSSIBLE_DIRECTION:

@@ -6,14 +6,15 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
-from math import inf
+from math import copysign, inf
 from pathlib import Path
 from typing import Any
 
 from ...limits.joint_limits import JointLimits, by_field
 from ...support.checks import as_flag, as_number
 from ...support.errors import InputError, closest, listed
-from ...support.fields import anything, fields, table_of
+from ...support.fields import Check, anything, fields, table_of
+from ..bounds import NO_LIMIT
 from ..document import existing_file, read_text
 from ..findings import Finding, Place, finding
 from .data_files import parse_yaml, unusable
@@ -22,10 +23,16 @@ MAX_BYTES = 250_000  # A file for a whole humanoid has some 10 kB.
 # How deep parameters nest around joint_limits (`/**: ros__parameters: robot_description_planning:`).
 MAX_NESTING = 6
 
-_position = partial(as_number, least=-inf, most=inf, unit="rad or m, or !degrees")
+
+def _position(value: Any, name: str) -> float:
+    """Check a position limit. From `NO_LIMIT` on it is an open side, as in a URDF."""
+    position = as_number(value, name, -inf, inf, unit="rad or m, or !degrees")
+    return position if abs(position) < NO_LIMIT else copysign(inf, position)
+
+
 _rate = partial(as_number, least=0.0, most=inf, unit="per s, s², s³; N m or N")
 
-ENTRIES = {
+ENTRIES: Mapping[str, tuple[str, str, Check]] = {
     "max_velocity": ("has_velocity_limits", "velocity", _rate),
     "max_acceleration": ("has_acceleration_limits", "acceleration", _rate),
     # Pilz's planner for MoveIt writes a negative number, ros2_control a positive one.

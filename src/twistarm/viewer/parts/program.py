@@ -78,7 +78,7 @@ STALE = "The list has changed since this motion was planned: plan again."
 # Note on a motion that stops at each pose. "Straight" could be read as the tool's path.
 STRAIGHT = "straight in joint space between the poses; the tool moves on a curve"
 # Short words for reasons of a PathError. Other reasons are words themselves.
-WHY = {"limit": "a joint would jump", "singular": "singular configuration"}
+WHY = {"leap": "a joint would jump", "limit": "joint limits prevent it", "singular": "singular configuration"}
 MOST_GHOSTS = 12  # Most poses at which the arm is drawn faintly, evenly chosen.
 
 
