@@ -102,7 +102,7 @@ def test_the_ready_pose_is_the_one_in_the_file(rover: Arm, tmp_path: Path) -> No
 
 
 def test_limits_are_taken(rover: Arm, tmp_path: Path) -> None:
-    """As for the description; named poses that lie outside are left out and said, and `ready` is found anew."""
+    """As for the description; named ones that lie outside are left out and said, and `ready` is found anew."""
     path = bake(rover, tmp_path)
     slower = load_arm(path, limits={"velocity": 0.25})
     assert slower.limits.velocity.tolist() == [0.25] * 5

@@ -169,7 +169,7 @@ def test_states_that_give_every_coordinate_are_named_states(tmp_path: Path) -> N
     assert "group_state 'half': it gives no value for 'b'; it is left out" in said["companion-not-used"]
     assert "group_state 'beyond': b = 1.2 lies outside its limits [-1, 1]; it is left" in said["outside-limits"]
     assert said["outside-limits"].startswith("warning: ")
-    assert "gives 2 named poses" in said["srdf-found"]
+    assert "gives 2 named configurations" in said["srdf-found"]
 
 
 def test_a_state_rounded_beyond_a_limit_is_put_onto_it(tmp_path: Path) -> None:

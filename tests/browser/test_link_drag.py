@@ -29,7 +29,7 @@ CAMERA = "twistarm.view.viewer.camera.position.toArray()"
 
 @pytest.fixture
 def desk(shown: Callable[[str], tuple[Any, Viewer]]) -> Callable[[str], tuple[Any, Viewer]]:
-    """The page of an arm at its ready pose, without the tool's handles, seen as at first."""
+    """The page of an arm at its ready configuration, without the tool's handles, seen as at first."""
 
     def at_rest(name: str) -> tuple[Any, Viewer]:
         page, viewer = shown(name)
@@ -45,7 +45,7 @@ def desk(shown: Callable[[str], tuple[Any, Viewer]]) -> Callable[[str], tuple[An
 
 
 class Held:
-    """A link at the ready pose, and the point of it that is seen where its joint and the next are in line."""
+    """A link at the ready configuration, and the point of it that is seen where its joint and the next are in line."""
 
     def __init__(self, page: Any, arm: Arm, link: str, following: str, joint: str) -> None:
         self.page, self.arm, self.link, self.i = page, arm, link, arm.joint_names.index(joint)
@@ -58,7 +58,7 @@ class Held:
         return [x, y]
 
     def moved(self, by: float) -> Any:
-        """Where on the screen the joint carries the point, by rad or m from the ready pose."""
+        """Where on the screen the joint carries the point, by rad or m from the ready configuration."""
         theta = self.arm.ready + by * np.eye(self.arm.n)[self.i]
         before, after = self.arm.poses(self.arm.ready)[self.link], self.arm.poses(theta)[self.link]
         return self.screen((after @ np.linalg.solve(before, [*self.point, 1.0]))[:3])

@@ -30,7 +30,7 @@ def test_the_recommended_pose_can_be_pasted_and_is_as_good_as_said(tmp_path: Pat
     text = chain("0 0 1", "0 1 0", "0 1 0", "0 0 1", "0 1 0", "0 0 1", xyz="0 0 0.3")
     path = write(tmp_path, text.replace('lower="-1" upper="1"', 'lower="-2.5" upper="2.5"'))
     (said,) = [one for one in diagnose(path) if one.code == "home-singular"]
-    assert said.what.startswith("the zero pose is singular: condition number ∞;")
+    assert said.what.startswith("the zero configuration is singular: condition number ∞;")
     head, _, snippet = said.remedy.partition("\n")
     write(tmp_path, f'source = "arm.urdf"\n{snippet}\n', "arm.toml")
     arm = load_arm(tmp_path / "arm.toml")
@@ -51,7 +51,7 @@ def test_a_pose_named_home_is_looked_at(tmp_path: Path) -> None:
         write(tmp_path, f'source = "arm.urdf"\n{pose}', "arm.toml")
         said = [one.what for one in diagnose(tmp_path / "arm.toml") if one.code == "home-singular"]
         assert bool(said) == singular
-        assert all(what.startswith("the home pose is singular") for what in said)
+        assert all(what.startswith("the home configuration is singular") for what in said)
 
 
 # -- axes ----------------------------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from twistarm.control.stream import Ending
 SPEED, WAY = 0.1, 3.0  # Of the tool [m/s]; seconds.
 
 UP, LEFT, DOWN = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, -1.0])
-FREE = {"rover_arm": UP, "ur5": LEFT, "panda": DOWN}  # Where an arm can go 0.3 m from its ready pose.
+FREE = {"rover_arm": UP, "ur5": LEFT, "panda": DOWN}  # Where an arm can go 0.3 m from its ready configuration.
 
 
 def along(direction, after=None):

@@ -170,7 +170,7 @@ WRITTEN: dict[str, dict[str, Any]] = {
     "merely almost a rotation": {"target": TILTED},
     "numbers of NumPy's": {"position_tol": np.float64(1e-6), "orientation_tol": np.float32(1e-6), "rng": np.int64(0),
                            "restarts": np.int32(100), "max_time": np.int64(10)},
-    "the ready pose by its name": {"theta0": "ready"},
+    "the ready configuration by its name": {"theta0": "ready"},
 }  # fmt: skip
 
 

@@ -326,7 +326,7 @@ def test_a_leap_has_a_reason_of_its_own():
         ([LineMove(moved([0.0, 0.0, 0.01]), blend=0.2)], {}, InputError, "segment 1 .*cannot blend"),
         ([JointMove(np.full(6, 50.0))], {}, LimitError, "segment 1 .JointMove. puts joint"),
         ([JointMove(Position([9.0, 0.0, 0.0]))], {}, NotConvergedError, "segment 1 .JointMove."),
-        ([JointMove("ready"), JointMove("redy")], {}, UnknownNameError, "^segment 2 .JointMove.: no pose 'redy'"),
+        ([JointMove("ready"), JointMove("redy")], {}, UnknownNameError, "^segment 2 .JointMove.: no conf.* 'redy'"),
         ([JointMove({"elbw": 1.0})], {}, UnknownNameError, "^segment 1 .JointMove.: no joint 'elbw'"),
         ([JointMove([1.0, 2.0])], {}, InputError, "^segment 1 .JointMove.: its goal must have shape"),
         ([JointMove("ready")], {"kind": "fast"}, InputError, "kind must be"),

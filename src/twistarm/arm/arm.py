@@ -44,7 +44,7 @@ class Arm(ArmData):
 
     `actuators` are the motors that an arm.toml describes. `disabled_collisions` are the sorted pairs of links that an
     SRDF exempts from collision checks. `moving_names` are the moving joints of the chain, base to tip. There is one per
-    column of `screws`, and followers count. `known_ready` is the ready pose of a baked arm.
+    column of `screws`, and followers count. `known_ready` is the ready configuration of a baked arm.
 
     An arm is plain data and picklable. The compiled core computes `fk` and the Jacobians, and NumPy without the core.
     """

@@ -65,7 +65,7 @@ class Configurations(Mapping[str, Array]):
             return self._named[name]
         if name not in (READY, ZERO):
             known = tuple(self)
-            raise unknown_name("pose", name, known, within=self._arm, listing=f"poses: {listed(known)}")
+            raise unknown_name("configuration", name, known, within=self._arm, listing=f"known: {listed(known)}")
         return self._ready() if name == READY else frozen(np.zeros(self._n))
 
     def __contains__(self, name: object) -> bool:

@@ -55,7 +55,7 @@ DECIMALS = 6  # Decimals of compared costs, so that rounding does not choose bet
 
 @dataclass(frozen=True)
 class Mechanism:
-    """The numbers of an arm that a ready pose depends on: screws (6, m), coupling A (m, n), origin of the tool (3,)."""
+    """What a ready configuration depends on: screws (6, m), coupling A (m, n), origin of the tool (3,)."""
 
     screws: Array
     A: Array

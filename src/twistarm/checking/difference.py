@@ -24,7 +24,7 @@ GOLDEN = Kind("twistarm golden", "golden file", "twistarm freeze ARM -o FILE")
 
 NOT_COVERED = (
     "shapes and meshes",
-    "named poses and the SRDF",
+    "named configurations and the SRDF",
     "limits of joints beside the chain",
     "damping and friction",
 )
@@ -70,7 +70,7 @@ class Difference:
 def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
     """Write the arm as numbers (JSON, SI): what `bake` keeps, and each link's mass, centre and inertia.
 
-    `compare` lists the changes since. The file lists what it does not cover. These are shapes and meshes, named poses,
+    `compare` lists the changes since. The file lists what it does not cover. These are shapes, named configurations,
     the SRDF, damping and friction, and limits of joints beside the chain. A digest covers every number, so an edited
     file is refused. The file is written whole or not at all.
 
@@ -104,8 +104,8 @@ def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
 
     Returns:
         The `Difference`: names, types, limits, motors, axes, tool, and the mass, centre and inertia of each link.
-        Shapes, meshes, named poses and the SRDF are not compared. Differences below 1 µm, 1e-6 rad or 1e-5 of a mass do
-        not count: an export rounds that much.
+        Shapes, named configurations and the SRDF are not compared. Differences below 1 µm, 1e-6 rad or 1e-5 of a mass
+        do not count: an export rounds that much.
 
     Raises:
         DescriptionError: `against` cannot be read, or is no golden file, no baked arm and no description.

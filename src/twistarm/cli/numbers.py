@@ -36,10 +36,10 @@ SUCH_AS = {
 """Examples of each quantity that an option takes, in the units of one or two."""
 
 METAVARS = {units: units.upper().replace(" ", "|") for units in SUCH_AS} | {ANGLE: "ANGLE", NUMBER: "NUMBER"}
-VALUES, POSE, AXIS = "VALUES", "POSE", "AXIS"
+VALUES, AXIS = "VALUES", "AXIS"
 XYZ, RPY, WXYZ, XYZW, PLACE = "'X Y Z'", "'R P Y'", "'W X Y Z'", "'X Y Z W'", "'X Y YAW'"
 # The values in the help of options that take several words: numbers, and units after them.
-NUMBERS = (VALUES, POSE, AXIS, XYZ, RPY, WXYZ, XYZW, PLACE, *METAVARS.values())
+NUMBERS = (VALUES, AXIS, XYZ, RPY, WXYZ, XYZW, PLACE, *METAVARS.values())
 OfJoints = Mapping[str, float]  # A typed quantity of joints, by their units rad and m.
 PRINTED_ROUNDING = 1e-6  # A smaller distance outside a limit [rad, m] is rounding of a printed number.
 
@@ -170,7 +170,7 @@ def of_joints(arm: Arm, typed: OfJoints, otherwise: float, option: str) -> Array
 
 @dataclass(frozen=True)
 class JointValues:
-    """Typed joint values: numbers base to tip, `joint=value` pairs, or the name of a pose. The arm knows their units.
+    """Typed joint values: numbers base to tip, `joint=value` pairs, or a name. The arm knows their units.
 
     A value outside a limit by rounding becomes the limit.
     """
@@ -180,12 +180,12 @@ class JointValues:
     radians: bool
 
     def of(self, arm: Arm, rest: tuple[str, Array] | None = None) -> Array:
-        """theta (n,) of the arm. Omitted joints are as in `rest`, a name and its theta, by default the pose ready."""
+        """theta (n,) of the arm. Omitted joints are as in `rest`, a name and its theta, by default ready."""
         if self.text.strip() in arm.configurations:
             return arm.theta_from(self.text.strip())
         wrong = next((word for word in self.text.split() if "=" not in word and not is_part(word)), self.text)
         neither = (
-            f"{self.option} takes joint values ({arm.n} numbers, or joint=value …) or one of the poses "
+            f"{self.option} takes joint values ({arm.n} numbers, or joint=value …) or one of the configurations "
             f"{listed(arm.configurations)}; {wrong!r} is none of them{closest(wrong, arm.configurations)}"
         )
         if "=" not in self.text:
@@ -200,7 +200,7 @@ class JointValues:
         theta, others = self._theta(arm, names, values), [name for name in arm.joint_names if name not in names]
         if not others:
             return theta
-        which, as_before = rest or ("the pose ready", arm.ready)
+        which, as_before = rest or ("ready", arm.ready)
         note(f"{', '.join(others)} as in {which}")
         return np.where([joint in names for joint in arm.joint_names], theta, as_before)
 
@@ -247,6 +247,6 @@ class JointValues:
         return names, values
 
 
-def joint_values(metavar: str, help_text: str, *names: str) -> Any:
+def joint_values(help_text: str, *names: str) -> Any:
     """An option of `JointValues`."""
-    return typed_option(JointValues, metavar, help_text, *names)
+    return typed_option(JointValues, VALUES, help_text, *names)

@@ -23,7 +23,6 @@ from .numbers import (
     ANGLE,
     LENGTH,
     SUCH_AS,
-    VALUES,
     XYZ,
     JointValues,
     argument,
@@ -42,9 +41,8 @@ if TYPE_CHECKING:
 Theta = Annotated[
     JointValues | None,
     joint_values(
-        VALUES,
         "Joint values base to tip (0.1 30 -45; degrees, metres for slides), joint=value for some of them, the others "
-        "as in ready, or a pose's name (ready, zero).",
+        "as in ready, or a configuration's name (ready, zero)."
     ),
 ]
 SceneFile = Annotated[Path | None, option("FILE", "Obstacles: a scene.toml, or MoveIt's scene.", "--scene", "--avoid")]
@@ -181,7 +179,7 @@ def _keywords(
         list[str] | None, _loading("env_vars", "An environment variable that xacro may read; may be repeated.")
     ] = None,
     srdf: Annotated[
-        Path | None, _loading("srdf", "SRDF with groups and poses, instead of the one beside the file.")
+        Path | None, _loading("srdf", "SRDF with groups and configurations, instead of the one beside the file.")
     ] = None,
     limits: Annotated[
         Path | None, _loading("limits", "joint_limits.yaml of MoveIt or ros2_control; wins over the URDF.")

@@ -205,7 +205,7 @@ def configurations_in(arm: Arm, path: str) -> tuple[list[int], Array]:
     if not columns:
         raise sheet.lacks(f"no column is a joint of {arm.name}: {listed(arm.joint_names)}")
     if others := [name for name in arm.joint_names if name not in columns]:
-        note(f"{', '.join(others)} as in the pose ready")
+        note(f"{', '.join(others)} as in ready")
     theta = np.tile(arm.ready, (len(sheet.rows), 1))
     theta[:, [arm.joint_names.index(name) for name in columns]] = np.stack([*columns.values()], axis=1)
     outside = [line for line, inside in zip(sheet.lines, arm.limits.contains(theta), strict=True) if not inside]

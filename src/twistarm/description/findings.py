@@ -52,13 +52,11 @@ CODES: dict[str, Code] = {
     "several-tips": Code("info", "no tip was given; the most likely link was chosen"),
     "no-chain": Code("error", "no joint moves between base and tip, or a floating one does"),
     "off-the-chain": Code("info", "joints, or their limits and motors, that are not between base and tip"),
-    "ready-named": Code("info", "the pose to start from is one that the description names"),
+    "ready-named": Code("info", "the configuration to start from is one that the description names"),
     # companion files
     "companion-unusable": Code("error", "an entry of an arm.toml, DH table, SRDF or file of limits cannot be used"),
     "srdf-found": Code("info", "an SRDF says more about the robot than its description"),
-    "companion-doubtful": Code(
-        "warning", "an SRDF, limits or a pose beside the joints do not fit the arm, at least in part"
-    ),
+    "companion-doubtful": Code("warning", "an SRDF, limits or a configuration fit the arm only in part, or not at all"),
     "companion-not-used": Code("info", "an SRDF or a file of limits is not used: several fit, or it gives too little"),
     # packages and xacro
     "package-not-found": Code("warning", "a package was not found, but nothing the kinematics needs uses it"),
@@ -73,7 +71,7 @@ CODES: dict[str, Code] = {
     # shapes and masses
     "collision-shapes": Code("info", "the shapes of the links in collision checks"),
     "no-collision-shapes": Code("warning", "links have no collision shapes; other shapes replace them"),
-    "links-collide": Code("warning", "links collide at the ready pose or nearly always; no SRDF exempts them"),
+    "links-collide": Code("warning", "links collide at the ready configuration or nearly always; no SRDF exempts them"),
     "mesh-missing": Code("warning", "mesh files were not found; simple shapes are drawn instead"),
     "mesh-unreadable": Code("warning", "a mesh file is damaged or a Git LFS pointer; other shapes replace it"),
     "mesh-open": Code("warning", "the triangles of a mesh are not closed; a body inside it counts as free"),
@@ -87,7 +85,7 @@ CODES: dict[str, Code] = {
     "unit-doubtful": Code("warning", "angles look like degrees, or lengths, meshes or velocities like other units"),
     "zero-outside-limits": Code("info", "zero, where many programs start, is outside the limits"),
     "home-singular": Code("info", "at zero, or at home, the tool cannot move in every direction that the arm has"),
-    "ready-singular": Code("warning", "at the ready pose, where searches start, the tool hardly moves some way"),
+    "ready-singular": Code("warning", "at ready, where searches start, the tool hardly moves some way"),
     "cannot-move": Code("info", "directions in which no joint ever moves the tool"),
     "cannot-turn": Code("info", "axes about which no joint ever turns the tool"),
     "cannot-turn-in-place": Code("info", "rotations that are missing while the tool's position is held"),

@@ -26,7 +26,7 @@ KEYWORDS = """
 """
 """Keywords of MATLAB and Octave."""
 
-# Configurations with which the file tests itself: the ready pose, and random ones inside the limits.
+# Configurations with which the file tests itself: the ready configuration, and random ones inside the limits.
 VECTORS = 5
 TOLERANCE = 1e-9  # Tolerance of the test [m, and none]. Rounding is far smaller, a wrong sign far larger.
 

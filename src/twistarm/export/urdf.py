@@ -29,8 +29,8 @@ def to_urdf(arm: Arm, folder: str | os.PathLike[str] = ".") -> str:
 
     Of an arm with a description it is the repaired copy of it, with links, shapes and masses. Locked joints are fixed,
     the limits are the arm's, and the tool is a link. An arm from screws, or a baked one, gives joints and links alone.
-    A helical joint becomes a turn and a slide that follows it, and a capsule a cylinder with two spheres. Named poses
-    and motors are not in it.
+    A helical joint becomes a turn and a slide that follows it, and a capsule a cylinder with two spheres. Motors
+    and named configurations are not in it.
 
     Args:
         arm: The arm.

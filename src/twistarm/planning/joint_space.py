@@ -139,7 +139,7 @@ def plan_joint(
             arm and payload at rest. The message gives joint, limit, value and place. From a start up to 0.2 rad or
             20 mm outside, the motion returns inside.
         InputError: An argument does not fit the arm, or the kind does not go with `times`.
-        UnknownNameError: No such pose or joint.
+        UnknownNameError: No such configuration or joint.
         NotConvergedError: A target is not met; the message names the waypoint and explains why.
         PathError: The motion collides; the message gives time and pair.
     """

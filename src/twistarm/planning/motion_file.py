@@ -27,7 +27,7 @@ from .motion import LAWS
 from .segments import ArcMove, Dwell, FreeMove, Goal, JointMove, LineMove, Move, ScrewMove, Segment
 from .torque_limits import Load
 
-# How far the first motion moves a joint from the ready pose, or as far as its limits allow.
+# How far the first motion moves a joint from the ready configuration, or as far as its limits allow.
 STEP = {"rad": 0.2, "m": 0.05}
 
 KINDS = {"joint": JointMove, "free": FreeMove, "line": LineMove, "screw": ScrewMove, "arc": ArcMove, "dwell": Dwell}
@@ -177,7 +177,7 @@ class _Reader:
     def _start(self, value: Any, name: str) -> Goal:
         """Read a configuration; a target is refused."""
         if isinstance(value, dict) and "xyz" in value:
-            raise InputError("start must be a configuration: a pose's name, the joints' values or { joint = value, … }")
+            raise InputError("start must be a configuration: its name, the joints' values or { joint = value, … }")
         start = self._goal(value, name)
         self.arm.theta_from(start, name="start")  # type: ignore[arg-type]  # names every joint
         return start

@@ -128,7 +128,7 @@ class Stage(Show):
     def take_over(self, old: Stage) -> list[str]:
         """Take over the state of another arm's stage. Returns the changes and omissions in words.
 
-        Joints keep their values by name, or their limits. New ones take the ready pose. Layers, controls, drawings and
+        Joints keep their values by name, or their limits. New ones are as in ready. Layers, controls, drawings and
         obstacles stay. Poses and the motion stay if the joints have the same names and the limits hold. A map stays if
         the arm is the same.
         """
@@ -178,7 +178,7 @@ class Stage(Show):
     def hello(self, links: Mapping[str, str]) -> Message:
         """Constant data: names, joints with units and slider ranges, poses, the node of each link, what moves it.
 
-        The pages move a second arm `beside` themselves, from its ready pose.
+        The pages move a second arm `beside` themselves, from its ready configuration.
         """
         beside = None
         if (other := self._beside) is not None:

@@ -76,7 +76,7 @@ def draft_arm_file(
     for i, key in enumerate(keys):
         rates = {rate: getattr(arm.limits, rate)[i] for rate in ("velocity", "acceleration")}
         lines += [f"# {key}.{rate} = ?" for rate, limit in rates.items() if not np.isfinite(limit)]
-    lines += ["", "# Named poses give every joint; `ready` is where solvers and views start.", "[poses.ready]"]
+    lines += ["", "# Named configurations give every joint; `ready` is where solvers and views start.", "[poses.ready]"]
     lines += [f"{key} = {value!r}" for key, value in zip(keys, arm.ready.tolist(), strict=True)]
     if tool is not None:
         name = free_name("tool", {*arm.frame_names})

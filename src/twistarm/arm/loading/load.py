@@ -340,7 +340,7 @@ def _ends(
 
 
 def _with_srdf(arm: Arm, specification: ArmSpecification, semantics: Semantics | None, group: ArmGroup | None) -> Arm:
-    """The arm with its actuators and the arm.toml's poses, and the states and disabled pairs of the SRDF.
+    """The arm with its actuators and the arm.toml's configurations, and the states and disabled pairs of the SRDF.
 
     A finding names the `ready` pose, unless the arm.toml has a pose `ready`.
     """
@@ -351,7 +351,7 @@ def _with_srdf(arm: Arm, specification: ArmSpecification, semantics: Semantics |
         states, stating = fitted_states(arm, semantics, group.name if group else "", specification.locked_joints)
         pairs = semantics.disabled_collisions(arm.description.links)
         used = [f"the tip {group.tip!r} (group {group.name!r})"] if group and not specification.tip else []
-        used += [plural(len(states), "named pose")] if states else []
+        used += [plural(len(states), "named configuration")] if states else []
         used += [f"{plural(len(pairs), 'pair')} of links that need no collision check"] if pairs else []
         what = f"{path_from(arm.description, semantics.path)} gives {', '.join(used) or 'nothing that the arm uses'}"
         given = {name: Argument(name, None) for name in ("tip", "srdf")}
@@ -370,6 +370,6 @@ def _with_srdf(arm: Arm, specification: ArmSpecification, semantics: Semantics |
     place = Place(specification.source, None, "pose", name)
     if not own and semantics is not None:
         place = Place(semantics.path.name, None, "group_state", name)
-    what = f"the ready pose, where programs start, is the one named {name!r}"
+    what = f"the ready configuration, where programs start, is the one named {name!r}"
     noted = finding("ready-named", place, what, "[poses.ready] in an arm.toml overrides it")
     return replace(arm, findings=(*arm.findings, noted))

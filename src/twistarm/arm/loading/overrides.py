@@ -1,4 +1,4 @@
-"""Limits, named poses and actuators that are given beside a description, fitted to the chain."""
+"""Limits, named configurations and actuators that are given beside a description, fitted to the chain."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an arm can and cannot do: its zero, home and ready pose, the motions of its tool, its axes and collisions."""
+"""What an arm can and cannot do: at zero, home and ready, with its tool, by its axes, without collisions."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def place_of(arm: Arm) -> Place:
     return Place(arm.name) if arm.description is None else arm.description.place()
 
 
-# -- reach and poses ---------------------------------------------------------------------------------------------------
+# -- reach and zero ---------------------------------------------------------------------------------------------------
 
 
 def check_reach(arm: Arm) -> Iterator[Finding]:
@@ -60,18 +60,18 @@ def check_reach(arm: Arm) -> Iterator[Finding]:
 
 
 def check_zero(arm: Arm) -> Iterator[Finding]:
-    """Whether the zero pose, which so many programs start from, lies inside the limits."""
+    """Whether the zero configuration, which so many programs start from, lies inside the limits."""
     bounds = zip(arm.joint_names, arm.limits.lower, arm.limits.upper, strict=True)
     outside = [f"{name} [{lower:.4g}, {upper:.4g}]" for name, lower, upper in bounds if not lower <= 0.0 <= upper]
     if outside:
-        what = f"the zero pose is outside the limits of {first_of(outside, MOST_NAMES)}"
-        yield finding("zero-outside-limits", place_of(arm), what, "do not command zeros: start from the ready pose")
+        what = f"the zero configuration is outside the limits of {first_of(outside, MOST_NAMES)}"
+        yield finding("zero-outside-limits", place_of(arm), what, "do not command zeros: start from ready")
 
 
 def check_postures(arm: Arm, rank: int) -> Iterator[Finding]:
-    """Zero, home and ready pose: the condition number of the `rank` directions of the arm's tool.
+    """Zero, home and ready configuration: the condition number of the `rank` directions of the arm's tool.
 
-    A singular home that is also the ready pose is a remark, not a warning. Most arms are delivered so.
+    A singular home that is also ready is a remark, not a warning. Most arms are delivered so.
     """
 
     def condition(theta: Array) -> float:
@@ -81,8 +81,8 @@ def check_postures(arm: Arm, rank: int) -> Iterator[Finding]:
     homes = {"zero": np.zeros(arm.n)}
     if arm.named_states.get("home", homes["zero"]).any():
         homes["home"] = arm.named_states["home"]
-    conditions = {pose: condition(theta) for pose, theta in homes.items() if arm.limits.contains(theta)}
-    singular = {pose: number for pose, number in conditions.items() if number > SINGULAR_CONDITION}
+    conditions = {name: condition(theta) for name, theta in homes.items() if arm.limits.contains(theta)}
+    singular = {name: number for name, number in conditions.items() if number > SINGULAR_CONDITION}
     at_ready = condition(arm.ready)
     poor = at_ready > POOR
     if not (poor or singular):
@@ -92,14 +92,14 @@ def check_postures(arm: Arm, rank: int) -> Iterator[Finding]:
     advice = f"write in arm.toml (condition number {at_best:.1f}; check it in twistarm view first):"
     values = [f"{toml_key(name)} = {value:.6g}" for name, value in arm.theta_to_dict(best).items()]
     snippet = "\n".join([advice, "[poses.ready]", *values])
-    if poor and at_best < at_ready / 10 and not any(np.array_equal(arm.ready, homes[pose]) for pose in singular):
-        what = f"the ready pose is nearly singular: condition number {_condition_words(at_ready)}"
+    if poor and at_best < at_ready / 10 and not any(np.array_equal(arm.ready, homes[name]) for name in singular):
+        what = f"the ready configuration is nearly singular: condition number {_condition_words(at_ready)}"
         yield finding("ready-singular", place_of(arm), what, snippet)
-    for pose, number in singular.items():
+    for name, number in singular.items():
         size = _condition_words(number)
-        what = f"the {pose} pose is singular: condition number {size}; motions that start there stall or jump"
+        what = f"the {name} configuration is singular: condition number {size}; motions that start there stall or jump"
         named = arm.ready_name is not None and not poor
-        remedy = f"start from the ready pose (condition number {at_ready:.1f})" if named else snippet
+        remedy = f"start from ready (condition number {at_ready:.1f})" if named else snippet
         yield finding("home-singular", place_of(arm), what, remedy)
 
 
@@ -144,7 +144,7 @@ def _axes(axes: Array, frame: str) -> str:
 
 
 def _instead_of_a_pose(arm: Arm, able: Abilities) -> str:
-    nearest = "solve_ik gives the nearest to any other pose and says what is missing"
+    nearest = "solve_ik gives the nearest to any other target and says what is missing"
     if able.position < 3:
         return nearest
     if able.turning < 2:
@@ -277,7 +277,7 @@ def check_collisions(arm: Arm) -> Iterator[Finding]:
     at_ready = {pair for pair in collision_shares(scene, [arm.ready]) if shares.get(pair, 0.0) < OFTEN} - exempt
     allow = "if they may touch, add disable_collisions to the SRDF (twistarm collisions writes one)"
     for pairs, when, remedy in (
-        (at_ready, "at the ready pose", f"look at it with twistarm view; correct the pose or the shapes; {allow}"),
+        (at_ready, "at the ready configuration", f"look at it with twistarm view; correct it or the shapes; {allow}"),
         (often, "in most configurations", f"correct the shapes; {allow}"),
     ):
         if pairs:

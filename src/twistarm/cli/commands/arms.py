@@ -45,7 +45,7 @@ def arms(out: Json) -> None:
 
 
 def info(out: Answer, source: Annotated[Source | None, ARM] = None) -> None:
-    """Show the loaded arm: joints, limits, base, tip, poses, findings, proof; without ARM the installation."""
+    """Show the loaded arm: joints, limits, base, tip, configurations, findings, proof; without ARM the installation."""
     if source is None:
         show_installation(out)
     else:
@@ -112,14 +112,14 @@ def joints_table(arm: Arm) -> Table:
 
 
 def _poses(arm: Arm) -> Table:
-    """A column for each pose, its name as it can be typed, and its condition number below."""
-    poses = {"ready": arm.ready, **arm.named_states}
+    """A column for each configuration, its name as it can be typed, and its condition number below."""
+    configurations = {"ready": arm.ready, **arm.named_states}
     columns = [Column("joint", (*arm.joint_names, "condition"))]
-    for name, theta in poses.items():
+    for name, theta in configurations.items():
         condition = float(arm.manipulability(theta).condition)
         below = "singular" if np.isinf(condition) else number(condition, 1)
         columns.append(Column(name, (*theta, below), (*arm.units, "")))
-    return Table("poses (typed by name: --theta ready)", columns)
+    return Table("configurations (typed by name: --theta ready)", columns)
 
 
 def _motors(arm: Arm, motors: Actuators) -> list[Table | str]:
@@ -193,7 +193,7 @@ Written = Annotated[
 
 
 def init(source: File, outputs: Written, motion: Motion = False) -> None:
-    """Write a commented arm.toml for FILE (base, tip, limits to fill in, the ready pose), or a first motion.toml."""
+    """Write a commented arm.toml for FILE (base, tip, limits to fill in, ready), or a first motion.toml."""
     outputs = outputs if outputs.files else outputs.named("motion.toml" if motion else "arm.toml")
     output = outputs.files[0][1]
     if output != STDOUT and not output.endswith(".toml"):

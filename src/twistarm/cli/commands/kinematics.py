@@ -15,7 +15,7 @@ from ...support.errors import InputError
 from ...support.messages import plural
 from ...theory.rotations import to_xyzw
 from .. import rows
-from ..numbers import VALUES, JointValues, joint_values, option, quantity, switch
+from ..numbers import JointValues, joint_values, option, quantity, switch
 from ..options import Answer, ArmArgument, Avoid, CsvAnswer, Theta, avoided
 from ..output import Outputs, entries, progress_bar
 from ..tables import Column, Table, joint_columns, matrix_table, number, pose_entries, pose_parts, theta_typed
@@ -98,8 +98,7 @@ Targets = Annotated[str | None, option("CSV", f"A target in each row: {rows.TARG
 Posture = Annotated[
     JointValues | None,
     joint_values(
-        VALUES,
-        "Posture of a redundant arm at the target: near theta0 (the start), middle (of the limits), a pose or values.",
+        "Posture of a redundant arm at the target: near theta0 (the start), middle (of the limits), a name or values."
     ),
 ]
 MaxTime = Annotated[float | None, quantity("s", "Time limit; with --all the answer is what was found by then.")]
@@ -107,7 +106,6 @@ All = Annotated[bool, switch("Every configuration that reaches the target, the o
 FixedJoints = Annotated[
     JointValues | None,
     joint_values(
-        VALUES,
         "With --all: joint=value of joints that stay there; the others are solved for. Where there are more joints "
         "than the target determines, some are else held at values over their range.",
         "--fixed-joint",

@@ -22,7 +22,7 @@ from ...planning.trajectory import Writing
 from ...planning.trajectory_files import FORMATS, written
 from ...support.checks import Progress
 from ...support.errors import InputError
-from ..numbers import POSE, JointValues, OfJoints, argument, joint_values, of_joints, option, quantity, switch
+from ..numbers import JointValues, OfJoints, argument, joint_values, of_joints, option, quantity, switch
 from ..options import ArmArgument, Avoid, Offset, answers, avoided
 from ..output import STDOUT, Contents, Outputs, entries, note, progress_bar
 from ..rows import OrientationTol, PositionTol, TargetOptions
@@ -96,18 +96,17 @@ TIMING = option(
     None, "How it is timed: s_curve unless given, or time_optimal; with --line, --xyz or a motion.toml also quintic."
 )
 Start = Annotated[
-    JointValues | None, joint_values(POSE, "Where it starts, as --to; unless given, the ready pose.", "--from")
+    JointValues | None, joint_values("Where it starts, as --to; unless given, the configuration ready.", "--from")
 ]
 Motion = Annotated[str | None, argument("[MOTION]", "A motion.toml; twistarm init --motion writes one.")]
 Through = Annotated[
     list[Any] | None,
     joint_values(
-        POSE,
-        "Joint values (0 30 -45 …), joint=value for those that move, or a pose's name; repeat it for each pose.",
+        "Joint values (0 30 -45 …), joint=value for those that move, or a configuration's name; may be repeated.",
         "--to",
     ),
 ]
-Line = Annotated[bool, switch("The tool goes along straight lines from pose to pose.", "--line")]
+Line = Annotated[bool, switch("The tool goes along straight lines between the configurations.", "--line")]
 Blend = Annotated[
     float | None,
     quantity("m", "Round the corners of --line or --xyz inside this radius; without it: stop there.", zero=True),
@@ -115,7 +114,7 @@ Blend = Annotated[
 ToolSpeed = Annotated[float | None, quantity("m/s", "The tool goes no faster, with --line, --xyz or a motion.toml.")]
 Unwrap = Annotated[
     bool,
-    switch("Continuous joints go to poses by the shorter way, by whole turns; to --xyz they always do.", "--unwrap"),
+    switch("Continuous joints go to --to by the shorter way, by whole turns; to --xyz they always do.", "--unwrap"),
 ]
 Torques = Annotated[
     bool, switch("The efforts of joints and motors limit the motion too, by the masses of the arm.", "--torques")
@@ -125,8 +124,8 @@ Smooth = Annotated[
     float | None,
     quantity(
         "rad",
-        "How far the path may leave the poses of --to, recorded ones with noise, to be smooth [°, or rad with --rad; a "
-        "slide by as many m as rad].",
+        "How far the path may leave the configurations of --to, recorded ones with noise, to be smooth [°, or rad with "
+        "--rad; a slide by as many m as rad].",
     ),
 ]
 MaxTime = Annotated[float, quantity("s", "With --avoid: give up the way to a goal after so many seconds.")]
@@ -161,7 +160,7 @@ def plan(
     velocity: Velocity = None,
     acceleration: Acceleration = None,
     linear_speed: ToolSpeed = None,
-    stop: Annotated[bool, switch("Come to rest at every pose.", "--stop")] = False,
+    stop: Annotated[bool, switch("Come to rest at every configuration.", "--stop")] = False,
     blend: Blend = None,
     smooth: Smooth = None,
     unwrap: Unwrap = False,
@@ -178,7 +177,7 @@ def plan(
     counts: Counts = False,
     dt: Step = 0.01,
 ) -> None:
-    """Plan the fastest motion through poses, targets or the segments of a file, within the limits."""
+    """Plan the fastest motion through configurations, targets or the segments of a file, within the limits."""
     arm = source.load()
     about_tool = {"linear_speed": linear_speed, "position_tol": position_tol, "orientation_tol": orientation_tol}
     typed: dict[str, Any] = {name: value for name, value in about_tool.items() if value is not None}
@@ -191,15 +190,15 @@ def plan(
         raise InputError(f"--counts is about motors: describe those of {arm.name} as [actuators.NAME] in its arm.toml")
     if offset is not None and mass is None:
         raise InputError("--offset is where the mass of --mass is: give both")
-    poses = [arm.ready if start is None else start.of(arm)]
-    for pose in to or ():
-        poses.append(pose.of(arm, ("the pose before", poses[-1])))
+    waypoints = [arm.ready if start is None else start.of(arm)]
+    for values in to or ():
+        waypoints.append(values.of(arm, ("the configuration before", waypoints[-1])))
     if motion is not None:
         asked = planning.load_motion(motion, arm)
     else:
         move = planning.LineMove if line else partial(planning.FreeMove, keep=kept) if avoid else planning.JointMove
-        asked = _moves(move, targets or poses[1:], blend or 0.0)
-    typed |= {} if start is None else {"start": poses[0]}
+        asked = _moves(move, targets or waypoints[1:], blend or 0.0)
+    typed |= {} if start is None else {"start": waypoints[0]}
     typed |= {} if mass is None else {"payload": mass if offset is None else (mass, offset)}
     asked = replace(
         asked, **typed, kind=kind or asked.kind, unwrap=unwrap or asked.unwrap, torques=torques or asked.torques
@@ -213,14 +212,14 @@ def plan(
         if to and not line and scene is None:  # a spline passes them without a stop; moves would stop at each
             how: dict[str, Any] = {"kind": kind or "s_curve", "stop_at_waypoints": stop, "unwrap": unwrap, **efforts}
             how |= {} if smooth is None else {"smooth": smooth}
-            found = planning.plan_joint(arm, poses, limits=limits, progress=progress, **how)
+            found = planning.plan_joint(arm, waypoints, limits=limits, progress=progress, **how)
         else:
             found, segments = planned(arm, asked, limits, scene, max_time, progress, clearance)
     # A start that nobody typed is told, because the arm may stand elsewhere.
     origin = asked.start if start is None else start.text
     if origin is None:
         name = arm.ready_name
-        which = "computed" if name is None else f"the pose named {name!r}"
+        which = "computed" if name is None else f"the one named {name!r}"
         note(f'starts at ready ({which}): --from "{theta_values(arm, arm.ready, out.radians)}"')
     for remark in found.notes:
         note(remark, radians=out.radians)
@@ -249,18 +248,18 @@ def _require_fitting(
     """Raise InputError for an option that has no effect beside the others."""
     by_joints = bool(to) and not (line or avoid)
     wrong = {
-        f"give poses by --to, positions by --xyz, or a motion.toml{f'; got {motion!r} too' if motion else ''}":
+        f"give configurations by --to, positions by --xyz, or a motion.toml{f'; got {motion!r} too' if motion else ''}":
             bool(motion) + bool(to) + bool(xyz) != 1,
-        "--smooth is about poses that a motion passes: it goes with --to alone": smooth is not None and not by_joints,
+        "--smooth is about configurations on the way: it goes with --to alone": smooth is not None and not by_joints,
         "a motion.toml says how it goes to each goal: leave out --line, --stop and --blend":
             bool(motion) and (line or stop or blend is not None),
-        "--stop comes to rest at every pose, --blend rounds the corners there: give one of them":
+        "--stop comes to rest at every configuration, --blend rounds the corners there: give one of them":
             stop and blend is not None,
         "--blend, --linear-speed, --position-tol and --orientation-tol are about the way of the tool: add --line, or "
         "give positions by --xyz": by_joints and (blend is not None or bool(about_tool)),
         "--blend rounds the corners between goals: give two of them, or leave it out":
             blend is not None and len(to or xyz) < 2,
-        "--kind quintic is for moves of the tool; through the poses of --to: s_curve or time_optimal":
+        "--kind quintic is for moves of the tool; through --to: s_curve or time_optimal":
             kind == "quintic" and by_joints,
     }  # fmt: skip
     for words, is_so in wrong.items():
@@ -290,18 +289,18 @@ def motion_texts(
 
 
 def plan_tables(arm: Arm, planned: planning.Trajectory, limits: JointLimits) -> tuple[Table, Table]:
-    """When each pose is passed, and the peaks beside the limits that were kept."""
+    """When each waypoint is passed, and the peaks beside the limits that were kept."""
     joints = Column("joint", planned.joint_names, key="joint_names")
-    poses = [
-        Column(f"at {number(time, 3)}\N{NO-BREAK SPACE}s", pose, arm.units)
-        for time, pose in zip(planned.times, planned.waypoints, strict=True)
+    waypoints = [
+        Column(f"at {number(time, 3)}\N{NO-BREAK SPACE}s", theta, arm.units)
+        for time, theta in zip(planned.times, planned.waypoints, strict=True)
     ]
     peaks = []
     for order, per, word in ((1, "/s", "velocity"), (2, "/s²", "acceleration")):
         limit = getattr(limits, word)
         peaks.append(Column(f"peak {word}", planned.peak(order), arm.units, per))
         peaks.append(Column(f"{word} limit", limit, arm.units, per, people=bool(np.isfinite(limit).any())))
-    return Table(f"{arm.name}: {number(planned.duration, 3)} s", [joints, *poses]), Table("", [joints, *peaks], "")
+    return Table(f"{arm.name}: {number(planned.duration, 3)} s", [joints, *waypoints]), Table("", [joints, *peaks], "")
 
 
 def active_limits_table(active: Sequence[planning.ActiveLimit]) -> Table:

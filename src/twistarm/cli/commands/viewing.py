@@ -189,7 +189,7 @@ def demo(page: PageOptions, show: Show = True) -> None:
     rover, out, motion = Source("rover_arm"), Outputs(), Path("demo.csv")
     say("1. The arm, from xacro: info rover_arm", "")
     info(out, rover)
-    say("", "2. Forward kinematics and Jacobians at the ready pose: fk, jacobian", "")
+    say("", "2. Forward kinematics and Jacobians at the configuration ready: fk, jacobian", "")
     fk(rover, out)
     jacobian(rover, out)
     say("", "3. The screw view proven against Pinocchio and yourdfpy: check", "")
@@ -197,9 +197,9 @@ def demo(page: PageOptions, show: Show = True) -> None:
     say("", "4. Inverse kinematics, the tool forwards: ik --xyz 0.7 0.1 0.6 --direction 1 0 0", "")
     p, towards = np.array([0.7, 0.1, 0.6]), np.array([1.0, 0.0, 0.0])
     ik(rover, out, TypedTargets([p], direction=[towards]))
-    say("", "5. A motion through three poses: plan --to stowed --to reach -o demo.csv", "")
-    poses = [JointValues(pose, "--to", radians=False) for pose in ("stowed", "reach")]
-    plan(rover, Outputs(kinds=MOTION_KINDS, force=True).named(str(motion)), TypedTargets(), to=poses)
+    say("", "5. A motion through three configurations: plan --to stowed --to reach -o demo.csv", "")
+    to = [JointValues(name, "--to", radians=False) for name in ("stowed", "reach")]
+    plan(rover, Outputs(kinds=MOTION_KINDS, force=True).named(str(motion)), TypedTargets(), to=to)
     watched = show and sys.stdout.isatty()
     say("", f"6. The arm that plays it: view --play demo.csv{'' if watched else ' -o demo.html'}", "")
     view(rover, page, out if watched else Outputs(kinds=VIEW_KINDS, force=True).named("demo.html"), play=motion)

@@ -285,7 +285,7 @@ class _Writer:
         return True
 
     def semantics(self, reading: Reading) -> Semantics | None:
-        """The keyframes as named poses, and the pairs of `contact/exclude`; None if there are none."""
+        """The keyframes as named configurations, and the pairs of `contact/exclude`; None if there are none."""
         model = self.model
         for signature in model.exclude_signature:
             self.pairs.add(sorted_pair(self.bodies[signature >> 16], self.bodies[signature & 0xFFFF]))

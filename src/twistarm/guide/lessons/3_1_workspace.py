@@ -176,7 +176,7 @@ for ax, (i, j), words in zip(panels, ((0, 2), (0, 1)), ("from the side", "from a
 guide.figure(
     fig,
     f"The places that the tool of {arm.name} comes to, as a cloud of points, from the side and from "
-    "above, with the arm at its ready pose in it",
+    "above, with the arm at its ready configuration in it",
     f"The reachable workspace of `{arm.name}` as a cloud of {len(drawn)} configurations.",
 )
 
@@ -241,11 +241,11 @@ def pointing(direction):
 down, words = np.array([0.0, 0.0, -1.0]), "straight down"
 also = pointing(down)
 if not also.any():
-    down, words = arm.fk(arm.ready)[:3, :3] @ arm.tool_axis, "as it does at the ready pose"
+    down, words = arm.fk(arm.ready)[:3, :3] @ arm.tool_axis, "as it does at the ready configuration"
     also = pointing(down)
     guide.say(
         f"`{arm.name}` can point its tool straight down at none of them. The picture asks for the "
-        "direction that the tool has at the ready pose."
+        "direction that the tool has at the ready configuration."
     )
 fig, ax = guide.axes2(
     width=5.0, height=4.2, xlabel=f"{'xyz'[i]} [m]", ylabel=f"{'xyz'[j]} [m]", equal=True
@@ -271,7 +271,7 @@ guide.figure(
     f"A grid of {len(places)} points around {arm.name}: {int(reached.sum())} are reached, and at "
     f"{int(also.sum())} of them the tool can point {words}",
     f"A section of the workspace of `{arm.name}`, where ${'xyz'[3 - i - j]} = "
-    f"{at_ready[-1, 3 - i - j]:.2f}$ m, with the arm at its ready pose.",
+    f"{at_ready[-1, 3 - i - j]:.2f}$ m, with the arm at its ready configuration.",
 )
 guide.predict(
     f"At what share of the places in this section that the tool reaches can it point {words}?",
@@ -282,7 +282,7 @@ guide.predict(
 
 # %% [markdown]
 # A direction leaves the roll about it free. The dextrous workspace leaves nothing free. Take the place of the tool at
-# the ready pose, and ask for many random orientations there.
+# the ready configuration, and ask for many random orientations there.
 
 # %%
 here = arm.fk(arm.ready)

@@ -40,7 +40,7 @@ def describe_arm(arm: Arm) -> dict[str, Any]:
 
 
 def named_poses(arm: Arm) -> dict[str, Array]:
-    """The poses one can go to by name: zero, ready, and the arm's own."""
+    """The configurations one can go to by name: zero, ready, and the arm's own."""
     named = {name: np.asarray(theta, dtype=np.float64) for name, theta in arm.named_states.items()}
     return {"zero": np.zeros(arm.n), "ready": arm.ready, **named}
 
