@@ -1,4 +1,4 @@
-// Whole answers that miss: out of reach, cut short, asked by numbers that are not finite; and rotations near half turns.
+// Whole answers that miss: out of reach, cut short, asked by numbers that are not finite.
 // The batches' tests judge targets that are reached, Python's tests nearest configurations, reasons and postures.
 #include "twistarm/ik/answer.hpp"
 
@@ -104,29 +104,9 @@ void test_what_is_not_finite(generator& random, target_kind kind) {
             CHECK(std::isinf(out.found.position_error), "%g m", out.found.position_error);
         }
 }
-/// Near the half turn the chord keeps its length, 2 sin(φ/2), and its axis up to the sign.
-void test_chords_near_half_turns() {
-    generator random;
-    for (const double short_of : {1e-2, 1e-3, 1.1e-3, 1e-6, 1e-9, 0.0}) {
-        double u[3], phi[3];
-        for (double& value : u) value = random.between(-1, 1);
-        const double size_of_u = std::sqrt(dot(u, u));
-        for (double& value : u) value /= size_of_u;
-        for (int k = 0; k < 3; ++k) phi[k] = (3.14159265358979323846 - short_of) * u[k];
-        const auto R = to_frame<double>(rotation(phi));
-        double chord[3];
-        twistarm::detail::chord_of(R, chord);
-        const double size = 2 * std::sin(0.5 * (3.14159265358979323846 - short_of));
-        const double side = dot(chord, u) < 0 ? -1 : 1;
-        for (int k = 0; k < 3; ++k)
-            CHECK(std::fabs(side * chord[k] - size * u[k]) < 1e-9, "%g short of a half turn", short_of);
-        if (short_of > 1e-7) CHECK(side == 1, "%g short of a half turn the side is known", short_of);
-    }
-}
 }  // namespace
 
 int main() {
-    test_chords_near_half_turns();
     for (const int n : {1, 7, 33})
         for (const target_kind kind : kinds) {
             generator random;

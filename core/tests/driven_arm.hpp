@@ -75,23 +75,6 @@ template <class T, int N, int M> struct driven_arm {
         CHECK(speed() == 0, "n = %d: moves at %g", n, speed());
     }
 
-    /// The least of the min(count, n) singular values of some rows of the Jacobian, metres measured in `length`.
-    double least_singular_value(int first = 0, int count = 6) const {
-        twistarm::six_rows<T, N> rows;
-        T X[6][6];
-        twistarm::column<T> J[capacity(N)];
-        twistarm::forward_with_body_jacobian(arm, state.theta, J);
-        for (int k = 0; k < n; ++k)
-            for (int i = first; i < first + count; ++i) {
-                const T rate = i < 3 ? J[k].v[i] / bounds.length : J[k].w[i - 3];
-                rows[i - first][k] = rate * bounds.unit[k];
-            }
-        twistarm::make_orthogonal<T, N>(rows, count, n, X);
-        double values[6];
-        for (int i = 0; i < count; ++i) values[i] = static_cast<double>(twistarm::servo_detail::norm(rows[i], n));
-        sort_down(values, count);
-        return values[(n < count ? n : count) - 1];
-    }
 };
 
 template <class T, int N> servo_command<T, N> drawn_twist(generator& random) {

@@ -196,9 +196,7 @@ def test_an_arm_toml_may_hold_the_table(tmp_path: Path) -> None:
     ("text", "culprit"),
     [
         ("rows = [[0, 0, 0]]", "dh.rows[0]"),
-        ('rows = [{ a = "x" }]', "row 1: a"),
         ("", "rows of a, alpha, d, theta"),
-        ("rows = [{ phi = 3 }]", "'phi'"),
         ("rows = [{ alpha = 90 }]", "alpha_deg"),
         ("rows = [{ a = 1, upper = 170 }]", "upper_deg"),
         ("rows = [{ a = 1, a_mm = 1000 }]", "row 1"),
@@ -208,7 +206,6 @@ def test_an_arm_toml_may_hold_the_table(tmp_path: Path) -> None:
         ('rows = [{ convention = "modified" }]', "'modified', 'standard'"),
         ("rows = [{ a = 1, lower = 2, upper = 1 }]", "swapped"),
         ('table = "lost.csv"', "lost.csv"),
-        ('rows = [{ a = 1 }]\nconvention = "classic"', "'classic'"),
         ("rows = [{ a = 1 }]\nconvention = ", "convention"),
     ],
 )
@@ -230,7 +227,6 @@ def test_a_table_is_of_one_convention() -> None:
     ("text", "culprit"),
     [
         ("", "rows of a, alpha, d, theta"),
-        ("1,2,3,4\n1,2,3,4", "'1'"),
         ("a,alpha,d,phi\n1,2,3,4", "'phi'"),
         ("a,alpha\n1", "line 2"),
         ("a,alpha\n1,b", "row 1: alpha"),

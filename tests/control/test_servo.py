@@ -126,6 +126,20 @@ def test_at_two_limits_at_once_the_rest_goes_where_it_is_commanded():
     assert abs(moved[1]) < 1e-9
 
 
+def test_rounding_at_a_limit_stops_nothing():
+    """One joint stands at its limit and is not asked to move, but for the rounding of the twist that asks."""
+    arm, rng = load("ur5"), np.random.default_rng(6)
+    for k in range(arm.n):
+        theta, rates = np.array([0.4, -1.2, 1.3, 0.6, 1.1, 0.2]), 0.1 * rng.uniform(-1.0, 1.0, arm.n)
+        theta[k], rates[k] = 0.3, 0.0  # off any singularity
+        ends = {"upper": {arm.joint_names[k]: 0.3}, "velocity": np.inf, "acceleration": np.inf}
+        wired = replace(arm, limits=arm.limits.with_(ends, arm.joint_names), named_states={}, known_ready=theta)
+        twist = arm.by_pinocchio(theta)[2] @ rates
+        state, output = servo_step(wired, ServoState.at(wired, theta), TwistCommand(twist), DT)
+        assert (output.status, output.scale) == ("OK", 1.0)
+        np.testing.assert_allclose(state.theta_dot, rates, atol=5e-3)
+
+
 @pytest.mark.parametrize("margin", [0.0, 0.1])
 def test_a_jog_into_a_limit_halts_there_or_a_margin_before_and_says_which(margin):
     arm, settings = load("so101"), ServoSettings(position_margin=margin)

@@ -30,23 +30,17 @@ def moving(arm, steps=30):
 
 REFUSED = [
     (lambda: TwistCommand([0, 0, 0]), r"twist must have shape \(\.\.\., 6\); got \(3,\)"),
-    (lambda: TwistCommand([0, 0, 0, 0, 0, math.nan]), "twist must be finite; it holds nan"),
-    (lambda: TwistCommand(np.zeros((2, 6))), r"twist must be one twist \(6,\); got \(2, 6\)"),
     (lambda: TwistCommand(np.zeros(6), "world"), "frame must be 'tool' or 'base'; got 'world'"),
     (lambda: TwistCommand(np.zeros(6), hold="elbow"), "hold must be 'position', 'orientation' or six booleans"),
     (lambda: TwistCommand([0, 0, 0, 0, 0, 1], hold="orientation"), "a held component cannot be commanded"),
     (lambda: JogCommand([[0.0]]), r"theta_dot must be one number per joint, shape \(n,\)"),
     (lambda: JogCommand({"elbow": 0.1}), r"JogCommand\.of"),
-    (lambda: PoseCommand(np.zeros((4, 4))), "g"),
     (lambda: PoseCommand(np.eye(4), linear_speed=0.0), "linear_speed must be above 0"),
     (lambda: TwistCommand([0, 0, 1e155, 0, 0, 0]), "twist must be at most 10000 in size, in SI units; got 1e.155"),
     (lambda: PoseCommand(np.array([[1, 0, 0, 1e160], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])), "g must be at most"),
     (lambda: ServoState.at(load("ur5"), np.full(6, 1e9)), "theta must be at most 1e.06 in size; got 1e.09"),
     (lambda: ServoSettings(singularity_threshold=1e-4), "singularity_threshold must be more than 0.001"),
-    (lambda: ServoSettings(length=-1.0), "length must be above 0; got -1.0"),
     (lambda: ServoSettings(position_margin=5), "286°"),
-    (lambda: ServoSettings(position_margin=-0.1), "position_margin must be a finite number, 0 or more; got -0.1"),
-    (lambda: ServoState.at(load("ur5"), np.zeros((2, 6))), "one configuration"),
 ]
 
 
