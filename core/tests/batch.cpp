@@ -122,31 +122,6 @@ template <target_kind Kind, int N, int M> void test_problems(const drawn_arm& so
     CHECK(stored == 5 && none == 0 && single.stored[0] == 1, "%d before the end, %d of no targets", stored, none);
 }
 
-template <target_kind Kind, int N, int M> void test_out_of_reach(const drawn_arm& source, tests::generator& random) {
-    chain<double, dynamic, dynamic> general{};
-    if (!chain_from_screws(source.model(), general) || !fits<N, M>(general)) return;
-    const auto arm = narrowed<double, N, M>(general);
-    tests::problems<double, 1> given(random, source, Kind);
-    for (double& p : given.asked[0].goal.p) p = 400;
-    for (double& value : given.asked[0].tolerance) value = 0;
-    const auto range = given.ranges(arm);
-    search_settings<double> settings;
-    settings.searches = 20;
-    static double ends[20 * most_joints];
-    for (double& end : ends) end = NAN;
-    solution<double, N> found;
-    solve(arm, range, settings, given.asked[0], given.theta0, seed, found, ends);
-    CHECK(!found.converged && found.restarts == 20 && found.position_error > 1, "400 m away");
-    for (int i = 0; i < 20 * given.n; ++i) CHECK(std::isfinite(ends[i]), "an end of search %d", i / given.n);
-    tests::judge(source, given, 0, found, 1e-6, 1e-9);
-    settings.searches = 1;
-    solve(arm, range, settings, given.asked[0], given.theta0, seed, found);
-    CHECK(found.restarts == 1 && !found.converged && tests::inside(given, found.theta), "one search");
-    for (int k = 0; k < given.n; ++k) given.theta0[k] = 1e6;
-    solve(arm, range, settings, given.asked[0], given.theta0, seed, found);
-    CHECK(tests::inside(given, found.theta), "a start a million radians away");
-}
-
 template <int N, int M> void test_size(int n, wiring wired) {
     tests::generator random;
     const drawn_arm arm(random, n, wired);
@@ -154,8 +129,6 @@ template <int N, int M> void test_size(int n, wiring wired) {
     test_problems<target_kind::position, N, M>(arm, random);
     test_problems<target_kind::approach, N, M>(arm, random);
     test_problems<target_kind::task, N, M>(arm, random);
-    test_out_of_reach<target_kind::pose, N, M>(arm, random);
-    test_out_of_reach<target_kind::task, N, M>(arm, random);
 }
 
 template <int... N> void test_sizes(std::integer_sequence<int, N...>) {

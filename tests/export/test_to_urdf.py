@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio
 import pytest
 
-from twistarm import Arm, ArmBuilder, InputError, arm_from_dh, arm_from_screws, bake, joints, load_arm, to_urdf
+from twistarm import Arm, ArmBuilder, InputError, arm_from_dh, arm_from_screws, bake, joints, load_arm, screws, to_urdf
 from twistarm.cli.application import run
 from twistarm.description.tree import Geometry
 from twistarm.support.files import WRITTEN_XML, write_whole
@@ -145,11 +145,8 @@ def test_dh_and_builder_come_back(tmp_path: Path) -> None:
 
 def test_locks_limits_and_tools_are_kept(tmp_path: Path) -> None:
     """Of xacro with a locked slide, an arm.toml's limits, and a tool of the caller's."""
-    tool = joints.revolute([1, 2, 3], [0.1, 0.2, 0.3])[:, 0]
-    g = load_arm("rover_arm").with_tool(np.eye(4), "x").home @ np.eye(4)
     arm = load_arm("rover_arm", locked_joints={"slide": 0.1}, limits={"upper": {"elbow": 1.25}, "velocity": 0.5})
-    g[:3, 3] = tool[:3]
-    arm = arm.with_tool(g, "pen")
+    arm = arm.with_tool(screws.exp([0.1, -0.2, 0.3, 0.4, 0.5, -0.6]), "pen")
     require_same(arm, came_back(arm, tmp_path))
 
 
