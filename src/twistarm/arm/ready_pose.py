@@ -19,6 +19,7 @@ from ..support.checks import Array
 from ..theory import poe
 from ..theory.manipulability import scaled_jacobian
 from ..theory.rotations import cross
+from ..theory.screws import axis_points
 from .bodies import Body, Shapes, adjacent_pairs
 from .checker import Checker
 from .pinocchio_model import PinocchioModel, import_pinocchio
@@ -74,14 +75,7 @@ class Mechanism:
 
         A revolute joint's corner is the point of its axis nearest to the corner before. A slide repeats that corner.
         """
-        corners = [np.zeros(3)]
-        for v, w in self.screws.T.reshape(-1, 2, 3):
-            corner = corners[-1]
-            if w @ w > 0.5:
-                on_axis = np.cross(w, v) / (w @ w)
-                corner = on_axis + w * ((corner - on_axis) @ w) / (w @ w)
-            corners.append(corner)
-        return np.array([*corners, self.tool])
+        return np.vstack([np.zeros(3), axis_points(self.screws, np.zeros(3)), self.tool])
 
     def look(self, theta: Array) -> tuple[Array, list[Array]]:
         """The corners (N, m + 2, 3) in base axes at theta (N, n), and σ_k/σ_1, descending, of the tool's Jacobian.

@@ -15,7 +15,7 @@ from ..support.checks import Array
 from ..theory.joints import plane_axes
 from ..theory.poe import columns, motions
 from ..theory.rotations import skew
-from ..theory.screws import adjoint_of, exp, inverse_of, to_screw
+from ..theory.screws import adjoint_of, axis_points, exp, inverse_of, to_screw
 
 # The parameters of base and tool, and the first one of the joints.
 BASE, TOOL, JOINTS = slice(0, 6), slice(6, 12), 12
@@ -85,12 +85,10 @@ class Geometry:
     @cached_property
     def axis_frames(self) -> Array:
         """F_i (m, 4, 4): on each axis at the point nearest to the frame before; x as `plane_axes` chooses it."""
-        frames, point = np.tile(np.eye(4), (self.arm.screws.shape[1], 1, 1)), np.zeros(3)
-        for i, xi in enumerate(self.arm.screws.T):
-            screw = to_screw(xi)
-            if not self._sliding[i]:
-                point = screw.point + screw.axis * (screw.axis @ (point - screw.point))
-            frames[i, :3, :3], frames[i, :3, 3] = plane_axes(screw.axis), point
+        screws = self.arm.screws
+        frames = np.tile(np.eye(4), (screws.shape[1], 1, 1))
+        frames[:, :3, :3] = [plane_axes(axis) for axis in to_screw(screws.T).axis]
+        frames[:, :3, 3] = axis_points(screws, np.zeros(3))
         return frames
 
     def split(self, p: Array) -> tuple[Array, Array, Array, Array, Array]:

@@ -18,7 +18,7 @@ from ..support.checks import Array, pose_of
 from ..support.errors import ComparisonError, InputError
 from ..support.files import as_path, write_whole
 from ..theory.rotations import log as rotation_log
-from ..theory.screws import Screw, adjoint, hat, inverse, to_screw
+from ..theory.screws import adjoint, hat, inverse, nearest_on_line, to_screw
 
 GOLDEN = Kind("twistarm golden", "golden file", "twistarm freeze ARM -o FILE")
 
@@ -268,7 +268,7 @@ def _axis_change(before: Array, now: Array, tool: Array, new_tool: Array) -> tup
         return [], np.eye(4)
     old, new = to_screw(before[:, 0]), to_screw(now[:, 0])
     turning = bool(np.isfinite(old.pitch) and np.isfinite(new.pitch))
-    anchor = _nearest(old, tool[:3, 3]) if turning else tool[:3, 3]
+    anchor = nearest_on_line(old.axis, old.point, tool[:3, 3]) if turning else tool[:3, 3]
     motion = new_tool @ inverse(tool)
     rotated = np.abs(new.axis - old.axis).max() > SAME_TOL
     if rotated and np.abs(adjoint(motion) @ before - now).max() <= SAME_TOL:
@@ -280,16 +280,12 @@ def _axis_change(before: Array, now: Array, tool: Array, new_tool: Array) -> tup
     else:  # the least rotation from one axis to the other
         K = hat(np.cross(old.axis, new.axis))
         turn = np.eye(3) + K + K @ K / (1 + cosine)
-    motion = pose_of(turn, (_nearest(new, anchor) if turning else anchor) - turn @ anchor)
+    there = nearest_on_line(new.axis, new.point, anchor) if turning else anchor
+    motion = pose_of(turn, there - turn @ anchor)
     words += _motion_words(motion, anchor)
     if turning and abs(new.pitch - old.pitch) > SAME_TOL:
         words.append(f"changed its pitch from {old.pitch:.6g} to {new.pitch:.6g} m/rad")
     return words, motion
-
-
-def _nearest(line: Screw, point: Array) -> Array:
-    """The point of the line nearest to `point`."""
-    return line.point + line.axis * (line.axis @ (point - line.point))
 
 
 def _motion_words(motion: Array, anchor: Array) -> list[str]:

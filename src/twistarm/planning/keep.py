@@ -19,6 +19,7 @@ from ..support.display import Brief
 from ..support.errors import InputError, quote
 from ..support.messages import Quantity, Text, joined
 from ..theory import rotations
+from ..theory.screws import axis_points, to_screw
 from .configurations import shortest
 from .piecewise import bernstein, shifted
 
@@ -348,17 +349,11 @@ def rates(arm: Arm, most: Array) -> tuple[Array, Array]:
     They hold while |theta| is at most `most` (n,), which counts for joints that slide. A joint turns the tool's origin
     on a radius of at most the lengths from axis to axis up to the tool, at rest, and what joints between them slide.
     """
-    far, point = np.abs(arm.coupling.A) @ most, arm.home[:3, 3]
-    radius, turning, moving = 0.0, np.zeros(len(far)), np.zeros(len(far))
-    for i in range(len(far))[::-1]:
-        v, w = arm.screws[:3, i], arm.screws[3:, i]
-        turning[i] = size = float(np.linalg.norm(w))
-        slide = float(np.linalg.norm(v))
-        if size > 0.0:
-            foot = np.cross(w, v) / size**2
-            foot = foot + w * (w @ (point - foot)) / size**2
-            radius, point, slide = radius + float(np.linalg.norm(point - foot)), foot, abs(float(w @ v)) / size
-        moving[i] = size * radius + slide
-        radius += slide * far[i]
-    spread = np.abs(arm.coupling.A.T)
-    return spread @ turning, spread @ moving
+    spread, tool, inward = np.abs(arm.coupling.A.T), arm.home[:3, 3], arm.screws[:, ::-1]  # from the tool to the base
+    screws, feet = to_screw(inward.T), axis_points(inward, tool)
+    turns = np.isfinite(screws.pitch)
+    turning = np.where(turns, screws.magnitude, 0.0)
+    slide = screws.magnitude * np.where(turns, np.abs(screws.pitch), 1.0)
+    slid = slide * (most @ spread)[::-1]
+    radius = np.cumsum(np.linalg.norm(np.diff(np.vstack([tool, feet]), axis=0), axis=1) + slid) - slid
+    return spread @ turning[::-1], spread @ (turning * radius + slide)[::-1]

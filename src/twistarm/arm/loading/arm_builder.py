@@ -25,7 +25,7 @@ from ...support.errors import InputError, quote
 from ...support.fields import fields, inside
 from ...theory import joints
 from ...theory.lower_pairs import lower_pairs
-from ...theory.screws import inverse, to_screw
+from ...theory.screws import axis_points, inverse, to_screw
 from ..arm import Arm
 from ..arm_data import Coupling
 from .load import assemble, proven
@@ -304,11 +304,7 @@ def arm_from_screws(
     if not (np.abs(xi).max(axis=0) > 0).all():
         raise InputError("screws must not have a zero column: it moves nothing")
     g = require_one(as_pose(home, "home"), "home", 2)
-    path: list[Array] = []  # successive axes of turns, each at the point nearest to the one before
-    for screw in map(to_screw, xi.T):
-        if np.isfinite(screw.pitch):
-            near = path[-1] if path else g[:3, 3]
-            path.append(screw.point + screw.axis * (screw.axis @ (near - screw.point)))
+    path = axis_points(xi, g[:3, 3])[np.isfinite(to_screw(xi.T).pitch)]
     limits = {} if limits is None else limits
     if isinstance(limits, JointLimits) and limits.lower.size != n:
         raise InputError(f"limits must be those of {n} joints; got {limits.lower.size}")

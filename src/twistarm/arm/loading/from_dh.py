@@ -34,7 +34,7 @@ from ...support.errors import InputError, quote
 from ...support.messages import Argument, Text
 from ...theory.joints import plane_axes
 from ...theory.rotations import to_euler
-from ...theory.screws import inverse, to_screw
+from ...theory.screws import inverse, nearest_on_line, to_screw
 from ..arm import Arm, require_arm
 from .arm_builder import UNIT, ArmBuilder, arm_of_urdf
 
@@ -195,8 +195,8 @@ def _normal(
     across = np.cross(z, w)
     sine = float(np.linalg.norm(across))
     if sine < parallel:
-        foot = p + z * (z @ (frame[:3, 3] - p))
-        far = q + w * (w @ (foot - q))
+        foot = nearest_on_line(z, p, frame[:3, 3])
+        far = nearest_on_line(w, q, foot)
         return (far - foot if np.linalg.norm(far - foot) > UNIT else frame[:3, 0]), (foot, far)
     foot, far = (p + z * (np.cross(q - p, w) @ across / sine**2), q + w * (np.cross(q - p, z) @ across / sine**2))
     return across * (-1.0 if (far - foot) @ across < 0 else 1.0) / sine, (foot, far)

@@ -15,7 +15,7 @@ from ...limits.joint_limits import slides
 from ...support.checks import Array
 from ...support.files import stamp
 from ...theory import poe
-from ...theory.screws import to_screw
+from ...theory.screws import axis_points, to_screw
 from . import drawing
 from .drawing import STICK, Colour, link_path, rod_path, screw_path
 from .links import MeshDrawing, Read, count_meshes, draw_meshes, draw_plain, missing_meshes
@@ -169,14 +169,7 @@ def anchors(arm: Arm, theta: Array | None = None) -> Array:
     if arm.description is not None:
         poses = arm.poses(x)
         return np.array([poses[arm.description.joints[name].child][:3, 3] for name in arm.moving_names])
-    points: list[Array] = []
-    last: Array = np.zeros(3)
-    for xi in poe.spatial_jacobian(arm.screws, arm.coupling.A @ x).T:
-        screw = to_screw(xi)
-        if np.isfinite(screw.pitch):
-            last = screw.point + screw.axis * (screw.axis @ (last - screw.point))
-        points.append(last)
-    return np.array(points)
+    return axis_points(poe.spatial_jacobian(arm.screws, arm.coupling.A @ x), np.zeros(3))
 
 
 def screw_kinds(arm: Arm) -> list[str]:
