@@ -155,41 +155,25 @@ def plan_joint(
     points = on_limits(points, bounds, arm.joint_names, arm.units)
     if smooth is not None:
         points = smoothed(points, as_positive(smooth, "smooth"), bounds)
-    effort = torque_limits(arm, bounds.effort, torques, payload)
-    inside = PathBounds(bounds, arm.actuators, torques=effort)
-    if effort is not None:
+    inside = PathBounds(bounds, arm.actuators, torques=torque_limits(arm, bounds.effort, torques, payload))
+    if inside.torques is not None:
         for i, point in enumerate(points):
-            effort.require_held(point, f"waypoint {i} (0 is the start)")
-    breakpoints, coefficients = np.zeros(2), points[None]
+            inside.torques.require_held(point, f"waypoint {i} (0 is the start)")
     if times is None:
-        knots, owner, merged = distinct(points)
+        points, timed, merged = _by_law(points, start if back else None, chosen, inside, stop_at_waypoints, progress)
         notes += merged
-        timed = shortest_motion(knots, chosen, inside, stop=stop_at_waypoints, progress=progress)
-        ends = np.append(0.0, timed.ends)
-        if back:
-            there = shortest_motion(np.array([start, points[0]]), chosen, inside)
-            ends, timed = ends + there.duration, joined([there, timed])
-        ends, breakpoints, coefficients = ends[owner], timed.breakpoints, timed.coefficients
-    elif len(ends := as_times(times, len(points))) > 1:
+    else:
         points[0] = start if back else points[0]
-        fit = spline.at_times(chosen, points, ends, stop_at_waypoints)
-        breakpoints, coefficients = spline.pulled_in(fit, ends, points, returning(bounds, points[0], arm.units))
-    if back and len(points) == 1:
-        points, ends = np.stack([start, points[0]]), np.append(0.0, ends)
-    elif back:
-        points[0], ends[0] = start, 0.0
+        timed = _at_times(arm, points, times, chosen, bounds, stop_at_waypoints)
     if len(points) > 2 and not stop_at_waypoints:
-        notes += swings(arm, points, ends, breakpoints, coefficients)
+        notes += swings(arm, points, timed)
+    ends, breakpoints, coefficients = timed
     motion = Trajectory(
         arm.joint_names, arm.units, points, ends, breakpoints, coefficients, arm.actuators,
         notes=(*usual, *notes, *back), limits=bounds,
     )  # fmt: skip
     if times is not None:
-        require_rates(motion, bounds)
-        if arm.actuators is not None:
-            require_rates(motion.to_motors(), arm.actuators.limits, "motor")
-        if effort is not None:
-            effort.require_kept(breakpoints, coefficients)
+        _require_kept(motion, inside)
     if scene is not None:
         from .free_moves import require_free  # only here: it loads the collision library
 
@@ -199,8 +183,41 @@ def plan_joint(
     return motion
 
 
-def swings(arm: Arm, points: Array, ends: Array, breakpoints: Array, coefficients: Array) -> list[Text]:
+def _by_law(
+    points: Array, start: Array | None, law: str, bounds: PathBounds, stop: bool, progress: Progress | None
+) -> tuple[Array, Motion, list[str]]:
+    """Waypoints (k, n), the shortest motion with the time of each, and notes. From a `start` (n,) it returns inside."""
+    knots, owner, notes = distinct(points)
+    timed = shortest_motion(knots, law, bounds, stop=stop, progress=progress)
+    ends = np.append(0.0, timed.ends)[owner]
+    if start is not None:
+        there, rest = shortest_motion(np.array([start, points[0]]), law, bounds), min(1, len(points) - 1)
+        points, ends = np.vstack([start, points[rest:]]), np.append(0.0, ends[rest:] + there.duration)
+        timed = joined([there, timed])
+    return points, timed._replace(ends=ends), notes
+
+
+def _at_times(arm: Arm, points: Array, times: ArrayLike, kind: str, bounds: JointLimits, stop: bool) -> Motion:
+    """The spline through waypoints (k, n) at their times (k,), inside the position limits."""
+    ends = as_times(times, len(points))
+    if len(points) == 1:
+        return Motion(ends, np.zeros(2), points[None])
+    fit = spline.at_times(kind, points, ends, stop)
+    return Motion(ends, *spline.pulled_in(fit, ends, points, returning(bounds, points[0], arm.units)))
+
+
+def _require_kept(motion: Trajectory, bounds: PathBounds) -> None:
+    """Raise LimitError where a motion leaves the limits of rates of joints and motors, or their torques."""
+    require_rates(motion, bounds.limits)
+    if bounds.actuators is not None:
+        require_rates(motion.to_motors(), bounds.actuators.limits, "motor")
+    if bounds.torques is not None:
+        bounds.torques.require_kept(motion.breakpoints, motion.coefficients)
+
+
+def swings(arm: Arm, points: Array, timed: Motion) -> list[Text]:
     """Return a note on the joints that swing far past the two waypoints (k, n) before and after, if there are any."""
+    ends, breakpoints, coefficients = timed
     tau = np.linspace(0.0, 1.0, 17)[:, None] * np.diff(breakpoints)
     leg = np.searchsorted(ends, breakpoints[:-1] + tau).clip(1, len(points) - 1)
     theta = evaluate(coefficients, tau[..., None])

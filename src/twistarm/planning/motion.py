@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
@@ -118,57 +118,90 @@ def plan(
         orientation_tol=orientation_tol,
     )  # fmt: skip
     bounds, notes = completed(require_arm(arm), limits)
-    same = all(np.array_equal(getattr(bounds, side), getattr(arm.limits, side)) for side in ("lower", "upper"))
-    ranged = arm if same else replace(arm, limits=bounds)  # inverse kinematics looks at the arm's own limits
+    ranged = _with_range(arm, bounds)
     origin = ranged.ready if start is None else ranged.theta_from(start, name="start")
     if origin.shape != (arm.n,):
         raise InputError(f"start must be one configuration ({arm.n},); got {origin.shape}")
-    inside, back = inside_from(origin, bounds, arm.joint_names, arm.units)
-    how = {"max_time": as_positive(max_time, "max_time"), "clearance": as_number(clearance, "clearance", 0.0)}
     effort = torque_limits(arm, bounds.effort, torques, payload)
-    rates = PathBounds(bounds, arm.actuators, torques=effort)
+    how = {"max_time": as_positive(max_time, "max_time"), "clearance": as_number(clearance, "clearance", 0.0)}
     around, ways = _obstacles(arm, moves, origin, scene, {"limits": bounds, **how})
-    report = _onward(progress)
-    goals = Goals(ranged, bounds, as_flag(unwrap, "unwrap"))
-
-    def planned(proven: bool) -> tuple[Trajectory, Hit | None]:
-        free, keeping = (None if way is None else partial(way, proven=proven) for way in ways)
-        # The ways are half of the work. A second round goes on where the first stopped.
-        low, share = (0.5, 0.4) if proven else (0.0, 0.5)
-        router = Router(
-            ranged, moves, goals, lambda done: report(low + share * done / len(moves)), around, free, keeping
-        )
-        parts, route_notes = _route(router, inside)
-        if back:
-            parts.insert(0, PathPart(0, JointMove(inside), inside, JointPath.straight(origin, inside), last=False))
-        first, noted = origin if back else inside, (*notes, *back, *route_notes)
-
-        def timed(parts: list[PathPart]) -> Trajectory:
-            return _in_time(ranged, first, parts, rates, kind, noted)
-
-        return (timed(parts), None) if around is None else _checked(around, timed, parts, router.constraints)
-
+    goals, report = Goals(ranged, bounds, as_flag(unwrap, "unwrap")), _onward(progress)
+    work = _Work(ranged, moves, origin, goals, PathBounds(bounds, arm.actuators, torques=effort), kind, around, ways)
     try:
-        motion = _free(planned, moves, "; let a free move go round, or choose another goal" if around is scene else "")
+        motion = _free(partial(work.planned, notes, report), moves, around is scene)
     except PathError as error:
         if scene is None or around is scene or error.reason != "collision":
             raise
-        make, (why, *known) = error.__reduce__()  # the same error, with its attributes, in more words
-        start = f"the start collides: {scene.contacts(origin)[0]}"
-        why = why if why == start else Text("{why}; {start}", why=why, start=start)
-        what = "{why}; move the arm away first, or take out obstacles that are not there, as points of the arm itself"
-        raise make(Text(what, why=why), *known) from error
+        raise _from_collision(error, f"the start collides: {scene.contacts(origin)[0]}") from error
     if scene is not None and around is not scene and (contacts := scene.contacts(motion.waypoints[-1])):
         raise PathError(f"the motion ends in collision, as it began: {contacts[0]}", reason="collision")
     report(1.0)
     # Measured only for who asks for more than the default: to measure may take as long as to plan.
     if around is not None and clearance > CLEARANCE and any(isinstance(move, FreeMove) for move in moves):
-        nearest = around.clearance(motion)
-        if nearest.metres < clearance:
-            asked = Argument("clearance", Quantity(clearance, "m"))
-            note = Text("comes nearer than {clearance}: {nearest}", clearance=asked, nearest=nearest)
-            motion = replace(motion, notes=(*motion.notes, note))
+        motion = _nearness_noted(around, motion, clearance)
     return motion
+
+
+def _with_range(arm: Arm, limits: JointLimits) -> Arm:
+    """The arm with these limits if its positions change. Inverse kinematics looks at the arm's own limits."""
+    same = all(np.array_equal(getattr(limits, side), getattr(arm.limits, side)) for side in ("lower", "upper"))
+    return arm if same else replace(arm, limits=limits)
+
+
+@dataclass(frozen=True, eq=False)
+class _Work:
+    """What `plan` makes of its arguments. `ways` are the searches for free paths in the scene `around`."""
+
+    arm: Arm
+    moves: list[Segment]
+    origin: Array
+    goals: Goals
+    bounds: PathBounds
+    kind: str
+    around: Scene | None
+    ways: tuple[Callable[..., Any] | None, ...]
+
+    def planned(
+        self, notes: tuple[str, ...], report: Callable[[float], None], proven: bool
+    ) -> tuple[Trajectory, Hit | None]:
+        """The motion and its first collision. Free ways are `proven`, or only checked in small steps."""
+        free, keeping = (None if way is None else partial(way, proven=proven) for way in self.ways)
+        # The ways are half of the work. A second round goes on where the first stopped.
+        low, share = (0.5, 0.4) if proven else (0.0, 0.5)
+
+        def onward(done: int) -> None:
+            report(low + share * done / len(self.moves))
+
+        router = Router(self.arm, self.moves, self.goals, onward, self.around, free, keeping)
+        inside, back = inside_from(self.origin, self.bounds.limits, self.arm.joint_names, self.arm.units)
+        parts, route_notes = _route(router, inside)
+        if back:
+            way = JointPath.straight(self.origin, inside)
+            parts.insert(0, PathPart(0, JointMove(inside), inside, way, last=False))
+        first, noted = self.origin if back else inside, (*notes, *back, *route_notes)
+
+        def timed(parts: list[PathPart]) -> Trajectory:
+            return _in_time(self.arm, first, parts, self.bounds, self.kind, noted)
+
+        return (timed(parts), None) if self.around is None else _checked(self.around, timed, parts, router.constraints)
+
+
+def _from_collision(error: PathError, start: str) -> PathError:
+    """The same error, with its attributes, which says too that the start collides, and what to do about that."""
+    make, (why, *known) = error.__reduce__()
+    why = why if why == start else Text("{why}; {start}", why=why, start=start)
+    what = "{why}; move the arm away first, or take out obstacles that are not there, as points of the arm itself"
+    return make(Text(what, why=why), *known)
+
+
+def _nearness_noted(around: Scene, motion: Trajectory, clearance: float) -> Trajectory:
+    """The motion, with a note if it comes nearer to anything than the clearance [m]."""
+    nearest = around.clearance(motion)
+    if nearest.metres >= clearance:
+        return motion
+    asked = Argument("clearance", Quantity(clearance, "m"))
+    note = Text("comes nearer than {clearance}: {nearest}", clearance=asked, nearest=nearest)
+    return replace(motion, notes=(*motion.notes, note))
 
 
 def _onward(progress: Progress | None) -> Callable[[float], None]:
@@ -216,12 +249,13 @@ def _obstacles(
     return around, (partial(free_path, around, **how), partial(keeping_path, around, **how))
 
 
-def _free(planned: Callable[[bool], tuple[Trajectory, Hit | None]], moves: list[Segment], remedy: str) -> Trajectory:
+def _free(planned: Callable[[bool], tuple[Trajectory, Hit | None]], moves: list[Segment], advise: bool) -> Trajectory:
     """Return the planned motion, which is free. The paths of free moves are proven only if that of the motion fails."""
     motion, hit = planned(False)
     if hit is not None and isinstance(moves[hit.leg], FreeMove):
         motion, hit = planned(True)
     if hit is not None:
+        remedy = "; let a free move go round, or choose another goal" if advise else ""
         raise PathError(
             f"{hit}{remedy}", theta=hit.theta, reason="collision", segment=hit.leg, place=place(hit.leg, moves[hit.leg])
         )

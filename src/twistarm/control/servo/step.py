@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ...arm.arm import Arm, require_arm
 from ...arm.engine import answered
@@ -20,6 +20,7 @@ from .settings import ServoBounds, ServoSettings, bounds_of
 
 if TYPE_CHECKING:
     from ...collision import Contact, Scene
+    from ...collision.near_pairs import Near, NearPairs
 
 COMMANDS = (TwistCommand, JogCommand, PoseCommand)
 _DEFAULT = ServoSettings()
@@ -231,43 +232,26 @@ def avoid_collisions(
     if not len(owner):
         return answer, None
     margins, speeds = pairs.least.take(near.pairs), pairs.speeds.take(near.pairs, axis=0)
-    most = margins + SPARE  # an aim is less
-    room = near.distances[owner] - margins[owner] - SPARE
-    rows = _rows(near.approach, _unpushed(room), 0.0)
+    watch = _Watch(pairs, near, margins, speeds, theta, dt, dt / time)
+    rows = _rows(near.approach, _unpushed(near.distances[owner] - margins[owner] - SPARE), 0.0)
     for rounds in range(MOST_ROUNDS + 1):
         answer = solve(rows)
-        time_to_rest = dt + 0.5 * bounds.stopping_time(answer.theta_dot)
-        lost = speeds @ np.abs(time_to_rest * answer.theta_dot)
-        if (near.distances - lost >= most).all():
-            break
-        while True:
-            aim = _aim(near.distances, margins, dt / time, rounds > 1)
-            risky = np.flatnonzero(near.distances - lost < aim - ROUNDING)
-            if not near.measure(risky):
-                break
-        if not len(risky):
-            break
-        # Where it is after the step, on its way to a stop and after it.
-        times = dt, 0.5 * (dt + time_to_rest), time_to_rest
-        where, enough = near.pairs[risky], aim[risky] - ROUNDING
-        there = near.distances[risky] - np.array(times)[:, None] * (lost[risky] / time_to_rest)
-        maybe = there < enough
-        for row in np.flatnonzero(maybe.any(axis=1)).tolist():
-            there[row, maybe[row]] = pairs.distances_of(theta + times[row] * answer.theta_dot, where[maybe[row]])
-        unseen = there < enough
-        if not unseen.any():
+        found = watch.too_near(answer.theta_dot, bounds.stopping_time(answer.theta_dot), unpushed=rounds > 1)
+        if found is None:
             break
         if rounds == MOST_ROUNDS:
-            below = there.min(axis=0) - np.minimum(near.distances, margins)[risky] + ROUNDING
+            below = found.there.min(axis=0) - np.minimum(near.distances, margins)[found.risky] + ROUNDING
             if below.min() < 0.0:
                 still = rest()
-                halted, owner = not still.theta_dot.any(), risky[[below.argmin()]]
+                halted, owner = not still.theta_dot.any(), found.risky[[below.argmin()]]
                 answer = still._replace(cause=COLLISION, row=0, scale=0.0, halted=halted, held_pose=answer.held_pose)
             break
-        for at, new in [(at, risky[row]) for at, row in zip(times, unseen, strict=True) if row.any()]:
-            distances, approach = pairs.measured(theta + at * answer.theta_dot, near.pairs[new])
-            left = distances - aim[new] + at * approach @ answer.theta_dot
-            rows, owner = np.concatenate([_rows(approach, left, at), rows]), np.concatenate([new, owner])
+        for at, unseen in zip(found.times, found.there < found.aim - ROUNDING, strict=True):
+            if unseen.any():
+                new = found.risky[unseen]
+                distances, approach = pairs.measured(theta + at * answer.theta_dot, near.pairs[new])
+                left = distances - found.aim[unseen] + at * approach @ answer.theta_dot
+                rows, owner = np.concatenate([_rows(approach, left, at), rows]), np.concatenate([new, owner])
         if rounds:  # what pushes against each other is no longer pushed
             rows[:, -2] = np.maximum(rows[:, -2], 0.0)
     if answer.cause != COLLISION:
@@ -277,6 +261,50 @@ def avoid_collisions(
     k = owner[answer.row]
     first, second = (pairs.bodies[body].name for body in pairs.body_pairs[near.pairs[k]])
     return answer, Contact((first, second), float(near.distances[k]), float(margins[k]))
+
+
+class _TooNear(NamedTuple):
+    """Pairs `risky` (k,), their distances `there` (times, k), and their `aim` (k,), which some come below."""
+
+    risky: NDArray[np.intp]
+    aim: Array
+    times: tuple[float, ...]
+    there: Array
+
+
+class _Watch(NamedTuple):
+    """The near pairs of a step from `theta` (n,), their margins (k,), and speeds (k, n). `share` is as in `_aim`."""
+
+    pairs: NearPairs
+    near: Near
+    margins: Array
+    speeds: Array
+    theta: Array
+    dt: float
+    share: float
+
+    def too_near(self, theta_dot: Array, stopping_time: float, *, unpushed: bool) -> _TooNear | None:
+        """The pairs that come too near in a step with these rates (n,) and a stop after it; None without any."""
+        near, time_to_rest = self.near, self.dt + 0.5 * stopping_time
+        lost = self.speeds @ np.abs(time_to_rest * theta_dot)
+        if (near.distances - lost >= self.margins + SPARE).all():  # an aim is less
+            return None
+        while True:
+            aim = _aim(near.distances, self.margins, self.share, unpushed)
+            risky = np.flatnonzero(near.distances - lost < aim - ROUNDING)
+            if not near.measure(risky):
+                break
+        if not len(risky):
+            return None
+        # Where it is after the step, on its way to a stop and after it.
+        times = self.dt, 0.5 * (self.dt + time_to_rest), time_to_rest
+        enough = aim[risky] - ROUNDING
+        there = near.distances[risky] - np.array(times)[:, None] * (lost[risky] / time_to_rest)
+        maybe = there < enough
+        for row in np.flatnonzero(maybe.any(axis=1)).tolist():
+            where = near.pairs[risky[maybe[row]]]
+            there[row, maybe[row]] = self.pairs.distances_of(self.theta + times[row] * theta_dot, where)
+        return _TooNear(risky, aim[risky], times, there) if (there < enough).any() else None
 
 
 def _aim(distances: Array, margins: Array, share: float, unpushed: bool) -> Array:
