@@ -277,8 +277,7 @@ CASES: dict[str, Case] = {
     "xacro-failed": xacro('<gazebo h="${height}"/>'),
     "xacro-failed: recursion": xacro('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>'),
     "xacro-expression-refused": xacro('<gazebo h="${().__class__}"/>'),
-    "xacro-failed: wildcards": xacro('<xacro:include filename="*/parts.xacro"/>'),
-    "file-outside-packages": xacro('<xacro:include filename="file:///etc/hostname"/>'),
+    "file-outside-packages": xacro('<xacro:include filename="/etc/hostname"/>'),
     "file-unreadable: too large": Case(
         xacro('<xacro:include filename="big.xacro"/>').files, sizes={"big.xacro": 30_000_000}
     ),

@@ -12,11 +12,12 @@ import pytest
 import xacro.substitution_args
 
 from twistarm import load_arm
-from twistarm.description.expansion.expand import expand_xacro, is_xacro, own_xacro
+from twistarm.description.expansion import expand
+from twistarm.description.expansion.expand import expand_xacro, is_xacro
 from twistarm.description.packages import package_index
 from twistarm.support.errors import DescriptionError, InputError, TwistarmError
 from urdf_text import joint, write
-from xacro_text import ARM, XMLNS, as_xacro
+from xacro_text import ARM, XMLNS, as_xacro, lay
 
 
 def expanded(path: Path) -> str:
@@ -44,6 +45,7 @@ SAME = {
     "a namespace declared inside": '<link xmlns:own="urn:own" own:name="x" name="l"/>',
     "one of a macro": '<xacro:macro name="m" xmlns:o="urn:o"><link o:name="x" name="l"/></xacro:macro><xacro:m/>',
     "an included namespace": '<xacro:include filename="part.xacro" ns="p"/><a b="${p.size + p.more.deep}"/>',
+    "folders by wildcards": '<xacro:include filename="p?rts/*.xacro"/>',
     "several included files": '<xacro:include filename="p*t.xacro"/><xacro:m/>',
     "an optional file": '<xacro:include filename="absent.xacro" optional="true"/><a/>',
     "blocks": '<xacro:macro name="b" params="*one **all"><xacro:insert_block name="one"/>'
@@ -108,6 +110,7 @@ def test_a_file_comes_out_as_from_xacro(inside: str, tmp_path: Path) -> None:
         f"<robot {XMLNS}>{part.replace('dict(deep=1)', 'xacro.dotify(dict(deep=1))')}{macro}</robot>",
         "part.xacro",
     )
+    lay(tmp_path, {f"parts/{name}.xacro": f'<robot {XMLNS}><link name="{name}"/></robot>' for name in ("b", "a")})
     yaml = "joint: {upper: !degrees 180, lower: !radians -pi/2, reach: !millimeters 3*100}\nlist: [{a: 1}]\n"
     write(tmp_path, yaml, "a.yaml")
     path = robot(tmp_path, inside)
@@ -161,7 +164,7 @@ FAILS = {
     '<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>': ("xacro-failed", ""),
     '<xacro:include filename="arm.urdf.xacro"/>': ("xacro-failed", ""),
     '<xacro:arg name="h"/>': ("xacro-failed", "default="),
-    '<xacro:macro name="m" params="a"><a b="${a}"/></xacro:macro><xacro:m a="1" sim="2"/>': ("xacro-failed", "'m'"),
+    '<xacro:macro name="m" params="a"><a b="${a}"/></xacro:macro><xacro:m a="1" sim="2"/>': ("xacro-failed", "xacro:m"),
     "${xacro.fatal('wrong', 'arm')}": ("xacro-failed", "wrong arm"),
     '<link name="${a"/>': ("xacro-failed", "${a"),
     '<xacro:macro name="arm"><link name="l"/></xacro:macro>': ("not-a-tree", ""),
@@ -230,14 +233,11 @@ def test_what_counts_as_xacro(tmp_path: Path) -> None:
 
 
 def test_a_xacro_that_cannot_be_confined_is_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    own_xacro.cache_clear()
-    monkeypatch.delattr(xacro, "safe_eval")
-    monkeypatch.setattr("twistarm.description.expansion.expand.REPLACED", ("safe_eval_of_another",))
-    path = write(tmp_path, as_xacro(""), "arm.xacro")
-    with pytest.raises(TwistarmError, match="safe_eval_of_another"):
-        expanded(path)
-    monkeypatch.undo()
-    own_xacro.cache_clear()
+    other = expand._own_xacro()
+    del other.safe_eval
+    monkeypatch.setattr(expand, "_own_xacro", lambda: other)
+    with pytest.raises(TwistarmError, match="no safe_eval"):
+        expanded(write(tmp_path, as_xacro(""), "arm.xacro"))
 
 
 @pytest.mark.parametrize(

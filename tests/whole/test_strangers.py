@@ -136,7 +136,7 @@ NASTY = {
     ),
     "a link to a file": include("link.xacro", make=linked("link.xacro", "../outside/secret.xacro")),
     "wildcards in a linked folder": include("linked/*.xacro", make=linked("linked", "../outside")),
-    "a URI": include("file://@SECRET"),
+    "a URI": include("file://@SECRET", "xacro-failed"),
     "a pipe": include("pipe", "file-unreadable", make=lambda folder: os.mkfifo(folder / "pipe")),
     "a giant": include("giant.xacro", "file-unreadable", sized("giant.xacro", 50_000_000)),
     "YAML outside": xacro("file-outside-packages", "<a b=\"${xacro.load_yaml('@SECRET')}\"/>"),

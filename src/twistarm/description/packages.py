@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 import functools
-import io
 import os
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from urllib.parse import unquote
 
 from ..support.checks import require_names
 from ..support.errors import InputError, closest, quote
-from ..support.files import as_path, is_file, open_regular
+from ..support.files import as_paths, is_file, read_bounded
 from ..support.messages import Text, package_folder
 
 MAX_DEPTH = 4  # Depth of the search for packages under a folder of the user.
 MAX_PARENTS = 8  # Parents of the description that the search covers, with their children.
 NEAR = 3  # Parents of the description that may be its package.
-MANIFEST_BYTES = 16_384  # Bytes read of a package.xml. The name is near the head, behind a licence at most.
+MANIFEST_BYTES = 100_000  # Of a package.xml. Long ones have some 10 kB.
 # The folders of a workspace with its packages, with those that colcon installs, and the folder between.
 SOURCES, INSTALLED, SHARE = "src", "install", "share"
 # Names of folders that usually lie inside the folder of an arm.
@@ -49,7 +49,6 @@ class PackageIndex:
     user_dirs: tuple[Path, ...] = ()
     mesh_dirs: tuple[Path, ...] = ()
     copies: dict[str, Path] = field(default_factory=dict, repr=False, compare=False)
-    _allowed: dict[Path, bool] = field(default_factory=dict, repr=False, compare=False)
 
     def find(self, package: str) -> Path | None:
         """The folder of `package`, or None."""
@@ -60,15 +59,11 @@ class PackageIndex:
         """As `find`, then in `mesh_dirs`. Meshes are only drawn, so their contents cannot leak."""
         return self.find(package) or self.in_mesh_dirs.get(package)
 
-    def names(self) -> list[str]:
-        """The names of all packages that can be found."""
-        return [*self._packages_near, *self._sourced]
-
-    def searched(self) -> str:
-        """The places of the search, in words."""
-        places = [*map(str, (*self.user_dirs, *self.mesh_dirs)), f"the folders above {self.file.name}"]
-        places += [name for name in ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH") if os.environ.get(name)]
-        return ", ".join(places)
+    def remedy(self, package: str) -> str:
+        """What to do about a package that is not found."""
+        near = closest(package, [*self._packages_near, *self._sourced])
+        correct = f"correct the name{near}, or " if near else ""
+        return Text("{correct}pass {folder}", correct=correct, folder=package_folder(package))
 
     def allows(self, real: Path, also: Iterable[Path] = ()) -> bool:
         """Whether the description may read the file at `real`, a path without links.
@@ -78,7 +73,7 @@ class PackageIndex:
         """
         folders = [folder for folder in (self._own, *also) if not is_too_wide(folder)]
         own = real == Path(os.path.realpath(self.file)) or any(real.is_relative_to(folder) for folder in folders)
-        return own or any(map(self._is_package, real.parents))
+        return own or any(folder in self._readable or folder in self.copies.values() for folder in real.parents)
 
     @functools.cached_property
     def _own(self) -> Path:
@@ -87,30 +82,17 @@ class PackageIndex:
         inside = home.name in PARTS and package_name(home) is None and not is_too_wide(home.parent)
         return home.parent if inside else home
 
-    def _is_package(self, folder: Path) -> bool:
-        if folder not in self._allowed:
-            name = None if is_too_wide(folder) else package_name(folder)
-            named = name is not None and folder in self._real_folders(name)
-            self._allowed[folder] = named or folder in self.copies.values()
-        return self._allowed[folder]
+    @functools.cached_property
+    def _readable(self) -> set[Path]:
+        """The folders of all packages that have a name, and where links of a build lead from those of the environment.
 
-    def _real_folders(self, package: str) -> Iterator[Path]:
-        """The folder of a package, and where links of a build lead from there.
-
-        `colcon build --symlink-install` makes `install/…/share/NAME/package.xml` a link to `src/…/NAME/package.xml`. An
-        archive may hold such links too, but only to files in the `src` beside them. The environment is the user's own.
+        `colcon build --symlink-install` makes `share/NAME/package.xml` a link to the sources. A stranger's archive may
+        hold such links too, so those near the description do not count.
         """
-        for found in self._sourced.get(package, ()):
-            yield from (Path(os.path.realpath(found)), Path(os.path.realpath(found / "package.xml")).parent)
-        if (installed := self.find(package)) is not None:
-            yield installed
-            source = Path(os.path.realpath(installed / "package.xml")).parent
-            workspaces = (parent.parent for parent in installed.parents if parent.name == INSTALLED)
-            sources = next(workspaces, Path(installed.anchor)) / SOURCES
-            built = installed.parent.name == SHARE and os.path.realpath(installed) == str(installed)
-            inside = built and not is_too_wide(sources.parent) and source.is_relative_to(sources)
-            if inside and not any(part.startswith(".") for part in source.relative_to(sources).parts):
-                yield source
+        folders = {*chain(*self._packages_near.values())}
+        for folder in chain(*self._sourced.values()):
+            folders |= {Path(os.path.realpath(folder)), Path(os.path.realpath(folder / "package.xml")).parent}
+        return {folder for folder in folders if not is_too_wide(folder)}
 
     def _copy(self, package: str) -> Path | None:
         """The folder of that name that looks like a robot's package, one above the description first.
@@ -164,13 +146,11 @@ def package_index(
     file: Path, user_dirs: Iterable[str | os.PathLike[str]] = (), mesh_dirs: Iterable[str | os.PathLike[str]] = ()
 ) -> PackageIndex:
     """The index for one description. InputError for a user's folder that does not exist."""
-    if isinstance(user_dirs, (str, os.PathLike)):
-        user_dirs = [user_dirs]
     found = []
     for dirs in (user_dirs, mesh_dirs):
-        folders = tuple(map(as_path, dirs))
+        folders = as_paths(dirs, "package_dirs")
         for folder in folders:
-            if "\0" in str(folder) or not os.path.isdir(folder):
+            if not os.path.isdir(folder):
                 raise InputError(f"package_dirs: {quote(str(folder))} is not a folder; give one that holds packages")
         found.append(tuple(folder.resolve() for folder in folders))
     return PackageIndex(file.resolve(), found[0], found[1])
@@ -192,26 +172,17 @@ def home_of(file: Path) -> Path:
 
 
 def package_name(folder: Path) -> str | None:
-    """The first `<name>` in the root of the folder's package.xml.
+    """The `<name>` in the folder's package.xml.
 
-    None without a readable one near its head, and for a file with a document type, which may hold entities.
+    None without a readable one, and for a file with a document type, which may hold entities.
     """
-    manifest = folder / "package.xml"
-    if not is_file(manifest):
-        return None
     try:
-        with open_regular(manifest) as file:
-            head = file.read(MANIFEST_BYTES)
-        if b"<!DOCTYPE" in head.replace(b"\0", b""):
+        data = read_bounded(folder / "package.xml", MANIFEST_BYTES)
+        if b"<!DOCTYPE" in data.replace(b"\0", b""):
             return None
-        depth = 0
-        for event, element in ET.iterparse(io.BytesIO(head), ("start", "end")):
-            depth += 1 if event == "start" else -1
-            if (event, depth, element.tag.rpartition("}")[2]) == ("end", 1, "name"):
-                return (element.text or "").strip() or None
+        return (ET.fromstring(data).findtext("{*}name") or "").strip() or None
     except (ET.ParseError, OSError, ValueError, LookupError):
-        pass
-    return None
+        return None
 
 
 def is_too_wide(folder: Path) -> bool:
@@ -286,23 +257,11 @@ def resolve_uri(uri: str, packages: PackageIndex) -> Path | None:
 def why_missing(uri: str, packages: PackageIndex) -> tuple[str, str]:
     """Why there is no file at a URI, and the remedy. Both are equal for files with one remedy."""
     package, folders, files = _places(uri, packages)
-    parts = re.split(r"[/\\]+", uri.strip())
-    if package and uri.strip().endswith(f"//{package}"):
-        return "package:// goes before a package's name and a path in it", "write package://PACKAGE/PATH, or the path"
     if not folders:
-        near = closest(package, packages.names())
-        correct = f"correct the name{near}, or " if near else ""
-        remedy = Text("{correct}pass {folder}", correct=correct, folder=package_folder(package))
-        return f"package {package!r} not found", remedy
+        return f"package {package!r} not found", packages.remedy(package)
     if files:
         remedy = Text("pass {folder}", folder=package_folder("them"))
         return "they lie outside the description's package", remedy
-    tails = ["/".join(parts[i:]) for i in range(1, len(parts))]
-    named = (folder / tail for tail in tails for folder in packages.file.parents[:NEAR])
-    here = next((file for file in named if is_file(file) and packages.allows(Path(os.path.realpath(file)))), None)
-    if here and not package:
-        path = os.path.relpath(here.with_stem("NAME"), packages.file.parent)
-        return "their paths do not exist, and files of these names are near the description", f'write filename="{path}"'
     where = f"in package {package!r}" if package else "where the description looks for them"
     return f"there is no such file {where}", "correct the paths, or put the files there"
 
@@ -321,7 +280,5 @@ def _places(uri: str, packages: PackageIndex) -> tuple[str, list[Path], list[Pat
     else:
         parents = packages.file.parents
         folders = [*parents[:NEAR], *packages.user_dirs] if found else [parents[0]]
-    decoded = unquote(path)
-    spellings = dict.fromkeys((path, decoded, path.replace("\\", "/"), decoded.replace("\\", "/")))
-    files = (folder / spelling for folder in folders for spelling in spellings)
+    files = (folder / spelling for folder in folders for spelling in (path, unquote(path).replace("\\", "/")))
     return package, folders, [file for file in files if is_file(file)]

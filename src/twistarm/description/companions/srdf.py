@@ -17,8 +17,7 @@ from ...support.errors import DescriptionError, InputError, listed
 from ...support.files import is_file
 from ...support.messages import Argument, Text
 from ..document import Reading, existing_file, parse_xml, read_text
-from ..expansion.expand import expand_xacro, is_xacro
-from ..expansion.expansion import arguments_in
+from ..expansion.expand import arguments_in, expand_xacro, is_xacro
 from ..findings import Finding, Place, finding, refusal
 from ..packages import package_index
 from ..tree import Description, EndEffector, Group, GroupState, Joint, Pair, Semantics, sorted_pair

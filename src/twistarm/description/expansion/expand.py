@@ -1,34 +1,62 @@
-"""xacro to URDF text without ROS, one file with its includes at a time, and its errors in one line each."""
+"""xacro to URDF text without ROS: the xacro program with our own functions for files, packages and expressions."""
 
 from __future__ import annotations
 
-import functools
+import glob
+import os
 import re
 import sys
 import threading
 import traceback
-from collections.abc import Iterable, Iterator, Mapping
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
+from functools import partial
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any, NamedTuple
+from xml.dom import expatbuilder, xmlbuilder
+from xml.parsers import expat
 
-from ...support.errors import DescriptionError, InputError, TwistarmError, closest
+from ...support.errors import DescriptionError, InputError, TwistarmError, closest, listed
 from ...support.interrupts import ending_at_once
 from ...support.messages import Argument, Text, package_folder
 from ...support.wheels import Wheel, load
-from ..document import Refused, read_text
-from ..findings import Finding, refusal
+from ..document import Reading, Refused, parse_xml, read_inside, read_text
+from ..findings import Finding, Place, finding, refusal
 from ..packages import PackageIndex
-from .expansion import HERE, MISSING_PACKAGE, PACKAGE, PLACE, REPLACED, Expansion
+from .expressions import LEFT_OUT, evaluate, type_of
 
-# ROS 2's is the same code and serves; ROS 1's lacks what `Expansion` replaces.
+# ROS 2's is the same code and serves; ROS 1's lacks what is replaced here.
 _WHEEL = Wheel("xacro", "xacro", has="process_file", oldest="2.1")
 
 _NAME = f"{__package__}._xacro"
 
-# xacro keeps arguments, file stack and verbosity in module globals: one expansion at a time.
-_LOCK = threading.Lock()
+_LOCK = threading.Lock()  # The copies of xacro share a module of commands.
+
+# What `$(find NAME)` gives before the package's name. The folder stays out of the texts, which users may pass on.
+PACKAGE = "package://"
+HERE = f"{PACKAGE}./"  # The description's own folder.
+CWD = f"{PACKAGE}.cwd"  # The working folder, of the command `$(cwd)`.
+
+XACRO = "http://www.ros.org/wiki/xacro"
+
+QUIET = ("message", "warning", "error", "print_location")  # Functions of xacro that write on the terminal.
+
+# Words of xacro that mean nothing without their prefix.
+BARE = ("arg", "call", "if", "include", "insert_block", "macro", "property", "unless")
+# Elements of a robot that are no calls of macros of these names.
+URDF = ("link", "joint", "material", "transmission", "sensor", "gazebo", "ros2_control")
+
+REMEDIES = {
+    "Invalid parameter": "add it to the params= of the macro, or leave it out of the call",
+    "missing attribute 'default'": 'write default="" and give the value when loading',
+    "is not defined": "define it by <xacro:property …>; without the prefix it is no property",
+}
+"""Remedies by words of xacro's sentence."""
+
+_PLACE = "place"  # The key of an element's `Place` among its data.
 
 
 class Expanded(NamedTuple):
@@ -63,14 +91,14 @@ def expand_xacro(
         name: str(value).lower() if isinstance(value, bool) else str(value) for name, value in (arguments or {}).items()
     }
     with _LOCK:
-        xacro = own_xacro()
-        expansion = Expansion(xacro, path, packages, given, ignore_packages, env_vars)
-        vars(xacro).update(xacro.original | expansion.attributes())
+        expansion = _Expansion(path, packages, given, tuple(ignore_packages), tuple(env_vars))
         try:
             with ending_at_once():
-                robot = xacro.process_file(str(path), mappings=dict(given), verbosity=0).documentElement.toxml()
+                document = expansion.xacro.process_file(str(path), mappings=dict(given), verbosity=0)
+                robot = document.documentElement
+                text = robot.toxml()
         except Exception as error:
-            raise explain(error, expansion) from error
+            raise expansion.explained(error) from error
     known = expansion.arguments
     for name in given:
         if name not in known:
@@ -78,8 +106,8 @@ def expand_xacro(
             raise InputError(f"{path.name} has no xacro argument {name!r}{closest(name, known)} ({allowed})")
     # Without xacro's banner, which shows the file's folder, and with paths that any reader of URDF takes: those of a
     # package, and for files beside the description relative ones.
-    text = '<?xml version="1.0" ?>' + robot.replace(f"file://{PACKAGE}", PACKAGE).replace(HERE, "")
-    return Expanded(text, expansion.findings(), known)
+    text = '<?xml version="1.0" ?>' + text.replace(f"file://{PACKAGE}", PACKAGE).replace(HERE, "")
+    return Expanded(text, expansion.findings(robot), known)
 
 
 def is_xacro(path: Path) -> bool:
@@ -87,118 +115,300 @@ def is_xacro(path: Path) -> bool:
     return path.suffix == ".xacro" or "<xacro:" in read_text(path)
 
 
-@functools.cache
-def own_xacro() -> Any:
-    """A private copy of PyPI's xacro, also in a ROS shell with another one, loaded once.
+def arguments_in(root: ET.Element) -> dict[str, str | None]:
+    """Every argument that a document declares or uses, with its default; None if it is required or not declared."""
+    declared: dict[str, str | None] = {}
+    used: dict[str, None] = {}
+    for element in root.iter():
+        if element.tag == "xacro:arg" and "name" in element.attrib:
+            declared.setdefault(element.attrib["name"], element.get("default"))
+        for text in (*element.attrib.values(), element.text or "", element.tail or ""):
+            used |= dict.fromkeys(re.findall(r"\$\(arg\s+([^)\s]+)\s*\)", text))
+    return declared | {name: None for name in used if name not in declared}
 
-    xacro keeps its state in module globals, and an expansion replaces functions of it. The program's `xacro` stays
-    unchanged. Raises TwistarmError in one line, with the remedy, if xacro cannot be used.
+
+def _own_xacro() -> Any:
+    """A new copy of PyPI's xacro, also in a ROS shell with another one; the program's `xacro` stays unchanged.
+
+    xacro keeps arguments, symbols and the file stack in module globals, and an expansion replaces some of them.
     """
     file = Path(load(_WHEEL).__file__)
-    spec = spec_from_file_location(_NAME, file, submodule_search_locations=[str(file.parent)])
-    if spec is None or spec.loader is None:
-        raise TwistarmError(f"{file} cannot be loaded; pip install xacro==2.1.1")
-    copy: Any = module_from_spec(spec)
+    spec: Any = spec_from_file_location(_NAME, file, submodule_search_locations=[str(file.parent)])
+    copy = module_from_spec(spec)
     sys.modules[_NAME] = copy  # where its own imports look for it
     spec.loader.exec_module(copy)
-    import_module(f"{_NAME}.substitution_args")
-    if missing := [name for name in REPLACED if not hasattr(copy, name)]:
-        lacks = f"this xacro ({file}) has no {', '.join(missing)} and cannot be confined"
-        raise TwistarmError(f"{lacks}; pip install xacro==2.1.1")
-    copy.original = {name: getattr(copy, name) for name in REPLACED}
     return copy
 
 
-REMEDIES = {
-    "Invalid parameter": "add it to the params= of the macro, or leave it out of the call",
-    "is not defined": "define it by <xacro:property …>; without the prefix it is no property",
-    r"expression '[^']*\$\{": "write one ${…} round the whole expression: they do not nest",
-    "xacro:arg: missing attribute 'default'": 'write default="" and give the value when loading',
-}
-"""Remedies by a pattern in xacro's sentence."""
+def _replace(module: Any, functions: Mapping[str, Any]) -> None:
+    """Put our functions in place of xacro's. TwistarmError if this xacro has no such names."""
+    if missing := [name for name in functions if not hasattr(module, name)]:
+        lacks = f"this xacro ({module.__file__}) has no {', '.join(missing)} and cannot be confined"
+        raise TwistarmError(f"{lacks}; pip install xacro==2.1.1")
+    vars(module).update(functions)
 
 
-def explain(error: Exception, expansion: Expansion) -> DescriptionError:
-    """The error to raise, at the element, in the file or the macro that xacro was expanding."""
-    for frame, _ in traceback.walk_tb(error.__traceback__):  # xacro's errors do not name the element
-        node: Any = frame.f_locals.get("node")
-        while hasattr(node, "getUserData") and node.getUserData(PLACE) is None:  # a text
-            node = node.parentNode
-        if hasattr(node, "getUserData"):
-            expansion.failed = node.getUserData(PLACE)
-    text = " ".join(str(error).split())
-    for cause in _causes(error, set()):
-        if isinstance(cause, DescriptionError):
-            return cause
-        if isinstance(cause, Refused):
-            expression = re.search(r"when evaluating expression '(.*)'", text)
-            where = f" (in ${{{_shortened(expression[1], 120)}}})" if expression else ""
-            return refusal(cause.code, expansion.place, _shortened(cause.what) + where, cause.remedy)
-        if isinstance(cause, RecursionError):
-            what = "it nests without end: a macro, a property or an included file refers to itself, or YAML is too deep"
-            return refusal("xacro-failed", expansion.place, what)
-        if isinstance(cause, OSError):
-            return _missing_file(str(cause.filename), cause.strerror or "", expansion)
-    if undefined := re.search(r"Undefined substitution argument (\S+)", text):
-        return _missing_argument(undefined[1], expansion)
-    remedy = next((remedy for part, remedy in REMEDIES.items() if re.search(part, text)), "")
-    return refusal("xacro-failed", expansion.place, f"xacro cannot expand it: {_shortened(text)}", remedy)
+def _say_nothing(*_: Any, **__: Any) -> str:
+    """Drop xacro's messages, which would go to the terminal."""
+    return ""
 
 
-def _causes(error: BaseException | None, seen: set[int]) -> Iterator[BaseException]:
-    """The error and all that it wraps: xacro keeps the original in `.exc`, Python in `__cause__`/`__context__`."""
-    if isinstance(error, BaseException) and id(error) not in seen:
-        seen.add(id(error))
-        yield error
-        for wrapped in (getattr(error, "exc", None), error.__cause__, error.__context__):
-            yield from _causes(wrapped, seen)
+class _Expansion:
+    """One expansion: a copy of xacro with our functions, and what they note."""
 
+    def __init__(
+        self,
+        path: Path,
+        packages: PackageIndex,
+        given: Mapping[str, str],
+        ignored: tuple[str, ...],
+        env_vars: tuple[str, ...],
+    ) -> None:
+        self.arguments: dict[str, str | None] = {}
+        self._path, self._packages, self._given = path, packages, given
+        self._ignored, self._env_vars = ignored, env_vars
+        self._macros = {*BARE}
+        self._notes: dict[str, Finding] = {}
+        self.xacro = xacro = _own_xacro()
+        self._commands = commands = import_module(f"{_NAME}.substitution_args")
+        functions = {
+            "parse": self._parse,
+            "get_include_files": self._include_files,
+            "load_yaml": self._load_yaml,
+            "abs_filename_spec": self._named_from_here,
+            "safe_eval": partial(evaluate, namespace=xacro.Table),
+            "eval_extension": self._extension,
+            "remove_previous_comments": _say_nothing,  # no comment comes so far
+            **dict.fromkeys(QUIET, _say_nothing),
+        }
+        if ignored:
+            functions["handle_macro_call"] = partial(self._call_macro, xacro.handle_macro_call)
+        _replace(xacro, functions)
+        own = {"_eval": self._eval, "_eval_find": self._find, "_eval_env": self._env, "_eval_optenv": self._optenv}
+        _replace(commands, own)
+        xacro._global_symbols = symbols = xacro.create_global_symbols()
+        symbols["xacro"].update(arg=self._argument, **dict.fromkeys(QUIET, _say_nothing))
+        for name in LEFT_OUT:
+            dict.pop(symbols["python"], name)
+        symbols["python"]["type"] = type_of
 
-def _missing_file(name: str, why: str, expansion: Expansion) -> DescriptionError:
-    """The error for a file that is not there, perhaps for an argument in its path, or for want of its package."""
-    if name.startswith(MISSING_PACKAGE):
-        return _missing_package(name.removeprefix(MISSING_PACKAGE).partition("/")[0], expansion)
-    values = {**expansion.arguments, **expansion.given}
-    empty = {argument: ... for argument, value in values.items() if not value and argument in name}
-    inside = empty or {argument: ... for argument, value in values.items() if value and value in name}
-    remedy = "correct the path, or put the file there"
-    if inside:
-        remedy = Text("correct the path, or pass {arguments}", arguments=Argument("xacro_args", inside))
-    return refusal("xacro-failed", expansion.place, _shortened(f"xacro cannot expand it: {why}: {name}"), remedy)
+    def findings(self, robot: Any) -> tuple[Finding, ...]:
+        """Packages that no opened file needed, hidden variables, parts left out, and words without xacro's prefix."""
+        for child in robot.childNodes:
+            tag = getattr(child, "tagName", "")
+            if tag.rpartition(".")[2] in self._macros and tag not in URDF:
+                at: Place = child.getUserData(_PLACE)
+                what = f"<{tag}> lacks the prefix xacro: and does nothing"
+                self._note("word-unread", replace(at, file=Path(at.file).name), what, f"write <xacro:{tag} …>")
+        return tuple(self._notes.values())
 
+    def explained(self, error: Exception) -> DescriptionError:
+        """The error to raise, at the innermost element that xacro was expanding."""
+        place = Place(str(self.xacro.filestack[-1]))
+        for frame, _ in traceback.walk_tb(error.__traceback__):  # xacro's errors do not name the element
+            node: Any = frame.f_locals.get("node")
+            while hasattr(node, "getUserData") and node.getUserData(_PLACE) is None:  # a text
+                node = node.parentNode
+            if hasattr(node, "getUserData"):
+                place = node.getUserData(_PLACE)
+        text = str(error)
+        cause: BaseException | None = error
+        while cause is not None:
+            if isinstance(cause, DescriptionError):
+                return cause
+            if isinstance(cause, Refused):
+                expression = re.search(r"when evaluating expression '(.*)'", text)
+                where = f" (in ${{{expression[1]}}})" if expression else ""
+                return refusal(cause.code, place, cause.what + where, cause.remedy)
+            if isinstance(cause, RecursionError | MemoryError):
+                what = "it nests without end: a macro, a property or an included file refers to itself, or is too deep"
+                return refusal("xacro-failed", place, what)
+            if isinstance(cause, OSError):
+                values = Text(
+                    "correct the path, or a value of {arguments} in it", arguments=Argument("xacro_args", None)
+                )
+                return refusal("xacro-failed", place, f"{cause.strerror}: {cause.filename}", values)
+            if isinstance(cause, self._commands.ArgException):
+                return self._missing_argument(str(cause), place)
+            cause = getattr(cause, "exc", None) or cause.__cause__  # xacro keeps it in `exc`
+        remedy = next((remedy for part, remedy in REMEDIES.items() if part in text), "")
+        return refusal("xacro-failed", place, f"xacro cannot expand it: {text}", remedy)
 
-def _missing_package(package: str, expansion: Expansion) -> DescriptionError:
-    what = f"package {package!r} not found; searched {expansion.packages.searched()}"
-    if far := expansion.packages.in_mesh_dirs.get(package):
-        what = (
-            f"package {package!r} is in {far}. Only the arm.toml names this folder, so its meshes are drawn "
-            "and its files are not included"
+    def _missing_argument(self, name: str, place: Place) -> DescriptionError:
+        """The error for an argument without a value. The remedy has all of them, and a default that comes too late."""
+        late = self.arguments.get(name)
+        missing = {name: late if late and "$" not in late else ...}
+        for other, default in self.arguments.items():
+            if default is None and other not in self._given:
+                missing.setdefault(other, ...)
+        remedy = Text("pass {arguments}", arguments=Argument("xacro_args", missing))
+        return refusal("xacro-arguments", place, f"the xacro argument {name!r} has no value here", remedy)
+
+    def _note(self, code: str, place: Place, what: str, remedy: str) -> None:
+        self._notes.setdefault(what, finding(code, place, what, remedy))
+
+    # -- commands and the environment: a file could put a value in the robot's name, and so on pages that users pass on
+
+    def _extension(self, text: str) -> str:
+        """The text of `$(…)`."""
+        return CWD if text == "$(cwd)" else self._commands.resolve_args(text, self.xacro.substitution_args_context)
+
+    def _argument(self, name: str) -> Any:
+        return self._commands._eval_arg(name, self.xacro.substitution_args_context["arg"])
+
+    def _eval(self, expression: str, context: Any) -> str:
+        """The text of `$(eval …)`. Its names are the arguments."""
+
+        def converted(name: str) -> Any:
+            return self._commands.convert_value(self._argument(name), "auto")
+
+        symbols = self.xacro._global_symbols
+        names = {**symbols["python"], **symbols["math"], "true": True, "false": False}
+        names |= {"find": self._find, "env": self._env, "optenv": self._optenv, "arg": converted}
+        return str(evaluate(expression, {name: converted(name) for name in context["arg"]} | names, self.xacro.Table))
+
+    def _env(self, name: str) -> str:
+        value = os.environ.get(name) if name in self._env_vars else None
+        if value is None:
+            remedy = Text("set it, and pass {allowed} to let the file read it", allowed=Argument("env_vars", [name]))
+            raise Refused("xacro-failed", f"environment variable {name!r} is not set for it", remedy)
+        return value
+
+    def _optenv(self, name: str, default: str = "") -> str:
+        if name in self._env_vars:
+            return os.environ.get(name, default)
+        what = f"it asks for the environment variable {name!r}, which counts as not set: {default!r} is used"
+        remedy = Text("pass {allowed} to let the file read it", allowed=Argument("env_vars", [name]))
+        self._note("environment-kept", Place(self._path.name), what, remedy)
+        return default
+
+    # -- files
+
+    def _find(self, package: str) -> str:
+        """The text for the folder of a package."""
+        if self._packages.find_for_mesh(package) is None and package not in self._ignored:
+            what = f"$(find {package}): package not found; nothing the kinematics needs uses it"
+            remedy = Text("pass {folder} if its files matter", folder=package_folder(package))
+            self._note("package-not-found", Place(self._path.name), what, remedy)
+        return PACKAGE + package
+
+    def _named_from_here(self, name: str) -> str:
+        """A path relative to the file being read, as a name that holds in every file."""
+        if os.path.isabs(name) or name.startswith(PACKAGE):
+            return name
+        folder = os.path.dirname(self.xacro.filestack[-1])
+        return HERE + os.path.relpath(os.path.join(folder, name), self._path.parent)
+
+    def _file(self, name: str) -> str:
+        """The path of a name in the file being read. Refused for an unknown package."""
+        name = name.replace("\\", "/")
+        if name.startswith(PACKAGE):
+            package, _, rest = name.removeprefix(PACKAGE).partition("/")
+            folder = {".": self._path.parent, ".cwd": Path.cwd()}.get(package) or self._packages.find(package)
+            if folder is None:
+                remedy = Text(
+                    "{remedy}; if the arm does not need it (sensor, gripper, simulator), pass {without}",
+                    remedy=self._packages.remedy(package),
+                    without=Argument("ignore_packages", [package]),
+                )
+                what = f"package {package!r} not found around the file or in a sourced ROS workspace"
+                raise Refused("package-needed-not-found", what, remedy)
+            return f"{folder}/{rest}"
+        return os.path.join(os.path.dirname(self.xacro.filestack[-1]), name)
+
+    def _parse(self, _: Any, filename: str) -> Any:
+        """The document in a file that may be read."""
+        try:
+            path, text = read_inside(filename, self._packages)
+        except OSError as error:
+            self.xacro.filestack.pop()
+            raise self.xacro.XacroException(exc=error) from error  # as xacro does, for optional includes
+        root = parse_xml(text, Reading(path, self._packages))
+        self._macros |= {macro.get("name", "").removeprefix("xacro:") for macro in root.iter("xacro:macro")}
+        for name, default in arguments_in(root).items():
+            if self.arguments.get(name) is None:
+                self.arguments[name] = default
+        return _document(text, path)
+
+    def _include_files(self, pattern: str, symbols: Any) -> Iterator[str]:
+        """The file that an include names, or those that its wildcards match."""
+        written = str(self.xacro.eval_text(pattern, symbols))
+        if self._is_ignored(written):
+            self._leave_out(f"the include of {os.path.basename(written)!r} is left out")
+        elif re.search(r"[*?[]", written):
+            yield from sorted(glob.glob(self._file(written)))
+        else:
+            yield self._file(written)
+
+    def _load_yaml(self, filename: object) -> Any:
+        """The data in a YAML file that may be read, with xacro's units."""
+        import yaml
+
+        if self._is_ignored(str(filename)):
+            self._leave_out(f"{os.path.basename(str(filename))!r} counts as empty")
+            return self.xacro.YamlDictWrapper({})
+
+        class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc] # tags on PyYAML's would stay
+            pass
+
+        for unit in self.xacro.ConstructUnits:
+            Loader.add_constructor(unit.value.tag, unit.constructor)
+        _, text = read_inside(self._file(str(filename)), self._packages)
+        return self.xacro.YamlListWrapper.wrap(yaml.load(text, Loader=Loader))
+
+    # -- packages to do without
+
+    def _is_ignored(self, name: str) -> bool:
+        """Whether a file belongs to an ignored package, by `$(find …)` or by a folder of that name."""
+        parts = name.removeprefix(PACKAGE).replace("\\", "/").split("/")
+        return any(package in parts for package in self._ignored)
+
+    def _leave_out(self, what: str) -> None:
+        remedy = Text(
+            "if it matters, pass {folder} instead of {without}",
+            folder=package_folder(listed(self._ignored)),
+            without=Argument("ignore_packages", None),
         )
-    near = closest(package, expansion.packages.names())
-    remedy = Text(
-        "{correct}pass {folder}; if the arm does not need it (sensor, gripper, simulator), pass {without}",
-        correct=f"correct the name{near}, or " if near else "",
-        folder=package_folder("it"),
-        without=Argument("ignore_packages", [package]),
-    )
-    return refusal("package-needed-not-found", expansion.place, _shortened(what), remedy)
+        self._note("package-left-out", Place(os.path.basename(self.xacro.filestack[-1])), what, remedy)
+
+    def _call_macro(self, call: Callable[..., bool], node: Any, macros: Any, symbols: Any) -> bool:
+        """Call xacro's function. The call of an unknown macro is left out if a file was."""
+        name = node.tagName.removeprefix("xacro:")
+        if name not in ("call", node.tagName) and any(note.code == "package-left-out" for note in self._notes.values()):
+            try:
+                self.xacro.resolve_macro(name, macros, symbols)
+            except KeyError:
+                self._leave_out(f"the call of the macro {name!r} is left out: no file that is read defines it")
+                self.xacro.replace_node(node, None)
+                return True
+        return call(node, macros, symbols)
 
 
-def _missing_argument(name: str, expansion: Expansion) -> DescriptionError:
-    """The error for an argument without a value, or with a default that comes too late. It names all without one."""
-    late = expansion.arguments.get(name)
-    what = f"the xacro argument {name!r} has no value"
-    if late is not None:
-        what += f" here: its default, {late!r}, comes in a later line, and xacro reads from top to bottom"
-    missing = {name: late if late and "$" not in late else ...}
-    for other, default in expansion.arguments.items():
-        if default is None and other not in expansion.given:
-            missing.setdefault(other, ...)
-    remedy = Text("pass {arguments}", arguments=Argument("xacro_args", missing))
-    return refusal("xacro-arguments", expansion.place, _shortened(what), remedy)
+def _document(text: str, path: Path) -> Any:
+    """minidom's document without the file's encoding, and without comments, which slow xacro down."""
+    options = xmlbuilder.Options()
+    options.comments = False
+    try:
+        return _Builder(options, path).parseString(re.sub(r"^<\?xml[^>]*\?>", "", text))
+    except expat.ExpatError as error:  # of namespaces: all else was well-formed before
+        what = f"{expat.ErrorString(error.code)}: {text.splitlines()[error.lineno - 1].strip()}"
+        remedy = f'declare each prefix once, as xmlns:xacro="{XACRO}" in <robot>; behind its colon, begin with a letter'
+        raise refusal("xml-malformed", Place(str(path), error.lineno), what, remedy) from error
 
 
-def _shortened(text: str, length: int = 700) -> str:
-    """The text on one line, cut at `length`."""
-    line = " ".join(text.split())
-    return line if len(line) <= length else f"{line[:length]}…"
+class _Builder(expatbuilder.ExpatBuilderNS):
+    """minidom's reader, which gives each element its place, and so each copy, as in the body of a macro."""
+
+    def __init__(self, options: Any, path: Path) -> None:
+        super().__init__(options)
+        self._path = str(path)
+
+    def start_element_handler(self, name: str, attributes: list[str]) -> None:
+        super().start_element_handler(name, attributes)
+        element: Any = self.curNode
+        place = Place(self._path, self.getParser().CurrentLineNumber, element.tagName, element.getAttribute("name"))
+        element.setUserData(_PLACE, place, self)
+
+    def handle(self, _: int, key: str, place: Place, __: Any, copy: Any) -> None:
+        """Called by minidom for each copy."""
+        copy.setUserData(key, place, self)

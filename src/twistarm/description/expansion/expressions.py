@@ -17,13 +17,13 @@ from ..document import Refused
 
 REFUSED = "xacro-expression-refused"
 
-MAX_DEPTH = 100  # Levels of the syntax tree. A sum has as many as terms, and Python's compiler recurses.
 # Types of values whose methods only compute.
 DATA = (str, bool, int, float, complex, list, tuple, dict, set, frozenset, range)
 OUT = ("format", "format_map")  # Methods that reach attributes by themselves.
 LEFT_OUT = ("vars", "hash", "slice")  # Functions of xacro that lead out of expressions.
 
-_WORDS = {ast.NamedExpr: "an assignment (:=)", ast.Await: "await", ast.Yield: "yield", ast.YieldFrom: "yield"}
+# What changes names, or waits.
+NOT_COMPUTING = (ast.NamedExpr, ast.Await, ast.Yield, ast.YieldFrom)
 
 
 class _Guarded(ast.NodeTransformer):
@@ -67,31 +67,15 @@ def type_of(value: Any) -> type:
 
 @functools.lru_cache(4096)
 def _compiled(expression: str) -> CodeType:
-    """The code. Refused if a part of the syntax tree is not allowed, or if it is too deep."""
-    too_deep = Refused(REFUSED, "an expression that nests too deep", "split it into properties")
+    """The code. Refused if a part of the syntax tree is not allowed."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # about odd expressions, which nobody who reads the file can mend
-        try:
-            tree = ast.parse(expression, mode="eval")
-        except (RecursionError, MemoryError):
-            raise too_deep from None
-        level: list[ast.AST] = [tree]
-        for _ in range(MAX_DEPTH):
-            for node in level:
-                _check(node)
-            level = [child for node in level for child in ast.iter_child_nodes(node)]
-        if level:
-            raise too_deep
+        tree = ast.parse(expression, mode="eval")
+        for node in ast.walk(tree):
+            is_target = isinstance(node, ast.Attribute | ast.Subscript) and not isinstance(node.ctx, ast.Load)
+            if is_target or isinstance(node, NOT_COMPUTING) or getattr(node, "is_async", False):
+                raise Refused(REFUSED, "an expression that does more than compute", "use names, operators and calls")
+            for name in (getattr(node, field, None) for field in ("id", "attr", "arg")):
+                if isinstance(name, str) and name.startswith("__"):
+                    raise Refused(REFUSED, f"the name {name} is not allowed", "use the names that xacro offers")
         return compile(ast.fix_missing_locations(_Guarded().visit(tree)), "<expression>", "eval")
-
-
-def _check(node: ast.AST) -> None:
-    if type(node) in _WORDS:
-        raise Refused(REFUSED, f"{_WORDS[type(node)]} is not allowed", "use names, operators and calls")
-    if isinstance(node, ast.Attribute | ast.Subscript) and not isinstance(node.ctx, ast.Load):
-        raise Refused(REFUSED, "an assignment is not allowed", "expressions compute and change nothing")
-    if isinstance(node, ast.comprehension) and node.is_async:
-        raise Refused(REFUSED, "async is not allowed", "leave it out")
-    for name in (getattr(node, field, None) for field in ("id", "attr", "arg")):
-        if isinstance(name, str) and name.startswith("__"):
-            raise Refused(REFUSED, f"the name {name} is not allowed", "use the names that xacro offers")
