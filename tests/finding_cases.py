@@ -95,10 +95,6 @@ def srdf(inside: str = "", name: str = "tiny") -> str:
     return f'<robot name="{name}">{inside}</robot>'
 
 
-def limits_file(inside: str = "a: {has_velocity_limits: true, max_velocity: 1.0}", extra: str = "") -> str:
-    return f"{extra}\njoint_limits:\n  {inside}\n"
-
-
 def coloured(name: str, *rgba: str) -> str:
     """Boxes on the link `upper`, each with a material of these colours."""
     box = '<geometry><box size="1 1 1"/></geometry>'
@@ -207,49 +203,23 @@ CASES: dict[str, Case] = {
     "companion-unusable: tool": toml('[tool]\nname = "upper"\n'),
     "companion-unusable: pose": toml("[poses.ready]\na = 0.0\n"),
     "companion-unusable: limits": beside("limits.yaml", "{", limits="limits.yaml"),
-    "companion-doubtful: pose": toml("[locked_joints]\na = 0.5\n[poses.ready]\na = 0.0\nb = 0.0\n"),
-    "off-the-chain: motor": toml("[actuators.m]\nratio = { b = 2.0 }\n", tip="upper"),
     # what stands beside
     "srdf-found": beside("arm.srdf", srdf('<group name="g"><chain base_link="base_link" tip_link="tool0"/></group>')),
     "companion-not-used: SRDF, several": Case({"arm.urdf": two_joints(), "one.srdf": srdf(), "two.srdf": srdf()}),
     "companion-doubtful: SRDF, broken": beside("arm.srdf", "<robot"),
-    "companion-unusable: SRDF": beside("arm.srdf", "<robots/>", srdf="arm.srdf"),
     "ready-named": beside(
         "arm.srdf",
         srdf(STATES.replace('"s"', '"Home"') + '<joint name="a" value="0"/><joint name="b" value="0"/></group_state>'),
     ),
-    "companion-doubtful: SRDF, other robot": beside("arm.srdf", srdf(name="other"), srdf="arm.srdf"),
     "companion-doubtful: SRDF, passive": beside("arm.srdf", srdf('<passive_joint name="a"/>')),
     "companion-doubtful: ros2_control": urdf(controlled('<param name="max">0.5</param>')),
     "companion-doubtful: ros2_control, unresolved": urdf(controlled('<param name="max">${limit}</param>')),
     "companion-doubtful: ros2_control, off": urdf(controlled('<limits enable="false"/>')),
-    "companion-doubtful: SRDF, unknown name": beside(
-        "arm.srdf", srdf('<group name="g"><joint name="zz"/></group>'), srdf="arm.srdf"
-    ),
-    "companion-not-used: SRDF, state": beside("arm.srdf", srdf(f'{STATES}<joint name="a" value="0"/></group_state>')),
-    "companion-doubtful: SRDF, state": beside("arm.srdf", srdf(f'{STATES}<joint name="a" value="0,5"/></group_state>')),
-    "outside-limits: state": beside(
-        "arm.srdf", srdf(f'{STATES}<joint name="a" value="3"/><joint name="b" value="0"/></group_state>')
-    ),
-    "companion-doubtful: limits, joint": beside(
-        "limits.yaml",
-        limits_file("{a: {max_velocity: 1.0}, zz: {max_velocity: 1.0}}").replace("\n  {", " {"),
-        limits="limits.yaml",
-    ),
     "off-the-chain: limits": beside(
         "limits.yaml",
-        limits_file("{a: {max_velocity: 1.0}, b: {max_velocity: 1.0}}").replace("\n  {", " {"),
+        "joint_limits: {a: {max_velocity: 1.0}, b: {max_velocity: 1.0}}",
         limits="limits.yaml",
         tip="upper",
-    ),
-    "companion-not-used: limits, none": beside(
-        "limits.yaml", limits_file("a: {has_velocity_limits: false}"), limits="limits.yaml"
-    ),
-    "companion-not-used: limits, scaling": beside(
-        "limits.yaml", limits_file(extra="default_velocity_scaling_factor: 0.1"), limits="limits.yaml"
-    ),
-    "companion-doubtful: limits": beside(
-        "limits.yaml", limits_file("a: {max_velocity: 1.0, max_speed: 2.0}"), limits="limits.yaml"
     ),
     # what hangs on the links
     "mesh-missing": with_mesh(None),

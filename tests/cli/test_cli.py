@@ -164,14 +164,6 @@ def test_jacobian(capsys: Capture, rover: twistarm.Arm) -> None:
     assert set(answer(capsys, "jacobian", "rover_arm", "--kind", "hybrid")) >= {"hybrid_jacobian", "condition"}
 
 
-def test_ik_of_every_kind(capsys: Capture) -> None:
-    assert answer(capsys, "ik", "rover_arm", "--xyz", "0.8 0.1 0.7")["stop"] == "CONVERGED"
-    pose = answer(capsys, "fk", "rover_arm")
-    xyz, rpy = " ".join(map(str, pose["position"])), " ".join(map(str, pose["rpy"]))
-    content = answer(capsys, "ik", "rover_arm", "--rad", "--xyz", xyz, "--rpy", rpy, "--start", "zero")
-    assert np.allclose(content["reached"]["matrix"], pose["matrix"], atol=1e-5)
-
-
 def test_plan_says_where_it_starts_unless_told(capsys: Capture, rover: twistarm.Arm) -> None:
     """As it would be typed: the line, handed back as --from, plans the same motion."""
     assert run(["plan", "rover_arm", "--to", "reach"]) == 0

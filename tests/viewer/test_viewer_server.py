@@ -18,6 +18,7 @@ from tornado.httpclient import HTTPClientError
 from twistarm import Arm
 from twistarm.support.errors import InputError, MissingExtraError
 from twistarm.viewer import Viewer, save_html
+from twistarm.viewer.server import server
 from twistarm.viewer.server.handlers import admits_host
 from viewer_page import THETA, Page, connection, get, port_of, swing, visit
 
@@ -94,6 +95,8 @@ def test_odd_requests_are_refused_in_a_line_and_nothing_is_printed(
         assert answer.startswith(b"" if status is None else b"HTTP/1.1 %d " % status), line[:60]
         assert b"Traceback" not in answer
         assert b"root:" not in answer
+    body = b"GET /" + token + b"/ HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 1\r\n"
+    assert raw(viewer, body).startswith(b"HTTP/1.1 400")
     assert get(viewer.url)[0] == 200
     assert capfd.readouterr() == ("", "")
 
@@ -229,6 +232,14 @@ def test_no_answer_s_type_is_guessed_by_the_browser(arm: Arm, viewer: Viewer) ->
     for name, expected in answers.items():
         status, _, headers = get(viewer.url + name)
         assert (status, headers["X-Content-Type-Options"]) == (expected, "nosniff"), name
+
+
+def test_who_sends_no_whole_request_in_time_is_closed(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(server, "IDLE_TIME", 0.3)
+    with Viewer(arm, open_browser=False) as viewer, connection(viewer) as one:
+        one.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX: y")
+        with suppress(ConnectionResetError):
+            assert one.recv(1) == b""
 
 
 def test_a_closed_view_shows_nothing_more_and_still_answers(arm: Arm, viewer: Viewer) -> None:

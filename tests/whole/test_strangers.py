@@ -9,7 +9,6 @@ import struct
 import subprocess
 import sys
 import time
-import zipfile
 from collections import deque
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -98,21 +97,8 @@ def linked(name: str, target: str) -> Make:
     return lambda folder: (folder / name).symlink_to(target)
 
 
-def linked_package(folder: Path) -> None:
-    """A folder that seems to be a package of the reader's."""
-    hidden = lay(folder.parent / "outside/ws/hidden", {"package.xml": MANIFEST("hidden"), "key.yaml": f"key: {TOKEN}"})
-    (folder / "found").mkdir()
-    for name in ("package.xml", "key.yaml"):
-        (folder / "found" / name).symlink_to(hidden / name)
-
-
 def sized(name: str, size: int) -> Make:
     return lambda folder: ((folder / name).touch(), os.truncate(folder / name, size))
-
-
-def packed(folder: Path) -> None:
-    with zipfile.ZipFile(folder / "a.3mf", "w", zipfile.ZIP_DEFLATED) as file:
-        file.writestr("3D/3dmodel.model", bytes(10_000_000))
 
 
 ENTITY = '<!DOCTYPE robot [<!ENTITY s SYSTEM "file://@SECRET">]>'
@@ -148,9 +134,6 @@ NASTY = {
     "an external entity": Nasty(
         "xml-malformed", {"arm.urdf": ARM.replace("<robot", f"{ENTITY}<robot").replace("tiny", "&s;")}
     ),
-    "a package by a linked manifest": xacro(
-        "file-outside-packages", "<a b=\"${xacro.load_yaml('$(find hidden)/key.yaml')}\"/>", linked_package
-    ),
     "a mesh that is a pipe": mesh("a.stl", "mesh-missing", lambda folder: os.mkfifo(folder / "a.stl")),
     "a mesh that is a link": mesh("a.stl", "mesh-missing", linked("a.stl", "../outside/secret.bin")),
     "a buffer outside": mesh("a.gltf", "mesh-unreadable", text("a.gltf", json.dumps(GLTF))),
@@ -158,7 +141,6 @@ NASTY = {
         "a.obj", "mesh-unreadable", text("a.obj", "mtllib ../outside/secret.mtl\n" + FACES)
     ),
     "an entity in COLLADA": mesh("a.dae", "mesh-unreadable", text("a.dae", ENTITY.encode("utf-16"))),
-    "an archive": mesh("a.3mf", "mesh-unreadable", packed),
     "a count that lies": mesh(
         "a.stl", "mesh-unreadable", text("a.stl", bytes(80) + struct.pack("<I", 4_294_967_295) + bytes(500))
     ),
