@@ -93,7 +93,6 @@ def reachable(
     """
     chain = require_arm(arm).require_core("reachable")
     request = checked(arm, theta0, None, position_tol, orientation_tol, restarts, 0, None)
-    tolerances = request.tolerances
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
     require_callback(progress, "progress", "(fraction)")
     groups = [group for group in _groups(arm, targets, direction) if len(group.places)]
@@ -105,13 +104,15 @@ def reachable(
             progress((decided + searched) / count)
 
     for group in groups:
-        rest = _left_by_closed_form(arm, group, _in_ball(arm, group, request), request, workers, found)
-        decided += len(group.places) - sum(len(left) for left, _ in rest)
+        searches = np.where(_in_ball(arm, group, request), request.restarts, 0)
+        _decide_by_closed_form(arm, group, searches, request, workers, found)
+        decided += int((searches == 0).sum())
         report(0)
-        for left, searches in rest:
+        for most in np.unique(searches[searches > 0])[::-1].tolist():
+            left = np.flatnonzero(searches == most)
             at = group.places[left]
             chunks = np.searchsorted(at, np.arange(0, count + CHUNK, CHUNK)).astype(np.float64)
-            how = tolerances.position, tolerances.orientation, searches, request.seed, chunks
+            how = request.tolerances.position, request.tolerances.orientation, most, request.seed, chunks
             numbers, callback = group.numbers[left], progress and report
             answers = chain.reachable(group.like.kind, numbers, request.theta0, *how, workers, callback)
             found.converged[at], found.theta[at] = answered(answers)
@@ -127,8 +128,14 @@ def _groups(arm: Arm, targets: Any, direction: ArrayLike | None) -> Iterator[_Gr
         if np.abs(given).max(initial=0.0) > FARTHEST:
             raise InputError(f"targets hold {np.abs(given).max():g}, beyond {FARTHEST:g} m: lengths are in metres")
         if shape[1:] == (3,):
-            like = Position([0.0] * 3) if direction is None else Approach([0.0] * 3, [0.0, 0.0, 1.0]).of(arm)
-            yield _Group(like, True, np.arange(len(given)), np.hstack([given, *_axes(like, shape, direction)]))
+            like: AnyTarget = Position([0.0] * 3)
+            numbers = [given]
+            if direction is not None:
+                like, along = Approach([0.0] * 3, [0.0, 0.0, 1.0]).of(arm), as_direction(direction, "direction")
+                if along.shape not in {(3,), shape}:
+                    raise InputError(f"direction must have shape (3,) or {shape}; got {along.shape}")
+                numbers += [np.broadcast_to(along, shape), np.broadcast_to(like.axis, shape)]
+            yield _Group(like, True, np.arange(len(given)), np.hstack(numbers))
             return
     if direction is not None:
         raise InputError("direction goes with targets that are positions (N, 3); others have their own")
@@ -145,53 +152,42 @@ def _groups(arm: Arm, targets: Any, direction: ArrayLike | None) -> Iterator[_Gr
         yield _Group(goals[places[0]], own, np.asarray(places), np.array([goals[i].numbers for i in places]))
 
 
-def _axes(like: AnyTarget, shape: tuple[int, ...], direction: ArrayLike | None) -> list[Array]:
-    """Directions and tool axes (N, 3) each, of approaches."""
-    if direction is None or not isinstance(like, Approach):
-        return []
-    along = as_direction(direction, "direction")
-    if along.shape not in {(3,), shape}:
-        raise InputError(f"direction must have shape (3,) or {shape}; got {along.shape}")
-    return [np.broadcast_to(axis, shape) for axis in (along, like.axis)]
-
-
-def _in_ball(arm: Arm, group: _Group, request: Request) -> NDArray[np.int64]:
-    """The group's targets in its ball, with the tolerances."""
+def _in_ball(arm: Arm, group: _Group, request: Request) -> NDArray[np.bool_]:
+    """Which of the group's targets are in its ball, with the tolerances."""
     if isinstance(group.like, TolerancedPose) or not group.own:
-        return np.arange(len(group.places))
+        return np.ones(len(group.places), dtype=np.bool_)
     ball, numbers = reach_ball(arm, group.like), group.numbers
     if isinstance(group.like, Pose):
         x = numbers[:, :3, :3] @ ball.x + numbers[:, :3, 3]
     else:
         x = numbers[:, :3] + (ball.x @ group.like.axis * numbers[:, 3:6] if isinstance(group.like, Approach) else 0.0)
-    tolerances = request.tolerances
-    slack = tolerances.position + tolerances.orientation * float(np.linalg.norm(ball.x))
-    return np.flatnonzero(np.linalg.norm(x - ball.centre, axis=1) <= ball.radius + slack)
+    slack = request.tolerances.position + request.tolerances.orientation * float(np.linalg.norm(ball.x))
+    inside: NDArray[np.bool_] = np.linalg.norm(x - ball.centre, axis=1) <= ball.radius + slack
+    return inside
 
 
-def _left_by_closed_form(
-    arm: Arm, group: _Group, some: NDArray[np.int64], request: Request, threads: int, found: Reached
-) -> list[tuple[NDArray[np.int64], int]]:
-    """Write what the closed form decides into `found`. Returns the rest of `some`, and the searches for each of them.
+def _decide_by_closed_form(
+    arm: Arm, group: _Group, searches: NDArray[np.int64], request: Request, threads: int, found: Reached
+) -> None:
+    """Write what the closed form reaches into `found`, and how many `searches` (k,) decide each of the others.
 
     A target that no configuration reaches exactly may still be reached within tolerances that are not tight.
     """
-    method, tolerances = family_for(arm, group.like) if group.own else None, request.tolerances
+    method, exact = family_for(arm, group.like) if group.own else None, request.tolerances.at_most(EXACT_TOL)
     if method is None or method.core is None or method.sampled or not method.exact:
-        return [(some, request.restarts)]
-    open_, excluded, exact = [some[:0]], [some[:0]], tolerances.at_most(EXACT_TOL)
-    for begin in range(0, len(some), AT_ONCE):
-        part = some[begin : begin + AT_ONCE]
+        return
+    few = 0 if exact == request.tolerances else min(request.restarts, FEW_SEARCHES)
+    asked = np.flatnonzero(searches)
+    for begin in range(0, len(asked), AT_ONCE):
+        part = asked[begin : begin + AT_ONCE]
         how = request.theta0, exact.position, exact.orientation, threads
         every = ConfigurationsBatch(*answered(method.core.solve_batch(group.numbers[part], *how)))
         inside = every.inside > 0
         at = group.places[part[inside]]
         found.converged[at] = True
         found.theta[at] = every.rows[every.first[inside], 0]
-        open_.append(part[~inside & (every.families > 0)])
-        excluded.append(part[~inside & (every.families == 0)])
-    left = [(np.concatenate(open_), request.restarts)]
-    return left if exact == tolerances else [*left, (np.concatenate(excluded), min(request.restarts, FEW_SEARCHES))]
+        searches[part[inside]] = 0
+        searches[part[~inside & (every.families == 0)]] = few
 
 
 class ReachBall(NamedTuple):

@@ -18,18 +18,11 @@ from ..support.messages import Argument, Quantity, Text, joined, plural
 from ..support.units import length_hint, theta_hint
 from .answer import CLOSED_FORM, CONVERGED, DAMPED, NEAREST, STOPS, Record, StopReason, record_type
 from .ranges import joint_ranges
-from .targets import AnyTarget, Approach, Pose, Position, TolerancedPose, target_of
+from .targets import AnyTarget, Approach, Position, target_of
 from .task_space import Tolerances
 
 if TYPE_CHECKING:
     from ..collision import Contact
-
-OFF_BY = {
-    Pose: "as one turn about one axis",
-    Approach: "from the tool's axis to the direction",
-    TolerancedPose: "beyond its tolerances, as the length of a rotation vector",
-}
-"""What the angle of an orientation error is, by the kind of target."""
 
 AT_BOUND = 1e-6  # How near [rad, m] to its bound a joint stands at it.
 NEGLIGIBLE = math.radians(0.005)  # Angles [rad] that would be printed as 0.00°.
@@ -38,18 +31,8 @@ NARROW_MISS = 10.0  # A target that is missed by fewer tolerances may have been 
 WIDER = (2.0, 4.0, NARROW_MISS)
 WIDER_SEARCHES = 100  # The most searches for each of them. `explain` takes their time too.
 
-ANOTHER_BRANCH = "the target is near the pose of theta0, but the answer is not near theta0"
-NEAREST_ELSEWHERE = "the nearest configuration is not near theta0, where the arm stays farther from the target"
-
 SQUARE = 1e-3  # The cosine of an angle that counts as right.
 MANY_JOINTS = 16  # On arms with more joints, the nearest-configuration search finds one of very many minima.
-
-PERHAPS_NEARER = "an arm of so many joints may come nearer: try another rng or theta0"
-
-WITHOUT_CORE = (
-    "this is the best configuration found: the nearest one, and the reason, need the compiled core, "
-    "and `twistarm info` says why it is missing"
-)
 
 
 # `frozen` would cost a tenth of a short search. Public attributes have no setters, and only caches change.
@@ -160,28 +143,33 @@ class IKResult:
     def notes(self) -> tuple[str, ...]:
         """Notes on the answer: joints of theta0 brought inside, another branch, no core."""
         notes = self._moved_starts() if self.record["start_moved"] else []
-        notes += [self._other_branch()] if self.record["other_branch"] else []
-        notes += [self._avoided] if self._avoided else []
+        if self.record["other_branch"]:
+            notes.append(self._other_branch())
+        if self._avoided:
+            notes.append(self._avoided)
         if self.record["nearest"] and not self.converged and self._arm.n > MANY_JOINTS:
-            notes.append(PERHAPS_NEARER)
-        return tuple(notes if self.converged or self._arm.compiled is not None else [*notes, WITHOUT_CORE])
+            notes.append("an arm of so many joints may come nearer: try another rng or theta0")
+        if not self.converged and self._arm.compiled is None:
+            need = "the nearest one, and the reason, need the compiled core"
+            notes.append(f"this is the best configuration found: {need}, and `twistarm info` says why it is missing")
+        return tuple(notes)
 
     def explain(self) -> str:
         """The target, what was reached and why not more, line by line. Computed when called."""
         lines = [f"target of {self.arm.name}: {self.target.describe()}"]
         lines.append(Text("reached: {errors}", errors=errors_in_words(self)))
-        lines += [] if self.converged else why_not(self)
-        starts = plural(self.restarts, "start")
-        lines.append(f"found by {self.method}: {plural(self.iterations, 'iteration')} from {starts}")
-        notes = [Text("note: {note}", note=note) for note in self.notes]
-        return joined("\n", map(printable, [*lines, *notes]))
+        if not self.converged:
+            lines += why_not(self)
+        steps, starts = plural(self.iterations, "iteration"), plural(self.restarts, "start")
+        lines.append(f"found by {self.method}: {steps} from {starts}")
+        lines += [Text("note: {note}", note=note) for note in self.notes]
+        return joined("\n", map(printable, lines))
 
     def require(self) -> Array:
         """theta (n,). Raises NotConvergedError, which carries this solution, where the target is not reached."""
         if self.converged:
             return self.theta
-        lines = [_missed(self), _reason(self), "solution.explain() says more"]
-        raise NotConvergedError(joined("; ", lines), self)
+        raise NotConvergedError(joined("; ", [_missed(self), _reason(self), "solution.explain() says more"]), self)
 
     @property
     def _start(self) -> Array:
@@ -189,20 +177,21 @@ class IKResult:
         return joint_ranges(self._arm).inside(self.record["theta0"])
 
     def _moved_starts(self) -> list[str]:
-        given, inside = self.record["theta0"], self._start
-        arm = self._arm
+        arm, given = self._arm, self.record["theta0"]
         hint = theta_hint(given, arm.units, arm.limits.lower, arm.limits.upper)
-        return [Text("theta0: {hint}", hint=hint)] * bool(hint) + [
-            f"theta0 lay outside the limits: {name} {value_in_words(was, unit)} was brought inside, to "
-            f"{value_in_words(now, unit)}"
-            for name, was, now, unit in zip(arm.joint_names, given, inside, arm.units, strict=True)
-            if was != now
-        ]
+        notes: list[str] = [Text("theta0: {hint}", hint=hint)] if hint else []
+        for name, was, now, unit in zip(arm.joint_names, given, self._start, arm.units, strict=True):
+            if was != now:
+                moved = f"{name} {value_in_words(was, unit)} was brought inside, to {value_in_words(now, unit)}"
+                notes.append(f"theta0 lay outside the limits: {moved}")
+        return notes
 
     def _other_branch(self) -> str:
         moved = np.abs(self.theta - self._start)
         i = int(np.argmax(moved))
-        why = ANOTHER_BRANCH if self.converged else NEAREST_ELSEWHERE
+        why = "the nearest configuration is not near theta0, where the arm stays farther from the target"
+        if self.converged:
+            why = "the target is near the pose of theta0, but the answer is not near theta0"
         moves = f"{self._arm.joint_names[i]} moves by {value_in_words(moved[i], self._arm.units[i])}"
         return f"another branch: {why}; {moves}"
 
@@ -216,17 +205,14 @@ class IKResult:
 
 def why_not(solution: IKResult) -> list[str]:
     """The reason why the target is not reached, line by line."""
-    why = _why(solution)
-    reason = why.pop(0) if why and why[0].startswith(solution.stop.value) else _reason(solution)
-    return [f"reason: {reason}", *(f"  {line}" for line in why)]
+    reason, details = _why(solution)
+    return [f"reason: {reason}", *(f"  {line}" for line in details)]
 
 
 def in_one_line(solution: IKResult) -> str:
     """What was asked, how far off the answer is, the reason and its details."""
-    why = [printable(line) for line in _why(solution)]
-    if not (why and why[0].startswith(solution.stop.value)):
-        why = [_reason(solution), *why]
-    return joined("; ", [_missed(solution), *why])
+    reason, details = _why(solution)
+    return joined("; ", [_missed(solution), *map(printable, [reason, *details])])
 
 
 def _reason(solution: IKResult) -> str:
@@ -248,22 +234,19 @@ def errors_in_words(solution: IKResult) -> str:
     """The two errors in words."""
     if math.isinf(solution.position_error):
         return "nothing yet"
-    parts: list[str] = []
-    tolerances = solution.tolerances
-    if len(solution.target._position_tolerance):
-        wider = _wider(solution.position_error, tolerances.position, "position_tol", "m")
-        hint = length_hint(solution.target.position_error(np.eye(4)), solution.arm.reach)
+    target, parts = solution.target, list[str]()
+    if len(target._position_tolerance):
+        error, tolerance = solution.position_error, solution.tolerances.position
+        hint = length_hint(target.position_error(np.eye(4)), solution.arm.reach)
         hint = f" ({hint}: lengths are in metres)" if hint else ""
-        far = length_in_words(solution.position_error)
-        off = Text("position {far} off{wider}{hint}", far=far, wider=wider, hint=hint)
-        parts.append(off if solution.position_error > tolerances.position else "position reached")
-    if len(solution.target._rotation_tolerance):
-        wider = _wider(
-            solution.orientation_error, tolerances.orientation, "orientation_tol", "rad"
-        ) or _wider_position_tolerance(solution)
-        angle, which = _degrees(solution.orientation_error), OFF_BY[type(solution.target)]
-        off = Text("orientation {angle} off, {which}{wider}", angle=angle, which=which, wider=wider)
-        parts.append(off if solution.orientation_error > tolerances.orientation else "orientation reached")
+        wider = _wider(error, tolerance, "position_tol", "m")
+        off = Text("position {far} off{wider}{hint}", far=length_in_words(error), wider=wider, hint=hint)
+        parts.append(off if error > tolerance else "position reached")
+    if len(target._rotation_tolerance):
+        error, tolerance = solution.orientation_error, solution.tolerances.orientation
+        wider = _wider(error, tolerance, "orientation_tol", "rad") or _wider_position_tolerance(solution)
+        off = Text("orientation {angle} off, {by}{wider}", angle=_degrees(error), by=target._off_by, wider=wider)
+        parts.append(off if error > tolerance else "orientation reached")
     return joined(", ", parts)
 
 
@@ -289,25 +272,41 @@ def _wider_position_tolerance(solution: IKResult) -> str:
     return ""
 
 
-def _why(solution: IKResult) -> list[str]:
+def _why(solution: IKResult) -> tuple[str, list[str]]:
+    """The reason, and the lines that explain it."""
+    stop, reason = solution.stop, _reason(solution)
     if math.isinf(solution.position_error):
-        return ["it was not finished in time, and theta is its start; give a longer max_time"]
-    if solution.stop is StopReason.TIMED_OUT:
-        return ["this is the best so far; give a longer max_time, or a theta0 nearer to the answer"]
-    if solution.stop is StopReason.IN_COLLISION:
+        return reason, ["it was not finished in time, and theta is its start; give a longer max_time"]
+    if stop is StopReason.TIMED_OUT:
+        return reason, ["this is the best so far; give a longer max_time, or a theta0 nearer to the answer"]
+    if stop is StopReason.IN_COLLISION:
         other = "position" if isinstance(solution.target, Position) else "position or orientation"
-        help_ = f"ask for another {other}, move the obstacle, or give a smaller margin"
-        return [*map(str, solution.contacts[:3]), help_]
-    if solution.stop is StopReason.EXHAUSTED:
+        remedy = f"ask for another {other}, move the obstacle, or give a smaller margin"
+        return reason, [*map(str, solution.contacts[:3]), remedy]
+    if stop is StopReason.EXHAUSTED:
         nearest = solution.method == NEAREST
         what = "the search for the nearest did not converge" if nearest else "no search reached the target"
-        return [f"{what}; try more restarts, another rng or another theta0"]
-    lines = _blocked(solution) if solution.stop is StopReason.BLOCKED_BY_LIMITS else _missing(solution)
-    bounds = at_bounds(solution)
-    lines += [f"at {', '.join(bounds)}"] if bounds else []
-    lines += [_remedy(solution)] if solution.stop is StopReason.IMPOSSIBLE_DIRECTION else []
-    certain = "the arm's closed form has no answer inside the limits: that is certain"
-    return [*lines, certain] if solution.certain else lines
+        return reason, [f"{what}; try more restarts, another rng or another theta0"]
+    bounds = _at_bounds(solution)
+    if stop is StopReason.BLOCKED_BY_LIMITS:
+        details = _blocked(solution)
+    elif solution.position_error > solution.tolerances.position:
+        details = _out_of_reach(solution)
+    else:
+        turn, prevented = _impossible(solution, solution.theta), split_rotation(solution, solution.theta)[1]
+        by = "limits or reach" if bounds else "its reach"
+        details = [f"{_degrees(prevented)} of the rotation are prevented by {by}"] if prevented > NEGLIGIBLE else []
+        if turn and stop is StopReason.IMPOSSIBLE_DIRECTION:
+            reason = turn[0]
+        else:
+            details = [*details, *turn] or [f"{_degrees(solution.orientation_error)} of the rotation are missing"]
+    if bounds:
+        details.append(f"at {', '.join(bounds)}")
+    if stop is StopReason.IMPOSSIBLE_DIRECTION:
+        details.append(_remedy(solution))
+    if solution.certain:
+        details.append("the arm's closed form has no answer inside the limits: that is certain")
+    return reason, details
 
 
 def _remedy(solution: IKResult) -> str:
@@ -320,16 +319,15 @@ def _remedy(solution: IKResult) -> str:
     return f"ask for the position alone, or for the direction {numbers(nearest)}, {which}"
 
 
-def at_bounds(solution: IKResult) -> list[str]:
+def _at_bounds(solution: IKResult) -> list[str]:
     """The joints at a bound, in words."""
-    arm, lower, upper = solution.arm, solution.arm.limits.lower, solution.arm.limits.upper
-    turns = joint_ranges(arm).turns
-    words = []
-    for i, name in enumerate(arm.joint_names):
-        at_lower, at_upper = (abs(solution.theta[i] - bound) <= AT_BOUND for bound in (lower[i], upper[i]))
-        if not turns[i] and (at_lower or at_upper):
+    arm, words = solution.arm, []
+    bounds = arm.limits.lower, arm.limits.upper, joint_ranges(arm).turns
+    for name, unit, x, lower, upper, turns in zip(arm.joint_names, arm.units, solution.theta, *bounds, strict=True):
+        at_lower, at_upper = abs(x - lower) <= AT_BOUND, abs(x - upper) <= AT_BOUND
+        if not turns and (at_lower or at_upper):
             side = "only" if at_lower and at_upper else "lower" if at_lower else "upper"
-            words.append(f"{position_limit(side, name)} ({value_in_words(solution.theta[i], arm.units[i])})")
+            words.append(f"{position_limit(side, name)} ({value_in_words(x, unit)})")
     return words
 
 
@@ -358,10 +356,8 @@ def _blocked(solution: IKResult) -> list[str]:
     ]
 
 
-def _missing(solution: IKResult) -> list[str]:
-    """The position that is out of reach, and the rotation that is missing."""
-    if solution.position_error <= solution.tolerances.position:
-        return _missing_rotation(solution)
+def _out_of_reach(solution: IKResult) -> list[str]:
+    """The position that is out of reach, and the rotation beyond all joints there."""
     arm, g = solution.arm, solution.arm.fk(solution.theta)
     place = f", at {metres(np.round(g[:3, 3], 3))}" if len(solution.target._position_tolerance) == 3 else ""
     far = length_in_words(solution.position_error)
@@ -376,21 +372,10 @@ def _missing(solution: IKResult) -> list[str]:
 def _impossible(solution: IKResult, theta: Array) -> list[str]:
     """The rotation beyond all joints at theta (n,)."""
     impossible, _, axis = split_rotation(solution, theta)
-    lacks = solution.stop is StopReason.IMPOSSIBLE_DIRECTION
-    if impossible <= (0.0 if lacks else NEGLIGIBLE):
+    if impossible <= (0.0 if solution.stop is StopReason.IMPOSSIBLE_DIRECTION else NEGLIGIBLE):
         return []
     held = "the position" if len(solution.target._position_tolerance) else ""
     return [f"{cannot_turn(axis, 'tool', held)}; {_degrees(impossible)} of the rotation are missing"]
-
-
-def _missing_rotation(solution: IKResult) -> list[str]:
-    """The missing rotation and why, larger part first."""
-    prevented, impossible = split_rotation(solution, solution.theta)[1], _impossible(solution, solution.theta)
-    by = "limits or reach" if at_bounds(solution) else "its reach"
-    limits = [f"{_degrees(prevented)} of the rotation are prevented by {by}"]
-    limits = limits if prevented > NEGLIGIBLE else []
-    lines = [*impossible, *limits] if solution.stop is StopReason.IMPOSSIBLE_DIRECTION else [*limits, *impossible]
-    return lines or [f"{_degrees(solution.orientation_error)} of the rotation are missing"]
 
 
 def split_rotation(solution: IKResult, theta: Array) -> tuple[float, float, Array]:

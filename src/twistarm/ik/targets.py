@@ -61,6 +61,7 @@ class Pose(Brief):
     g: Array
 
     kind: ClassVar[int] = 0
+    _off_by: ClassVar[str] = "as one turn about one axis"  # What the angle of its orientation error is.
     _position_tolerance: ClassVar[Array] = THREE
     _rotation_tolerance: ClassVar[Array] = THREE
 
@@ -135,6 +136,7 @@ class Position(Brief):
     p: Array
 
     kind: ClassVar[int] = 1
+    _off_by: ClassVar[str] = ""
     _position_tolerance: ClassVar[Array] = THREE
     _rotation_tolerance: ClassVar[Array] = NONE
 
@@ -189,6 +191,7 @@ class Approach(Brief):
     _numbers: Array = field(init=False, repr=False)
 
     kind: ClassVar[int] = 2
+    _off_by: ClassVar[str] = "from the tool's axis to the direction"
     _position_tolerance: ClassVar[Array] = THREE
     _rotation_tolerance: ClassVar[Array] = TWO
 
@@ -274,6 +277,7 @@ class TolerancedPose(Brief):
     numbers: Array = field(init=False, repr=False)
 
     kind: ClassVar[int] = 3
+    _off_by: ClassVar[str] = "beyond its tolerances, as the length of a rotation vector"
 
     def __init__(self, g: Matrix, tolerance: Row, frame: str = "target") -> None:
         base_axes = require_choice(frame, ("target", "base"), "frame") == "base"
