@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from copy import copy
 from dataclasses import dataclass, replace
 from typing import Any
@@ -192,49 +191,45 @@ def _scene(arm: Arm, panel: Panel, scene: Scene | None) -> Scene | None:
 
 def _result(arm: Arm, panel: Panel, task: PanelTask, g: Array, scene: Scene | None) -> TaskResult:
     """The task of the panel at g (4, 4), from the first start with room in all joints, or with the most room."""
-    here, tolerances = task.seen_from(g), dict[str, Any](panel.tolerances)
-    found = TaskResult(task, "", "", np.empty((0, arm.n)))
-    places, directions = here.checkpoints(panel.clearance)
+    places, directions = task.seen_from(g).checkpoints(panel.clearance)
     targets = [Approach(p, d).of(arm) for p, d in zip(places, directions, strict=True)]
     for point, target in zip(POINTS, targets, strict=True):
-        at = solve_ik(arm, target, **tolerances)
+        at = solve_ik(arm, target, **dict[str, Any](panel.tolerances))
         if not at.converged:
-            return replace(found, code=at.stop.name.lower(), why=joined(": ", [str(point), in_one_line(at)]))
-    for start in _starts(arm, targets[0], scene):
-        try:
-            motion = plan(arm, [JointMove(start), *here.moves(arm.tool_axis, panel.clearance)], **tolerances)
-        except PathError as error:
-            if not found.code:
-                code = CODES.get(error.reason, error.reason.replace(" ", "_"))
-                found = replace(found, code=code, why=f"on the way: {error.detail}")
-            if start is targets[0]:  # plan has tried all starts
-                break
-            continue
-        first = int(np.searchsorted(motion.breakpoints, motion.times[1] - 1e-9))  # 1e-9 s: rounding
-        pieces = motion.breakpoints[first:], motion.coefficients[:, first:]
-        hit = None if scene is None else scene.first_collision(*pieces)
-        if hit is None:
-            free = _measured(arm, task, motion, scene)
-            found = free if found.code != "done" or free.margin > found.margin else found
-            if found.margin >= ROOM:
-                break
-        elif not found.code:
-            why = f"it collides: {', '.join(map(str, hit.contacts[:2])) or 'a near miss'}"
-            found = replace(found, code="in_collision", why=why)
-    return found
+            return TaskResult(task, at.stop.name.lower(), joined(": ", [point, in_one_line(at)]), np.empty((0, arm.n)))
+    results = [_begun_at(targets[0], arm, panel, task, g, scene)]
+    if results[0].margin >= ROOM or results[0].code not in {"done", "in_collision"}:  # plan has tried all starts
+        return results[0]
+    for start in _free_starts(arm, targets[0], scene):
+        results.append(_begun_at(start, arm, panel, task, g, scene))
+        if results[-1].margin >= ROOM:
+            break
+    return max((result for result in results if result.code == "done"), key=lambda it: it.margin, default=results[0])
 
 
-def _starts(arm: Arm, target: Approach, scene: Scene | None) -> Iterator[Approach | Array]:
-    """All configurations that meet the target at once, then some of them that are free."""
-    yield target
+def _free_starts(arm: Arm, target: Approach, scene: Scene | None) -> Array:
+    """Some of the configurations that meet the target, free of collisions."""
     found = branches(arm, target, arm.ready)
     if scene is not None and len(found):
         found = found[~scene.collides(found)]
-    if len(found):
-        yield from found[np.unique(np.linspace(0, len(found) - 1, BRANCHES).astype(int))]
+    return found[np.unique(np.linspace(0, len(found) - 1, BRANCHES).astype(int))] if len(found) else found
 
 
-def _measured(arm: Arm, task: PanelTask, motion: Trajectory, scene: Scene | None) -> TaskResult:
+def _begun_at(
+    start: Approach | Array, arm: Arm, panel: Panel, task: PanelTask, g: Array, scene: Scene | None
+) -> TaskResult:
+    """The task of the panel at g (4, 4), from a configuration in front of it, or from any that meets a target."""
+    moves = task.seen_from(g).moves(arm.tool_axis, panel.clearance)
+    try:
+        motion = plan(arm, [JointMove(start), *moves], **dict[str, Any](panel.tolerances))
+    except PathError as error:
+        code = CODES.get(error.reason, error.reason.replace(" ", "_"))
+        return TaskResult(task, code, f"on the way: {error.detail}", np.empty((0, arm.n)))
+    first = int(np.searchsorted(motion.breakpoints, motion.times[1] - 1e-9))  # 1e-9 s: rounding
+    hit = None if scene is None else scene.first_collision(motion.breakpoints[first:], motion.coefficients[:, first:])
+    if hit is not None:
+        why = f"it collides: {', '.join(map(str, hit.contacts[:2])) or 'a near miss'}"
+        return TaskResult(task, "in_collision", why, np.empty((0, arm.n)))
     theta = motion(np.linspace(motion.times[1], motion.duration, SAMPLES))
     room = np.minimum(theta - arm.limits.lower, arm.limits.upper - theta).min(axis=0)
     sigma = np.linalg.svd(scaled_jacobian(arm.body_jacobian(theta), arm.prismatic, arm.reach), compute_uv=False)

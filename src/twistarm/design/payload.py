@@ -5,13 +5,14 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
-from ..arm.effort_limits import effort_limits
+from ..arm.effort_limits import EffortLimits, effort_limits
 from ..description.inertias import check_inertias
 from ..planning import Trajectory
 from ..support.checks import LARGEST_ARRAY, Array, as_number, as_whole
@@ -107,37 +108,38 @@ def payload(
         InputError: An argument has another shape, theta holds no configuration, or the trajectory is another arm's.
         TwistarmError: The arm has no description, and so no masses.
     """
-    names, W, C, limits, unlimited = effort_limits(require_arm(arm))
-    t = None
-
-    def efforts(x: ArrayLike) -> tuple[Array, Array]:
-        masses = (0.0, offset), (1.0, offset)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # a note of the report says that no link has a mass
-            own, loaded = (arm.inverse_dynamics(x, theta_dot, theta_ddot, payload=m) @ W.T for m in masses)
-        return own, loaded - own
-
-    def costs(x: Array) -> Array:
-        own, per_kg = efforts(x)
-        mass = np.nan_to_num(_greatest(own, per_kg, limits, unlimited)[0], nan=np.inf)[..., None]
-        return np.concatenate([mass, -np.abs(own[..., : arm.n]), -np.abs(per_kg[..., : arm.n])], axis=-1)
-
+    limits, motion, t = effort_limits(require_arm(arm)), list[Any]([theta, theta_dot, theta_ddot]), None
     if isinstance(theta, Trajectory):
         if theta.joint_names != arm.joint_names or theta_dot is not None or theta_ddot is not None:
             raise InputError("a trajectory must be of this arm, and has its own rates: leave out theta_dot, theta_ddot")
         # Accelerations may jump at breakpoints; a trajectory gives them from above.
         t = np.union1d(theta.sample(DT).t, [*theta.breakpoints, *np.nextafter(theta.breakpoints[1:], 0.0)])
-        theta, theta_dot, theta_ddot = (theta(t, order) for order in range(3))
+        motion = [theta(t, order) for order in range(3)]
     elif theta is None:
-        x = arm.random_theta(0, as_whole(samples, "samples", 1, LARGEST_ARRAY))
-        theta = with_extremes(arm, costs, x)
-    own, per_kg = efforts(theta)
+        motion[0] = arm.random_theta(0, as_whole(samples, "samples", 1, LARGEST_ARRAY))
+        motion[0] = with_extremes(arm, partial(_costs, arm, limits, offset, motion[1:]), motion[0])
+    own, per_kg = _efforts(arm, limits, offset, *motion)
     if not own.size:
         raise InputError("theta must hold one configuration or more")
-    x = np.broadcast_to(arm.theta_from(theta), (*own.shape[:-1], arm.n))
-    speeds = np.broadcast_to(np.zeros(arm.n) if theta_dot is None else np.asarray(theta_dot), x.shape) @ C.T
-    found = _greatest(own, per_kg, limits, unlimited)
-    return Payload(arm, x, names, own, per_kg, speeds, limits, *found, tuple(_gaps(arm, unlimited)), t)
+    x = np.broadcast_to(arm.theta_from(motion[0]), (*own.shape[:-1], arm.n))
+    speeds = np.broadcast_to(np.zeros(arm.n) if motion[1] is None else np.asarray(motion[1]), x.shape) @ limits.C.T
+    found, notes = _greatest(own, per_kg, limits), tuple(_gaps(arm, limits.unlimited))
+    return Payload(arm, x, limits.names, own, per_kg, speeds, limits.limits, *found, notes, t)
+
+
+def _efforts(arm: Arm, limits: EffortLimits, offset: ArrayLike, *motion: Any) -> tuple[Array, Array]:
+    """The efforts (..., r) of the rows of `limits` in a motion without a payload, and what each kg of one adds."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a note of the report says that no link has a mass
+        own, loaded = (arm.inverse_dynamics(*motion, payload=(mass, offset)) @ limits.W.T for mass in (0.0, 1.0))
+    return own, loaded - own
+
+
+def _costs(arm: Arm, limits: EffortLimits, offset: ArrayLike, rates: list[Any], theta: Array) -> Array:
+    """What is least at the extremes (..., 1 + 2n): the mass, and minus the efforts of joints, own and by a payload."""
+    own, per_kg = _efforts(arm, limits, offset, theta, *rates)
+    mass = np.nan_to_num(_greatest(own, per_kg, limits)[0], nan=np.inf)[..., None]
+    return np.concatenate([mass, -np.abs(own[..., : arm.n]), -np.abs(per_kg[..., : arm.n])], axis=-1)
 
 
 def with_extremes(arm: Arm, costs: Callable[[Array], Array], theta: Array) -> Array:
@@ -158,12 +160,12 @@ def with_extremes(arm: Arm, costs: Callable[[Array], Array], theta: Array) -> Ar
     return np.vstack([theta, x])
 
 
-def _greatest(own: Array, per_kg: Array, limits: Array, unlimited: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int_]]:
+def _greatest(own: Array, per_kg: Array, limits: EffortLimits) -> tuple[Array, NDArray[np.int_]]:
     """The greatest m ≥ 0 (...) with |own + m per_kg| ≤ limits in every row, and the row that limits it."""
-    loaded, share, room = np.abs(per_kg) > UNLOADED, np.abs(own) / limits, np.full(own.shape, np.inf)
-    np.divide(limits - np.sign(per_kg) * own, np.abs(per_kg), out=room, where=loaded)
+    loaded, share, room = np.abs(per_kg) > UNLOADED, np.abs(own) / limits.limits, np.full(own.shape, np.inf)
+    np.divide(limits.limits - np.sign(per_kg) * own, np.abs(per_kg), out=room, where=loaded)
     held, least = (share <= 1.0).all(axis=-1), room.min(axis=-1)
-    unknown = np.isinf(least) & (loaded[..., : len(unlimited)] & unlimited).any(axis=-1)
+    unknown = np.isinf(least) & (loaded[..., : len(limits.unlimited)] & limits.unlimited).any(axis=-1)
     limiting = np.where(np.isinf(least), -1, room.argmin(axis=-1))
     mass = np.where(held, np.where(unknown, np.nan, least), 0.0)
     return mass, np.where(held, limiting, share.argmax(axis=-1))
