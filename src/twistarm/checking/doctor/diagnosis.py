@@ -16,7 +16,7 @@ from ...description.inertias import check_inertias
 from ...description.tree import Description
 from ...support.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
 from ...support.files import as_path
-from . import motions, numbers
+from . import arm_checks, description_checks
 
 _ORDER = ("error", "warning", "info")
 
@@ -92,26 +92,26 @@ def examine(source: str | os.PathLike[str] | Arm, **load: Any) -> Diagnosis:
 def examine_arm(arm: Arm) -> Diagnosis:
     """`examine` for an arm."""
     able = abilities_of(arm)
-    found = [*arm.findings, *motions.check_zero(arm), *motions.check_reach(arm)]
-    found += [*motions.check_postures(arm, able.rank), *motions.check_abilities(arm, able)]
-    found += [*motions.check_without_effect(arm), *motions.check_axes(arm)]
+    found = [*arm.findings, *arm_checks.check_zero(arm), *arm_checks.check_reach(arm)]
+    found += [*arm_checks.check_postures(arm, able.rank), *arm_checks.check_abilities(arm, able)]
+    found += [*arm_checks.check_without_effect(arm), *arm_checks.check_axes(arm)]
     if arm.description is not None:
         found += _of_description(arm.description, arm)
-        found += [*motions.check_tool(arm, arm.description), *motions.check_off_the_chain(arm, arm.description)]
-        found += motions.check_collisions(arm)
+        found += [*arm_checks.check_tool(arm, arm.description), *arm_checks.check_off_the_chain(arm, arm.description)]
+        found += arm_checks.check_collisions(arm)
     return Diagnosis(_in_order(found), arm.description, arm, able)
 
 
 def _of_description(description: Description, arm: Arm | None) -> Iterator[Finding]:
     """What needs no tip."""
-    yield from numbers.check_limits(description, arm)
+    yield from description_checks.check_limits(description, arm)
     try:
         couplings = arm.couplings if arm else resolve_couplings(description, {})
     except DescriptionError:  # it is what the arm was refused for
         couplings = {}
-    yield from numbers.check_mimics(description, couplings, arm.moving_names if arm else ())
+    yield from description_checks.check_mimics(description, couplings, arm.moving_names if arm else ())
     yield from check_inertias(description)
-    yield from numbers.check_meshes(description)
+    yield from description_checks.check_meshes(description)
 
 
 def _in_order(findings: Iterable[Finding]) -> tuple[Finding, ...]:

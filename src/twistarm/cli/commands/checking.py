@@ -15,7 +15,7 @@ from rich.text import Text
 from ...checking.crosscheck import CrossCheck, crosscheck
 from ...checking.difference import NOT_COVERED, compare, golden_text
 from ...checking.doctor import examine
-from ...checking.doctor.motions import summary
+from ...checking.doctor.arm_checks import summary
 from ...checking.doctor.repair import COPY, repair
 from ...collision import Scene
 from ...collision.survey import srdf_text, survey

@@ -55,15 +55,15 @@ def _forms(arm: Arm) -> Iterator[tuple[str, str]]:
     targets: tuple[AnyTarget, ...] = (Pose(g), Position(p), Approach(p, axis, arm.tool_axis))
     for target in targets:
         method = method_for(arm, target, families_alone=True)
-        if method.numbers is None:
+        form = method.numbers
+        if form is None:
             continue
+        decides, swept = family_for(arm, target) is not None, method.sampled[0] if method.sampled else -1
         # A page holds swept joints where the arm stands: only idle ones may move for themselves.
         idle = [float(i in method.idle) for i in range(arm.n)]
-        first, last, keeps, axes, joint, kept, held, held_axes, rate, home, _ = method.numbers
-        yield type(target).__name__.lower(), _packed(
-            family_for(arm, target) is not None, method.exact, method.sampled[0] if method.sampled else -1, target.kind,
-            len(axes), first, last, keeps, len(held), axes, kept, joint, held, held_axes, rate, home, idle,
-        )  # fmt: skip
+        counts = len(form.axes), form.first, form.last, form.keeps, len(form.held)
+        arrays = form.axes, form.kept, form.joint, form.held, form.held_axes, form.rate, form.home, idle
+        yield type(target).__name__.lower(), _packed(decides, method.exact, swept, target.kind, *counts, *arrays)
 
 
 def _packed(*values: Any) -> str:

@@ -1,4 +1,4 @@
-"""What an arm can and cannot do: at zero, home and ready, with its tool, by its axes, without collisions."""
+"""Checks of an arm: its zero, home and ready configuration, its tool, axes and collisions."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from ...support.directions import axis_in_words, direction_in_words, length_in_w
 from ...support.errors import TwistarmError, listed, one_line
 from ...support.messages import Argument, Text, first_of, plural
 from ...theory.manipulability import POOR, scaled_jacobian
-from .numbers import LONGEST_REACH, OTHER
+from .description_checks import LONGEST_REACH, OTHER
 
 # A condition number beyond which a configuration is singular in practice: one direction a thousand times slower.
 SINGULAR_CONDITION = 1e3
@@ -73,22 +73,17 @@ def check_postures(arm: Arm, rank: int) -> Iterator[Finding]:
 
     A singular home that is also ready is a remark, not a warning. Most arms are delivered so.
     """
-
-    def condition(theta: Array) -> float:
-        """σ_1/σ_rank at theta (n,): the condition number with what the arm lacks everywhere left out."""
-        return float(arm.manipulability(theta).condition_in(rank))
-
     homes = {"zero": np.zeros(arm.n)}
     if arm.named_states.get("home", homes["zero"]).any():
         homes["home"] = arm.named_states["home"]
-    conditions = {name: condition(theta) for name, theta in homes.items() if arm.limits.contains(theta)}
+    conditions = {name: _condition(arm, theta, rank) for name, theta in homes.items() if arm.limits.contains(theta)}
     singular = {name: number for name, number in conditions.items() if number > SINGULAR_CONDITION}
-    at_ready = condition(arm.ready)
+    at_ready = _condition(arm, arm.ready, rank)
     poor = at_ready > POOR
     if not (poor or singular):
         return
     best = arm.computed_ready
-    at_best = condition(best)
+    at_best = _condition(arm, best, rank)
     advice = f"write in arm.toml (condition number {at_best:.1f}; check it in twistarm view first):"
     values = [f"{toml_key(name)} = {value:.6g}" for name, value in arm.theta_to_dict(best).items()]
     snippet = "\n".join([advice, "[poses.ready]", *values])
@@ -98,9 +93,14 @@ def check_postures(arm: Arm, rank: int) -> Iterator[Finding]:
     for name, number in singular.items():
         size = _condition_words(number)
         what = f"the {name} configuration is singular: condition number {size}; motions that start there stall or jump"
-        named = arm.ready_name is not None and not poor
-        remedy = f"start from ready (condition number {at_ready:.1f})" if named else snippet
+        fit = arm.ready_name is not None and not poor
+        remedy = f"start from ready (condition number {at_ready:.1f})" if fit else snippet
         yield finding("home-singular", place_of(arm), what, remedy)
+
+
+def _condition(arm: Arm, theta: Array, rank: int) -> float:
+    """σ_1/σ_rank at theta (n,): the condition number with what the arm lacks everywhere left out."""
+    return float(arm.manipulability(theta).condition_in(rank))
 
 
 def _condition_words(value: float) -> str:

@@ -1,4 +1,4 @@
-"""Limits, masses, inertias and meshes that no arm has: another unit, no room, no body."""
+"""Checks of a description: limits and meshes that no arm has, by another unit, no room or no body."""
 
 from __future__ import annotations
 
