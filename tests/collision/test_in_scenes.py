@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test_scene import SHAPES, slider
+from test_scene import SHAPES, joint, link, robot, slider
 from twistarm import (
     Arm,
     Dwell,
@@ -270,6 +270,22 @@ def test_a_free_move_without_a_way_ends_in_time(tmp_path: Path) -> None:
         plan(arm, FreeMove([1.0, 0.0]), start=[-1.0, 0.0], scene=scene, max_time=0.5)
     with pytest.raises(InputError, match="scene="):
         plan(arm, FreeMove([1.0, 0.0]), start=[-1.0, 0.0])
+
+
+def test_a_free_move_to_a_target_goes_to_any_configuration_that_meets_it(tmp_path: Path) -> None:
+    """A post stands at 1 rad between the start at 0 and the goal at 2 rad. At 2 − 2π rad the hand is there too."""
+    pytest.importorskip("ompl")
+    links = link("base"), link("bar"), link("hand", SHAPES["sphere"])
+    turn = joint("turn", "revolute", "base", "bar", "0 0 1", limit=6.0)
+    arm = robot(tmp_path / "swing.urdf", "hand", *links, turn, joint("end", "fixed", "bar", "hand", "1 0 0", "1 0 0"))
+    scene, move = Scene(arm), FreeMove(Position([np.cos(2.0), np.sin(2.0), 0.0]))
+    scene.add_box("post", (0.1, 0.1, 0.1), (np.cos(1.0), np.sin(1.0), 0.0))
+    motion = plan(arm, move, start=[0.0], scene=scene)
+    assert motion.waypoints[-1] == pytest.approx([2.0 - 2.0 * np.pi])
+    assert motion(np.linspace(0.0, motion.duration, 1000)).max() < 0.9  # the hand's radius is 0.1
+    scene.add_box("other post", (0.1, 0.1, 0.1), (np.cos(1.0), -np.sin(1.0), 0.0))
+    with pytest.raises(PathError, match="no way round to any of 2 configurations of the target was found in 0.2 s"):
+        plan(arm, move, start=[0.0], scene=scene, max_time=0.2)
 
 
 def test_a_free_move_takes_a_gap_narrower_than_its_clearance(tmp_path: Path) -> None:

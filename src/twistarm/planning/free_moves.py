@@ -32,15 +32,16 @@ SHORTCUTS = 50  # Random shortcuts that are tried on a path.
 
 
 def free_path(
-    scene: Scene, start: Array, goal: Array, limits: JointLimits, max_time: float, clearance: float = CLEARANCE,
-    seed: int = 0, proven: bool = True,
+    scene: Scene, start: Array, goal: Array, others: Callable[[], Array], limits: JointLimits, max_time: float,
+    clearance: float = CLEARANCE, seed: int = 0, proven: bool = True,
 ) -> Array:  # fmt: skip
-    """Waypoints (k, n) of a collision-free path from start to goal (n,), straight between them.
+    """Waypoints (k, n) of a collision-free path from start to goal (n,), or to one of `others` (k, n).
 
-    A free straight path is taken. Otherwise RRT-Connect (Kuffner & LaValle, ICRA 2000) plans on states with a
-    `clearance` [m]. OMPL's simplifier shortens the path. `Scene.is_free` then proves it. If that fails, the search is
-    repeated with smaller steps. Half of the time is kept for last tries with a twentieth of the clearance. A path that
-    need not be `proven`, because its motion will be, is only checked in small steps.
+    A free straight path to the goal is taken. Only otherwise `others` is called. RRT-Connect (Kuffner & LaValle, ICRA
+    2000) then plans on states with a `clearance` [m]. It grows a tree from the start, and one from all goals. OMPL's
+    simplifier shortens the path. `Scene.is_free` then proves it. If that fails, the search is repeated with smaller
+    steps. Half of the time is kept for last tries with a twentieth of the clearance. A path that need not be `proven`,
+    because its motion will be, is only checked in small steps.
 
     Raises:
         PathError: Start or goal collides, or no way was found in `max_time` [s] of wall time.
@@ -50,17 +51,19 @@ def free_path(
     if scene.is_free(start, goal):
         return np.array([start, goal])
     began, worked = time.monotonic(), time.process_time()
+    goals = np.vstack([goal, others()])
+    ends = np.vstack([start, goals])
     near = min(scene.distance(start).metres, scene.distance(goal).metres) - scene.largest_margin
-    lower, upper = np.minimum(start, goal) - UNLIMITED, np.maximum(start, goal) + UNLIMITED
+    lower, upper = ends.min(axis=0), ends.max(axis=0)
     # A curve may end beyond a limit by rounding, which OMPL would refuse.
-    lower = np.where(np.isfinite(limits.lower), np.minimum(limits.lower, np.minimum(start, goal)), lower)
-    upper = np.where(np.isfinite(limits.upper), np.maximum(limits.upper, np.maximum(start, goal)), upper)
+    lower = np.where(np.isfinite(limits.lower), np.minimum(limits.lower, lower), lower - UNLIMITED)
+    upper = np.where(np.isfinite(limits.upper), np.maximum(limits.upper, upper), upper + UNLIMITED)
     room = min(clearance, 0.5 * max(near, 0.0))
     tries = (room, STEPS, 1.0 - LAST_TIME), (LAST_SHARE * room, LAST_STEPS, 1.0)
     for distance, steps, share in tries:
-        is_free, ends = scene.checks(distance), began + share * max_time
+        is_free, latest = scene.checks(distance), began + share * max_time
         for step in steps:
-            path = _searched(is_free, start, goal, lower, upper, step, ends - time.monotonic(), seed)
+            path = _searched(is_free, start, goals, lower, upper, step, latest - time.monotonic(), seed)
             if path is None:
                 break
             free_way = scene.is_free if proven else partial(_seems_free, scene.checks(0.0))
@@ -68,8 +71,9 @@ def free_path(
                 return path
     raise PathError(
         Text(
-            "no way round was found in {time:g} s of wall time ({spent:.2g} s spent, {worked:.2g} s of the processor), "
-            "with {room} of clearance and at last {last}; give {remedies}",
+            "no way round{to} was found in {time:g} s of wall time ({spent:.2g} s spent, {worked:.2g} s of the "
+            "processor), with {room} of clearance and at last {last}; give {remedies}",
+            to=f" to any of {len(goals)} configurations of the target" if len(goals) > 1 else "",
             spent=time.monotonic() - began,
             time=max_time,
             worked=time.process_time() - worked,
@@ -103,10 +107,10 @@ def _seems_free(is_free: Callable[[Array], bool], start: Array, end: Array) -> b
 
 def _searched(
     is_free: Callable[[Array], bool],
-    start: Array, goal: Array, lower: Array, upper: Array,
+    start: Array, goals: Array, lower: Array, upper: Array,
     step: float, seconds: float, seed: int,
 ) -> Array | None:  # fmt: skip
-    """Return a shortened path (k, n) with free states every `step` [rad, m]; None after so many seconds."""
+    """A shortened path (k, n) to one of `goals`, with free states every `step` [rad, m]; None after so many seconds."""
     base, geometric = _import_ompl(seed)
     space, bounds = base.RealVectorStateSpace(len(start)), base.RealVectorBounds(len(start))
     for i, (least, most) in enumerate(zip(lower.tolist(), upper.tolist(), strict=True)):
@@ -131,7 +135,11 @@ def _searched(
     planner = geometric.RRTConnect(setup.getSpaceInformation())
     planner.setRange(REACH)
     setup.setPlanner(planner)
-    setup.setStartAndGoalStates(state_at(start), state_at(goal))
+    roots = base.GoalStates(setup.getSpaceInformation())
+    for goal in goals:
+        roots.addState(state_at(goal))
+    setup.addStartState(state_at(start))
+    setup.setGoal(roots)
     if seconds <= 0.0:  # only here, so that an arm without OMPL hears of it in any case
         return None
     setup.solve(seconds)
@@ -144,7 +152,7 @@ def _searched(
     simplifier.partialShortcutPath(found, SHORTCUTS, SHORTCUTS)
     simplifier.reduceVertices(found)
     path = np.array([numbers(found.getState(k)) for k in range(found.getStateCount())])
-    path[0], path[-1] = start, goal
+    path[0], path[-1] = start, goals[np.abs(goals - path[-1]).max(axis=1).argmin()]
     return path
 
 

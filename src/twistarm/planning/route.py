@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arm.arm import Arm
-from ..ik.targets import KINDS, Position, target_for
+from ..ik.targets import KINDS, AnyTarget, Position, target_for
+from ..ik.task_space import Tolerances
 from ..support.checks import Array
 from ..support.errors import InputError, NotConvergedError, TwistarmError
 from ..support.messages import Argument, Remedies, Text, joined
-from .configurations import branches
+from .configurations import DISTINCT, branches
 from .curves import MovingTarget
 from .following import Blocked, Node, climb, efforts, follow, way
 from .goals import CURVED, Goals
@@ -28,8 +29,8 @@ from .waypoints import UNWRAP, solved, unwrapped
 if TYPE_CHECKING:
     from ..collision import Scene
 
-# Waypoints (k, n) of a path that collides with nothing, from a start to a goal (n,).
-FreePath = Callable[[Array, Array], Array]
+# Waypoints (k, n) of a path that collides with nothing, from a start to a goal (n,) or to one of the others (k, n).
+FreePath = Callable[[Array, Array, Callable[[], Array]], Array]
 # A path that keeps something too, from a start (n,) to one of some goals (k, n), with a share of the time.
 KeepingPath = Callable[[Constraint, Array, Array, float], JointPath]
 GOAL_SHARE = 0.6  # Share of the kept angle that a goal may use up: the way to it needs the rest.
@@ -142,10 +143,12 @@ class Router:
         if isinstance(segment.to, KINDS):
             tolerances = self.goals.tolerances(segment)
             goal = solved(self.arm, segment.to, theta, self._place(i), scene=self.scene, **tolerances.keywords)
+            others = partial(self._other_goals, segment.to, goal, theta, tolerances)
         else:
             goal = self._unwrapped_goal(i, segment, theta)
+            others = partial(np.empty, (0, self.arm.n))
         try:
-            corners = self.free_path(theta, goal)
+            corners = self.free_path(theta, goal, others)
         except PathError as error:
             nearer = unwrapped(self.arm, goal, theta, "", asked=True)[0]
             hint = Remedies((Text("; {unwrap} takes a nearer turn of the goal", unwrap=UNWRAP),))
@@ -224,9 +227,19 @@ class Router:
             # The rotation comes from what is kept, within its tol.
             tolerances = replace(tolerances, orientation=GOAL_SHARE * constraint.keep.tol)
             nearest = solve(**tolerances.keywords)
+        found = [nearest, *self._other_goals(target, nearest, theta, tolerances)]
+        good = [end for end in found if not constraint.fault(end)][:MOST_GOALS]
+        return np.array(good or [nearest])
+
+    def _other_goals(self, target: AnyTarget, known: Array, theta: Array, tolerances: Tolerances) -> Array:
+        """Free configurations (k, n) that meet the target of a free move from theta (n,), nearest first.
+
+        The `known` one (n,) is left out.
+        """
+        assert self.scene is not None
         found = branches(self.arm, target_for(self.arm, target), theta, tolerances)
-        good = [end for end in found if not constraint.fault(end) and not self.scene.collides(end)][:MOST_GOALS]
-        return np.array([nearest, *good] if not constraint.fault(nearest) else good or [nearest])
+        found = found[np.abs(found - known).max(axis=1) > DISTINCT]
+        return found[~self.scene.collides(found)]
 
     def _straight(self, i: int, start: Array, end: Array) -> PathPart:
         return self._part(i, end, JointPath.straight(start, end) if np.abs(end - start).any() else None)

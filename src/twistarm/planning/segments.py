@@ -106,7 +106,8 @@ class JointMove(Move):
 class FreeMove(JointMove):
     """A move to the goal on any way that collides with nothing. `plan` needs a scene for it.
 
-    To a target the arm takes the nearest free configuration. A straight way in joint space is taken if it is free.
+    The straight way in joint space is taken if it is free. For a target that is the way to the configuration that
+    `solve_ik` finds in the scene. Otherwise the search ends at any free configuration that meets the target.
 
     keep: what the tool keeps all along, such as `Keep.level()`, or None. Start and goal must keep it too.
     """
