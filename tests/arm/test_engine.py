@@ -19,6 +19,7 @@ import pinocchio as pin
 import pytest
 
 import twistarm
+from needed import COMPILER, absent
 from twistarm import poe, screws
 from twistarm.arm import engine
 from twistarm.cli.application import run
@@ -32,10 +33,7 @@ def core() -> ModuleType:
     """The compiled core; it may be missing only where nothing could have compiled it."""
     module = engine.core()
     if module is None:
-        compiler = next((name for name in ("c++", "g++", "clang++") if shutil.which(name)), None)
-        if compiler or os.environ.get("TWISTARM_REQUIRE_ALL"):
-            pytest.fail(engine.why_not())
-        pytest.skip(engine.why_not())
+        (pytest.fail if COMPILER else absent)(engine.why_not())
     return module
 
 

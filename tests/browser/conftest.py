@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from functools import cache, partial
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import pytest
 
 from arms import load
+from needed import absent
 from twistarm import Arm
 from twistarm.support.errors import TwistarmError
 from twistarm.viewer import Viewer
@@ -41,13 +41,6 @@ for (const { prototype } of [WebGLRenderingContext, WebGL2RenderingContext]) {
   }
 }"""
 """Software fills a view in 0.1 s to 0.4 s, a graphics card at once: pages do all but fill it, until `draw` asks."""
-
-
-def absent(reason: str) -> NoReturn:
-    """Skip, or fail where everything is required."""
-    if os.environ.get("TWISTARM_REQUIRE_ALL") == "1":
-        pytest.fail(f"{reason}, and TWISTARM_REQUIRE_ALL=1")
-    pytest.skip(reason)
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -13,7 +13,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from arms import assert_drawn
-from browser.conftest import absent
+from needed import absent
 from twistarm import load_arm
 from twistarm.viewer import Viewer
 from waiting import settled, until

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 from twistarm import Arm, InputError, Pose, TwistarmError, UnknownNameError, arm_from_screws, load_arm
 from twistarm.arm.solid import Solid
@@ -189,7 +190,6 @@ def test_what_the_hand_holds_moves_with_it_until_it_is_put_down(tmp_path: Path) 
 
 
 def test_links_without_shapes_get_capsules_and_meshes_their_hulls(tmp_path: Path) -> None:
-    trimesh = pytest.importorskip("trimesh")
     trimesh.creation.annulus(0.05, 0.1, 0.2).export(tmp_path / "ring.stl")
     bare, turn = tmp_path / "bare.urdf", joint("a", "revolute", "base", "arm", "0 0 1", "0 0 0.5")
     bend = joint("b", "revolute", "arm", "tip", "0 1 0", "0.6 0 0")
@@ -215,7 +215,6 @@ def test_links_without_shapes_get_capsules_and_meshes_their_hulls(tmp_path: Path
 @pytest.mark.parametrize("shape", [*SHAPES, "ball.stl"])
 def test_a_closed_mesh_is_solid_and_an_open_one_is_told(tmp_path: Path, shape: str) -> None:
     """A body slides through a cube with sides of 1 m, by Coal's box as judge. Its half-width along x is 0.1 m."""
-    trimesh = pytest.importorskip("trimesh")
     trimesh.creation.icosphere(1, 0.1).export(tmp_path / "ball.stl")
     cube = trimesh.creation.box((1.0, 1.0, 1.0))
     cube.export(tmp_path / "cube.stl")
@@ -241,7 +240,6 @@ def test_a_closed_mesh_is_solid_and_an_open_one_is_told(tmp_path: Path, shape: s
 
 def test_points_are_inside_a_solid_as_trimesh_says(tmp_path: Path) -> None:
     """Faces turned inside out, in part, twice or with corners of their own; a cavity is outside."""
-    trimesh = pytest.importorskip("trimesh")
     outer, inner = trimesh.creation.icosphere(2, 0.1), trimesh.creation.icosphere(2, 0.05)
     inner.invert()
     hollow = trimesh.util.concatenate([outer, inner])
@@ -262,7 +260,6 @@ def test_points_are_inside_a_solid_as_trimesh_says(tmp_path: Path) -> None:
 
 def test_meshes_whose_hull_is_hard_to_compute(tmp_path: Path) -> None:
     """Triangles on a line along x, and a cone of radius 1 m with 400 edges at its tip, which is at z = 1 m."""
-    trimesh = pytest.importorskip("trimesh")
     scene = Scene(slider(tmp_path, SHAPES["sphere"]))
     trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]], process=False).export(tmp_path / "line.stl")
     scene.add_mesh("line", tmp_path / "line.stl", (0.5, 0.0, 0.0))

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 from test_scene import SHAPES, slider
 from twistarm import DescriptionError, InputError, load_arm
@@ -183,7 +184,6 @@ def test_a_scene_file_that_cannot_be_used_is_named_with_the_entry(
 
 
 def test_a_scene_that_is_saved_is_read_again_as_it_was(tmp_path: Path) -> None:
-    trimesh = pytest.importorskip("trimesh")
     arm = load_arm("rover_arm")
     trimesh.creation.box((0.1, 0.2, 0.3)).export(tmp_path / "stone.stl")
     scene = Scene(arm, margin={"upper_arm": 0.01, "box": 0.02})

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
 import re
-import shutil
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +12,7 @@ import numpy as np
 import pytest
 
 from catalogue import load
+from needed import COMPILER, absent
 from twistarm import (
     Approach,
     Arm,
@@ -106,14 +105,9 @@ HEAP = (b"_Znwm", b"_Znam", b"malloc", b"calloc", b"__cxa_throw")
 @pytest.fixture(scope="module")
 def compiler() -> str:
     """The system's C++ compiler; it must be there where everything is required, as must the core."""
-    found = next((name for name in ("c++", "g++", "clang++") if shutil.which(name)), None)
-    lacking = engine.why_not() if engine.core() is None else "" if found else "there is no C++ compiler"
-    if lacking:
-        if os.environ.get("TWISTARM_REQUIRE_ALL"):
-            pytest.fail(lacking)
-        pytest.skip(lacking)
-    assert found is not None
-    return found
+    if engine.core() is None or not COMPILER:
+        absent(engine.why_not() or "there is no C++ compiler")
+    return COMPILER
 
 
 def mimic_arm(folder: Path) -> Arm:

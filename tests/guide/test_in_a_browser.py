@@ -4,17 +4,17 @@ that turn, and sliders whose numbers are right.
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 import pytest
 import scipy.linalg
 from scipy.spatial.transform import Rotation
 
+from needed import absent
 from small_course import LESSON, ROVER
 from twistarm import InputError, load_arm, save_site
 from twistarm.guide.building.building import Built, build
@@ -27,12 +27,6 @@ from twistarm.viewer.screenshot import FLAGS, find_browser
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
 AXE = Path(__file__).parents[2] / "tools" / "page" / "node_modules" / "axe-core" / "axe.min.js"
-
-
-def absent(reason: str) -> NoReturn:
-    if os.environ.get("TWISTARM_REQUIRE_ALL") == "1":
-        pytest.fail(f"{reason}, and TWISTARM_REQUIRE_ALL=1")
-    pytest.skip(reason)
 
 
 @pytest.fixture(scope="module")

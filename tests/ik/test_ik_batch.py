@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from catalogue import load
-from ik_targets import KINDS, judged, target_from
+from ik_targets import KINDS, judged, require_core, target_from
 from twistarm.ik import Pose, Position, StopReason, solve_ik, solve_ik_batch
 
 
@@ -27,8 +27,7 @@ def problems(arm, count, seed=0):
 @pytest.fixture(scope="module")
 def arm():
     arm = load("rover_arm_6dof")
-    if arm.compiled is None:
-        pytest.skip("no compiled core; tests/arm/test_engine.py says whether there should be one")
+    require_core(arm)
     return arm
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
 
+from needed import COMPILER, absent
 from twistarm.arm import engine
 
 TESTS = Path(__file__).parents[2] / "core" / "tests"
@@ -22,13 +22,9 @@ QUICK = "lanes elementary ldl ranges singular_directions motion_limits"
 @pytest.fixture(scope="session")
 def compiler() -> str:
     """A C++ compiler, and make; without them the tests skip, or fail where nothing may be skipped."""
-    found = next((name for name in ("c++", "g++", "clang++") if shutil.which(name)), None)
-    if found and shutil.which("make"):
-        return found
-    missing = "make" if found else "C++ compiler (apt install g++, xcode-select --install)"
-    if os.environ.get("TWISTARM_REQUIRE_ALL"):
-        pytest.fail(f"no {missing}")
-    pytest.skip(f"no {missing}: the core's own tests are not compiled")
+    if not COMPILER or not shutil.which("make"):
+        absent(f"no {'make' if COMPILER else 'C++ compiler'}: the core's own tests are not compiled")
+    return COMPILER
 
 
 def check(compiler: str, build: Path, *settings: str) -> None:

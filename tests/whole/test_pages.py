@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import os
 import re
 import runpy
 import shlex
@@ -18,6 +17,7 @@ from typing import NamedTuple
 import pytest
 
 import twistarm
+from needed import COMPILER, absent
 from twistarm import stream
 from twistarm.cli import application
 from twistarm.design import parking
@@ -110,14 +110,11 @@ STANDARDS = {"cpp": ("c++", "c++17"), "c": ("c", "c99")}
 
 def compiled(source: str, kind: str, said: str) -> None:
     """Compile and run a program that the page shows, with the headers in the folder that `bake` has named."""
-    compiler = shutil.which("c++") or shutil.which("g++") or shutil.which("clang++")
-    if compiler is None:
-        if os.environ.get("TWISTARM_REQUIRE_ALL"):
-            pytest.fail("no C++ compiler, and TWISTARM_REQUIRE_ALL is set")
-        return
+    if not COMPILER:
+        absent("no C++ compiler")
     include = said.split("-I ")[1].split()[0]
     language, standard = STANDARDS[kind]
-    command = [compiler, "-x", language, f"-std={standard}", "-O0", "-I", include, source, "-o", "main"]
+    command = [COMPILER, "-x", language, f"-std={standard}", "-O0", "-I", include, source, "-o", "main"]
     subprocess.run(command, check=True, timeout=300)
     subprocess.run(["./main"], check=True, timeout=60)
 
