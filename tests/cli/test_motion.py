@@ -48,6 +48,7 @@ def test_avoid_goes_round_the_obstacles_of_a_scene(capsys: Capture, tmp_path: Pa
         assert not there.collides(way(np.linspace(0.0, way.duration, 500))).any()
         metres = there.distance(way(planned["nearest"]["time"])).metres
         assert metres == pytest.approx(planned["nearest"]["metres"], abs=1e-4)
+        assert ("comes nearer than" in " ".join(planned["notes"])) == (metres < 0.004)
     motion.write_text(motion.read_text("utf-8").replace("free", "joint"), "utf-8")
     assert "segment 1" in error_of(capsys, "plan", "rover_arm", str(motion), code=1)
 

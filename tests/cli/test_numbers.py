@@ -12,11 +12,13 @@ from twistarm.cli.application import app, run
 from twistarm.cli.numbers import METAVARS
 
 SAME = {
-    "fk rover_arm --theta 0 30 -45 0 0": "fk rover_arm --theta 0 30deg -45 0 rad 0",
-    "ik rover_arm --xyz 0.5 0.1 0.3 --rpy 0 90 0": "ik rover_arm --xyz 500 mm 10cm 0.3 --rpy 0 1.25 turn 0",
+    "fk rover_arm --theta 0 30 -45 0 0": "fk rover_arm --theta 0 30deg -45° 0 rad 0",
+    "ik rover_arm --xyz 0.5 0.1 0.3 --rpy 0 90 0": "ik rover_arm --xyz 500 mm 10cm 0.3m --rpy 0 1.25 turn 0",
     "ik rover_arm --xyz 0.5 0.1 0.3 --position-tol 0.001": "ik rover_arm --xyz 0.5 0.1 0.3 --position-tol 1mm",
     "plan rover_arm --to elbow=9 --velocity 0.1": "plan rover_arm --to elbow=9 --velocity 0.1 rad/s",
     "plan rover_arm --to slide=0.1 --dt 0.02": "plan rover_arm --to slide=0.1 --dt 20 ms",
+    "ik rover_arm --xyz 0.5 0 0.3 --tool 0 0 0.1": "ik rover_arm --xyz 500mm,0,30 cm --tool 0 0 100 mm",
+    "fk rover_arm --theta 0 30 60 0 0": "fk rover_arm --theta 0 30 60 deg 0 0",
     "payload rover_arm --theta ready --mass 0.5": "payload rover_arm --theta ready --mass 500 g",
     "info rover_arm --locked-joint elbow=36": "info rover_arm --locked-joint elbow=0.1turn",
 }
@@ -67,6 +69,13 @@ def test_nonsense_for_a_number_names_the_option_and_the_value(
 WRONG = [
     ("ik rover_arm --xyz 0.3 0.1 deg 0.2", "'0.1 deg'"),
     ("fk rover_arm --theta elbow=pi/2", "'pi/2'"),
+    ("ik rover_arm --xyz 800 100 700 mm", "800mm 100mm 700 mm"),
+    ("ik rover_arm --xyz 0.8 0.1 70 cm", "0.8cm 0.1cm 70 cm"),
+    ("fk rover_arm --theta 0 30 0.5 rad 0 0", "30 has none"),
+    ("fk rover_arm --theta shoulder=30 elbow=0.5 rad", "30 has none"),
+    ("fk rover_arm --theta 0,1 30 60 0 0", "0.1"),
+    ("fk rover_arm --theta elbow=0,1", "0.1"),
+    ("ik rover_arm --xyz 0,3 1", "0.3"),
     ("ik rover_arm --xyz 0.5 0 0 --rpy 0 0 2mm", "--rpy"),
     ("ik rover_arm --xyz 0.5 0 0 --position-tol 1deg", "1deg"),
     ("plan rover_arm --to zero --velocity 30 deg/s²", "30 deg/s²"),

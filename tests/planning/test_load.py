@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -120,6 +121,10 @@ BAD_CSV = {
     "no header": (
         lambda lines: lines[1:],
         "line 1: it has no 'time \\[s\\]'; a motion of rover_arm has each column once",
+    ),
+    "another arm": (
+        line(1, lambda text: re.sub(r"\w+\.pos", "joint.pos", text)),
+        "another arm.* rover_arm has 'slide'",
     ),
     "degrees": (line(1, lambda text: text.replace("elbow.position [rad]", "elbow.position [deg]")), "closest: 'elbow"),
     "short": (line(7, lambda text: text.rsplit(",", 1)[0]), "line 7: 25 values"),

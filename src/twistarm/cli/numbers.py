@@ -15,6 +15,7 @@ from typer import Argument, Option
 from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.errors import InputError, closest, listed
+from ..support.units import NUMBER as WRITTEN
 from ..support.units import UNITS, parse
 from .output import note, warn
 from .tables import outside
@@ -51,6 +52,8 @@ _PART = re.compile(
     rf"(?!-+(?!pi)[a-z])(?=.*[\w°])(?:[\d.]+(?:e[-+]?\d+)?|nan|inf|pi|{_NAMES}|[-−+*/^²°(),;\[\]])+", re.I
 )
 _VALUE = re.compile(rf"[^\s,;\[\]()]+(?:\s+{UNIT})?", re.IGNORECASE)
+_DECIMAL_COMMA = re.compile(r"(?<![\w.,])[-+−]?\d+,\d+(?![\d.,])")  # 0,1
+_NO_LIST = re.compile(r"[^\s,]\s+[-+−]?[\d.]|=")  # Commas do not separate what has spaces alone, or joint=value.
 # joint=value, where spaces may be in the name and around the sign.
 _PAIR = re.compile(rf"[\s,]*([^=]+?)\s*=\s*([^\s=,]+(?:\s+(?:{UNIT}))?)(?=[\s,]|$)", re.IGNORECASE)
 
@@ -60,9 +63,30 @@ def is_part(word: str) -> bool:
     return _PART.fullmatch(word) is not None
 
 
-def separate(text: str) -> list[str]:
-    """The numbers of a list, with their units. Spaces or commas separate them. Brackets may enclose them."""
+def separate(text: str, option: str) -> list[str]:
+    """The numbers of a list, with their units. Spaces or commas separate them, and brackets may enclose them.
+
+    Raises InputError for a decimal comma where commas separate nothing: 0,1 would be two numbers.
+    """
+    comma = _DECIMAL_COMMA.search(text)
+    if comma and _NO_LIST.search(text):
+        raise InputError(f"{option}: {comma[0]} is two numbers; write the decimal {comma[0].replace(',', '.')}")
     return _VALUE.findall(text)
+
+
+def require_units(typed: Sequence[str], quantities: Sequence[str], option: str, radians: bool) -> None:
+    """Raise InputError if one number has a unit and another of its quantity has none: it would be a guess.
+
+    0 needs none, and the unit of numbers without one may stand at some of them.
+    """
+    for quantity in dict.fromkeys(quantities):
+        alike = [(text, WRITTEN.sub("", text)) for text, of in zip(typed, quantities, strict=True) if of == quantity]
+        usual = typed_number("1", quantity, radians=radians)
+        other = [unit for _, unit in alike if unit and typed_number(f"1{unit}", quantity) != usual]
+        bare = [text for text, unit in alike if not unit and typed_number(text, quantity)]
+        if bare and other:
+            each = " ".join(text if unit else text + other[-1] for text, unit in alike)
+            raise InputError(f"{option}: {other[-1]} is the unit of one number alone, {bare[0]} has none; write {each}")
 
 
 def typed_number(text: str, quantity: str = NUMBER, *, radians: bool = False) -> float:
@@ -77,7 +101,7 @@ def typed_number(text: str, quantity: str = NUMBER, *, radians: bool = False) ->
 
 def parse_numbers(text: str, units: str, option: str, radians: bool = False) -> Array:
     """Numbers [rad, m] separated by spaces or commas, one for each of `units`, such as 'm m rad'."""
-    typed, quantities = separate(text), units.split()
+    typed, quantities = separate(text, option), units.split()
     values = [typed_number(*pair, radians=radians) for pair in zip(typed, quantities, strict=False)]
     wrong = [written.strip() for written, value in zip(typed, values, strict=False) if not np.isfinite(value)]
     if len(typed) != len(quantities) or wrong:
@@ -87,6 +111,7 @@ def parse_numbers(text: str, units: str, option: str, radians: bool = False) -> 
         raise InputError(
             f"{option} takes {len(quantities)} numbers such as {such}, as in {option} {example}; got {text!r}{why}"
         )
+    require_units(typed, quantities, option, radians)
     return np.array(values)
 
 
@@ -191,7 +216,7 @@ class JointValues:
         if "=" not in self.text:
             if not is_part("".join(self.text.split())):
                 raise InputError(neither)
-            values = separate(self.text)
+            values = separate(self.text, self.option)
             if len(values) != arm.n:
                 wanted = f"{arm.n} values ({', '.join(arm.joint_names)})"
                 raise InputError(f"{arm.name} takes {wanted}; got {len(values)}: {self.text!r}")
@@ -229,22 +254,18 @@ class JointValues:
             found[joint] = typed_number(text, unit, radians=self.radians)
             if not np.isfinite(found[joint]):
                 raise InputError(f"{joint} takes a number such as {SUCH_AS[unit]}; got {text!r}")
+        require_units(values, [units.get(joint, ANGLE) for joint in names], self.option, self.radians)
         theta = arm.theta_from([*found], [*found.values()])
         onto = np.clip(theta, arm.limits.lower, arm.limits.upper)
         return np.where(np.abs(theta - onto) <= PRINTED_ROUNDING, onto, theta)
 
     def _pairs(self, otherwise: str) -> tuple[list[str], list[str]]:
         """Names and values of the pairs. InputError with the text `otherwise` if there is anything else."""
-        names, values, end = [], [], 0
-        for match in _PAIR.finditer(self.text):
-            if match.start() != end:
-                raise InputError(otherwise)
-            names.append(match[1])
-            values.append(match[2])
-            end = match.end()
-        if self.text[end:].strip(", "):
+        separate(self.text, self.option)  # refuses a decimal comma
+        pairs = _PAIR.findall(self.text)
+        if not pairs or _PAIR.sub("", self.text).strip(", "):
             raise InputError(otherwise)
-        return names, values
+        return [name for name, _ in pairs], [value for _, value in pairs]
 
 
 def joint_values(help_text: str, *names: str) -> Any:

@@ -189,7 +189,11 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
     except expat.ExpatError as error:
         what = f"not well-formed XML: {expat.ErrorString(error.code)}" if text.strip() else "the file is empty"
         place = replace(reading.whole, line=error.lineno if reading.show_lines else None)
-        remedy = MALFORMED.get(error.code, "is it a URDF, xacro or MJCF file, and whole?")
+        remedy = "is it a URDF, xacro or MJCF file, and whole?"
+        if open_tags and error.code == errors.codes[errors.XML_ERROR_NO_ELEMENTS]:
+            what, remedy = f"the file ends inside <{open_tags[-1]}>", "add the end tags, or the part that is lost"
+        elif text.lstrip().startswith("<"):
+            remedy = MALFORMED.get(error.code, remedy)
         raise refusal("xml-malformed", place, what, remedy) from error
     return builder.close()
 

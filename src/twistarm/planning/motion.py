@@ -31,7 +31,7 @@ from .trajectory import Trajectory
 from .within import inside_from
 
 if TYPE_CHECKING:
-    from ..collision import Scene
+    from ..collision import Distance, Scene
     from .free_moves import Hit
     from .keep import Constraint
 
@@ -138,7 +138,7 @@ def plan(
     report(1.0)
     # Measured only for who asks for more than the default: to measure may take as long as to plan.
     if around is not None and clearance > CLEARANCE and any(isinstance(move, FreeMove) for move in moves):
-        motion = _nearness_noted(around, motion, clearance)
+        motion = replace(motion, notes=(*motion.notes, *came_nearer(around.clearance(motion), clearance)))
     return motion
 
 
@@ -194,14 +194,11 @@ def _from_collision(error: PathError, start: str) -> PathError:
     return make(Text(what, why=why), *known)
 
 
-def _nearness_noted(around: Scene, motion: Trajectory, clearance: float) -> Trajectory:
-    """The motion, with a note if it comes nearer to anything than the clearance [m]."""
-    nearest = around.clearance(motion)
-    if nearest.metres >= clearance:
-        return motion
+def came_nearer(nearest: Distance, clearance: float) -> list[str]:
+    """The note of a motion that comes nearer than its `clearance` [m], which only states of its search keep."""
     asked = Argument("clearance", Quantity(clearance, "m"))
     note = Text("comes nearer than {clearance}: {nearest}", clearance=asked, nearest=nearest)
-    return replace(motion, notes=(*motion.notes, note))
+    return [note] if nearest.metres < clearance else []
 
 
 def _onward(progress: Progress | None) -> Callable[[float], None]:

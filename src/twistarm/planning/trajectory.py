@@ -193,6 +193,13 @@ def require_motors(motors: Actuators | None) -> Actuators:
     return motors
 
 
+def require_joint_of(arm: Arm, names: list[str], file: str) -> None:
+    """Raise InputError for a motion of such joints if the arm has none of them."""
+    if names and not {*names} & {*arm.joint_names}:
+        theirs, ours = listed(names), listed(arm.joint_names)
+        raise InputError(f"{file} is a motion of another arm, of {theirs}; {arm.name} has {ours}")
+
+
 def motor_values(trajectory: Trajectory, motors: Actuators, t: Array) -> list[Array]:
     """Return position and velocity of the k motors at t (m,), also in counts: four arrays (m, k)."""
     moved = trajectory.to_motors(motors)

@@ -147,7 +147,7 @@ def distinct(points: Array) -> tuple[Array, Array, list[str]]:
     kept[-1] = len(points) - 1  # the motion ends at the last waypoint exactly, even if it was merged
     merged = [str(i) for i in range(1, len(points)) if owner[i] == owner[i - 1]]
     which = ", ".join(merged[:MOST_NAMED]) + (", …" if len(merged) > MOST_NAMED else "")
-    notes = [f"merged with the waypoint before, which is at the same place: {which} (0 is the start)"] if merged else []
+    notes = [f"at the place of the waypoint before, and left out: {which} (0 is the start)"] if merged else []
     return points[kept], np.array(owner), notes
 
 

@@ -16,8 +16,8 @@ from ...arm.usual_limits import defaults_line, with_defaults
 from ...collision import Scene
 from ...limits.joint_limits import JointLimits
 from ...planning.keep import AS_AT_START, Keep
-from ...planning.motion import MotionKind
-from ...planning.segments import OPTIONAL, as_segments
+from ...planning.motion import MotionKind, came_nearer
+from ...planning.segments import CLEARANCE, OPTIONAL, as_segments
 from ...planning.trajectory import Writing
 from ...planning.trajectory_files import FORMATS, written
 from ...support.checks import Progress
@@ -34,8 +34,7 @@ HOW_TO_CHANGE = "an arm.toml gives others; --velocity and --acceleration only lo
 Velocity = Annotated[OfJoints | None, quantity("rad/s m/s", CAP)]
 Acceleration = Annotated[OfJoints | None, quantity("rad/s² m/s²", CAP)]
 
-# Seconds for the way of a free move, and how far [m] it keeps from everything.
-MAX_TIME, CLEARANCE = 5.0, 0.004
+MAX_TIME = 5.0  # Seconds for the way of a free move.
 
 
 def planned(
@@ -129,7 +128,8 @@ Smooth = Annotated[
     ),
 ]
 MaxTime = Annotated[float, quantity("s", "With --avoid: give up the way to a goal after so many seconds.")]
-Clearance = Annotated[float, quantity("m", "With --avoid: how far the way to a goal keeps from everything.", zero=True)]
+Clearance = Annotated[float, quantity("m", "With --avoid: the distance that states of the search keep; a note tells if "
+                                           "the motion comes nearer.", zero=True)]  # fmt: skip
 Kept = Annotated[
     Literal["level", "direction", "orientation"] | None,
     option(
@@ -221,10 +221,12 @@ def plan(
         name = arm.ready_name
         which = "computed" if name is None else f"the one named {name!r}"
         note(f'starts at ready ({which}): --from "{theta_values(arm, arm.ready, out.radians)}"')
+    nearest = None if scene is None else scene.clearance(found)
+    if nearest is not None and any(isinstance(move, planning.FreeMove) for move in segments):
+        found = replace(found, notes=tuple(dict.fromkeys([*found.notes, *came_nearer(nearest, clearance)])))
     for remark in found.notes:
         note(remark, radians=out.radians)
     assumed = defaults_line(arm, given)
-    nearest = None if scene is None else scene.clearance(found)
     data = {"arm": arm, "start": origin or "ready", "assumed": assumed or None, "nearest": nearest}
     out.show(
         data | entries(found, "duration times waypoints notes"),
@@ -293,7 +295,7 @@ def plan_tables(arm: Arm, planned: planning.Trajectory, limits: JointLimits) -> 
     joints = Column("joint", planned.joint_names, key="joint_names")
     waypoints = [
         Column(f"at {number(time, 3)}\N{NO-BREAK SPACE}s", theta, arm.units)
-        for time, theta in zip(planned.times, planned.waypoints, strict=True)
+        for time, theta in dict(zip(planned.times.tolist(), planned.waypoints, strict=True)).items()  # each time once
     ]
     peaks = []
     for order, per, word in ((1, "/s", "velocity"), (2, "/s²", "acceleration")):

@@ -16,7 +16,7 @@ from ...support.checks import Array, number_in
 from ...support.csv_lines import Bounds, Row, csv_lines, csv_rows
 from ...support.csv_lines import csv_text as lines_of
 from ...support.errors import InputError, closest, listed
-from ..trajectory import Points, Trajectory, Writing, motor_values, motors_of, require_motors
+from ..trajectory import Points, Trajectory, Writing, motor_values, motors_of, require_joint_of, require_motors
 
 TIME = "time [s]"
 LABEL = "label"
@@ -142,6 +142,7 @@ def _groups(arm: Arm, header: list[str], file: str) -> tuple[list[list[str]], bo
         counts = _columns(COUNTS, motors.names, motors.units)
         if _has_columns(counts, header):
             return counts, True
+    require_joint_of(arm, [column.partition(".position")[0] for column in header if ".position [" in column], file)
     for name in (TIME, *needed[0], *needed[1]):
         if header.count(name) != 1:
             others = [column for column in header if column not in (*needed[0], *needed[1])]

@@ -16,7 +16,7 @@ from ...support.errors import DescriptionError, InputError, closest, listed, quo
 from ...support.fields import numbers
 from ...support.files import read_bounded, why_no_file
 from ...support.strict_json import parsed
-from ..trajectory import Points, Trajectory, Writing, motor_values, motors_of
+from ..trajectory import Points, Trajectory, Writing, motor_values, motors_of, require_joint_of
 
 NANOSECOND = 1e-9
 
@@ -110,6 +110,7 @@ def _listed(mapping: Any, name: str, place: str) -> list[Any]:
 def _order(arm: Arm, names: list[Any], file: str) -> list[int]:
     """Return the index of each of the arm's joints among those of the message."""
     others = [name for name in names if isinstance(name, str) and name not in arm.joint_names]
+    require_joint_of(arm, [name for name in names if isinstance(name, str)], file)
     for name in arm.joint_names:
         if names.count(name) != 1:
             what = f"twice: {listed([name])}" if name in names else f"no {listed([name])}{closest(name, others)}"
