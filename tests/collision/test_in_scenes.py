@@ -196,6 +196,17 @@ def test_a_refusal_names_segment_and_pair(tmp_path: Path, segments: list[JointMo
         plan(arm, segments, start=[1.0, 0.0], scene=scene)
 
 
+def test_a_refusal_says_how_far_the_tool_comes(tmp_path: Path) -> None:
+    """The hand, of radius 0.1, comes from x = 1 on the way to −1 to the face of the wall at 0.1: after 0.8 of 2 m."""
+    arm, scene = at_a_wall(tmp_path)
+    for move in (LineMove(Position([-1.0, 0.0, 0.0])), JointMove([-1.0, 0.0])):
+        with pytest.raises(PathError) as error:
+            plan(arm, [JointMove([1.0, 0.0]), move], start=[1.0, 0.5], scene=scene)
+        assert error.value.segment == 1
+        assert error.value.share == pytest.approx(0.4, abs=1e-3)
+        assert error.value.theta == pytest.approx([0.2, 0.0], abs=2e-3)
+
+
 def test_a_start_in_collision_may_be_left_but_not_deeper(tmp_path: Path) -> None:
     """The hand, a sphere of radius 0.1, overlaps the wall's face at x = 0.1 by 0.05; the wall's middle is at 0."""
     arm, scene = at_a_wall(tmp_path, margin=0.01)

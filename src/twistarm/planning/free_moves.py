@@ -17,6 +17,7 @@ from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.errors import missing_extra
 from ..support.messages import Argument, Quantity, Remedies, Text
+from ..theory import rotations
 from .refusal import PathError
 from .segments import CLEARANCE
 from .trajectory import Trajectory
@@ -29,6 +30,8 @@ UNLIMITED = np.pi  # How far joints without limits may go beyond start and goal:
 REACH = 0.5  # The longest way [rad, m] that a tree grows at once.
 SMALL = 0.02  # Distance [rad, m] of the states of a path that is checked before its motion is proven.
 SHORTCUTS = 50  # Random shortcuts that are tried on a path.
+SAMPLES = 300  # States by which the length of a path is measured.
+STILL = 1e-9  # A path shorter than this [m, rad] is none.
 
 
 def free_path(
@@ -173,9 +176,10 @@ _SEEDED: list[int] = []
 
 
 class Hit(NamedTuple):
-    """A collision of a motion: on the way to waypoint `leg` + 1, at `theta` (n,), in words."""
+    """A collision of a motion: on the way to waypoint `leg` + 1, after a share of it, at `theta` (n,), in words."""
 
     leg: int
+    share: float
     theta: Array
     words: str
 
@@ -190,7 +194,26 @@ def first_collision(scene: Scene, motion: Trajectory) -> Hit | None:
         return None
     leg = int(np.clip(np.searchsorted(motion.times, found.time, side="right") - 1, 0, max(len(motion.times) - 2, 0)))
     pairs = ", ".join(map(str, found.contacts[:2])) or "a near miss"
-    return Hit(leg, found.theta, f"it collides {found.time:.2f} s after the start: {pairs}")
+    share = _share_before(found.time, scene.arm, motion, leg)
+    return Hit(leg, share, found.theta, f"it collides {found.time:.2f} s after the start: {pairs}")
+
+
+def _share_before(time: float, arm: Arm, motion: Trajectory, leg: int) -> float:
+    """The part of the tool's path from waypoint `leg` to the next that lies before a time [s].
+
+    If the tool's origin stays, its rotation counts; if that stays too, the joints.
+    """
+    lengths = []
+    for begin, end in pairwise((motion.times[leg], time, motion.times[leg + 1])):
+        theta = motion(np.linspace(begin, end, SAMPLES))
+        g = arm.fk(theta)
+        turns = rotations.log(np.swapaxes(g[:-1, :3, :3], 1, 2) @ g[1:, :3, :3])
+        steps = np.diff(g[:, :3, 3], axis=0), turns, np.diff(theta, axis=0)
+        lengths.append([float(np.linalg.norm(step, axis=1).sum()) for step in steps])
+    for before, after in zip(*lengths, strict=True):
+        if before + after > STILL:
+            return before / (before + after)
+    return 0.0
 
 
 def require_free(scene: Scene, arm: Arm, motion: Trajectory) -> None:
@@ -198,6 +221,5 @@ def require_free(scene: Scene, arm: Arm, motion: Trajectory) -> None:
     hit = first_collision(require_scene(scene, arm).leaving(motion.waypoints[0]), motion)
     if hit is not None:
         place = f"the way from waypoint {hit.leg} to {hit.leg + 1} (0 is the start)"
-        raise PathError(
-            f"{hit}; add waypoints round it", theta=hit.theta, reason="collision", segment=hit.leg, place=place
-        )
+        why = f"{hit}; add waypoints round it"
+        raise PathError(why, hit.share, hit.theta, "collision", segment=hit.leg, place=place)

@@ -253,9 +253,8 @@ def _free(planned: Callable[[bool], tuple[Trajectory, Hit | None]], moves: list[
         motion, hit = planned(True)
     if hit is not None:
         remedy = "; let a free move go round, or choose another goal" if advise else ""
-        raise PathError(
-            f"{hit}{remedy}", theta=hit.theta, reason="collision", segment=hit.leg, place=place(hit.leg, moves[hit.leg])
-        )
+        where = place(hit.leg, moves[hit.leg])
+        raise PathError(f"{hit}{remedy}", hit.share, hit.theta, "collision", segment=hit.leg, place=where)
     return motion
 
 
