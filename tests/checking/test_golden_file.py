@@ -136,7 +136,7 @@ def test_what_is_no_golden_file(text: str, golden: Path, tmp_path: Path) -> None
     with pytest.raises(DescriptionError, match="twistarm freeze ARM -o FILE"):
         compare(arm, golden)
     golden.unlink()
-    with pytest.raises(DescriptionError, match="No such file"):
+    with pytest.raises(DescriptionError, match="no such file"):
         compare(arm, golden)
     with pytest.raises(InputError, match="does not exist"):
         freeze(arm, tmp_path / "nowhere" / "g.json")

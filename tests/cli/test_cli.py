@@ -242,7 +242,7 @@ BAD = (
     (IK + "--all --posture middle", "--posture"),
     ("plan rover_arm", "--to"),
     ("guide print rotation", "closest: '2_1_1_rotation_matrices', '2_1_2_exponential_rotations' ("),
-    (PLAN + "--avoid none.toml", "error: none.toml: cannot"),
+    (PLAN + "--avoid none.toml", "error: none.toml: no such file"),
     ("plan rover_arm --to '0.7 0 0 0 0'", "slide"),
     ("plan rr_planar --to zero --counts -o m.csv", "[actuators.NAME]"),
     (PLAN + "x", "'x'"),

@@ -204,9 +204,9 @@ def test_a_bad_message_is_told(rover, motion, tmp_path, change, why):
 
 
 FILES = {
-    "none.csv": (None, "cannot read .*none.csv: no such file"),
+    "none.csv": (None, "none.csv: no such file"),
     "binary.csv": (b"\xff\xfe\x00\x81\x00", "is no text"),
-    "binary.yaml": (b"\xff\xfe\x00\x81\x00", "cannot read .*binary.yaml"),
+    "binary.yaml": (b"\xff\xfe\x00\x81\x00", "binary.yaml: "),
     "torn.json": (b'{"joint_names": [\n"a",', "torn.json is no JSON: .* line 2 column"),
     "torn.yaml": (b"joint_names: [\n'a',\npoints: {", r"torn.yaml:[34]: not usable YAML"),
     "nan.json": (b'{"points": [NaN]}', "numbers must be finite; got NaN"),

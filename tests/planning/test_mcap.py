@@ -146,7 +146,7 @@ def test_joint_states_of_a_robot_are_its_motion(rover, tmp_path):
 
 
 BAD = {
-    "cut": (lambda data: data[: len(data) // 2], "cannot read .*: its end is missing; .*`mcap recover`"),
+    "cut": (lambda data: data[: len(data) // 2], ": its end is missing; .*`mcap recover`"),
     "a byte": (lambda data: data[:1], "it is no MCAP file"),
     "empty": (lambda data: b"", "it is no MCAP file"),
     "foreign": (lambda data: b"time [s],slide.position [m]\n" * 20, "it is no MCAP file"),

@@ -11,7 +11,7 @@ import pytest
 
 from twistarm.support.csv_lines import Bounds, lines_in
 from twistarm.support.errors import InputError
-from twistarm.support.files import WRITTEN_XML, WRITTEN_YAML, open_regular, write_whole
+from twistarm.support.files import WRITTEN_XML, WRITTEN_YAML, open_regular, why_no_file, write_whole
 
 NAMES = ["ARM.URDF", "arm.urdf.xacro", "arm.srdf", "arm.xml", "arm.toml", "joint_limits.yaml"]
 
@@ -72,6 +72,14 @@ def test_what_is_no_regular_file_is_never_read(tmp_path):
     for name in ("pipe", "zero", "."):
         with pytest.raises(OSError, match="it is no regular file"):
             open_regular(tmp_path / name)
+
+
+def test_why_there_is_no_file(tmp_path):
+    (tmp_path / "motion.toml").touch()
+    assert why_no_file(tmp_path / "moton.toml") == "no such file; closest: 'motion.toml'"
+    assert why_no_file(tmp_path / "nowhere" / "motion.toml") == "no such file"
+    assert why_no_file(tmp_path) == "a folder"
+    assert why_no_file(tmp_path / "motion.toml", OSError(13, "Permission denied")) == "Permission denied"
 
 
 @pytest.mark.parametrize("mode", [0o600, 0o444, 0o664])

@@ -14,7 +14,7 @@ import numpy as np
 from ..support.checks import Array, as_reals
 from ..support.csv_lines import csv_rows, known_columns
 from ..support.errors import InputError, listed
-from ..support.files import kind_of, read_bounded, write_whole
+from ..support.files import kind_of, read_bounded, why_no_file, write_whole
 
 # Bytes of a file of points. 10 million points as float32 have 120 MB.
 LARGEST_FILE = 200_000_000
@@ -44,7 +44,7 @@ def read_points(path: Path) -> Array:
         data = read_bounded(path, LARGEST_FILE)
         return readers[kind](data)
     except OSError as error:
-        why = error.strerror or str(error)
+        why = why_no_file(path, error)
     except InputError as error:
         why = str(error)
     except Exception as error:  # NumPy raises many kinds for malformed rows

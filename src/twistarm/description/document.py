@@ -129,15 +129,9 @@ def read_text(path: Path, most: int = MAX_BYTES) -> str:
     try:
         data = read_bounded(path, most)
     except (OSError, ValueError) as error:
-        reason, number = str(getattr(error, "strerror", None) or error), getattr(error, "errno", None)
-        what = reason if number in (errno.EFBIG, errno.EINVAL) else f"cannot be read: {reason}"
-        remedies = {
-            errno.EFBIG: "is it the right file?",
-            errno.EINVAL: "give a file",
-            errno.ENOENT: "is the path right?",
-        }
-        remedy = remedies.get(number or 0, "check the disk and the file's permissions")
-        raise refusal("file-unreadable", Place(str(path)), what, remedy) from error
+        large = getattr(error, "errno", None) == errno.EFBIG
+        remedy = "is it the right file?" if large else "give the path of a readable file"
+        raise refusal("file-unreadable", Place(str(path)), why_no_file(path, error), remedy) from error
     if other := kind_of(data):
         raise refusal("file-unreadable", Place(str(path)), f"it is {other[0]}", other[1])
     return decoded(data)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, as_number, as_vector, require_choice
 from ..support.errors import InputError, missing_extra, one_line
-from ..support.files import as_path, open_regular, writable, write_whole
+from ..support.files import as_path, open_regular, why_no_file, writable, write_whole
 
 FORMAT = "twistarm reach map 1"
 
@@ -149,7 +149,7 @@ class ReachMap:
                 raise ValueError("its arrays do not fit each other")
             return cls(grid=grid, **head, **arrays)
         except OSError as error:
-            raise InputError(f"cannot read {name}: {error.strerror or error}") from error
+            raise InputError(f"{name}: {why_no_file(name, error)}; give a map that `save` wrote") from error
         except Exception as error:  # of zipfile, zlib, NumPy and its tokenizer, json: of any kind in a damaged file
             raise InputError(f"{name} is no reach map ({one_line(str(error), 80)}); save writes one") from error
 

@@ -34,8 +34,7 @@ def csv_lines(path: str | os.PathLike[str], bounds: Bounds) -> Iterator[str]:
     try:
         opened = open_regular(file)
     except (OSError, ValueError) as error:  # a name that cannot be a file's is a ValueError
-        why = why_no_file(file) or getattr(error, "strerror", None)
-        raise InputError(f"cannot read {file}: {why}; give the path of a CSV file") from error
+        raise InputError(f"{file}: {why_no_file(file, error)}; give the path of a CSV file") from error
     with opened:
         yield from lines_in(opened, str(file), bounds)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -24,7 +23,7 @@ from ...description.urdf import build_description, read_description
 from ...limits.joint_limits import JointLimits
 from ...support.checks import require_mapping
 from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, listed, quote
-from ...support.files import FOLDER, NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
+from ...support.files import FOLDER, NO_SUCH_FILE, as_path, as_paths, is_file, what_is_at, why_no_file
 from ...support.messages import Argument, Text, plural
 from ..arm import Arm
 from ..arm_data import Coupling, Proof
@@ -257,16 +256,13 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
     if entry is not None:
         base, tip, folders = entry.base, entry.tip, (entry.share,)
         return ArmSpecification(entry.file, text, name=text, base=base, tip=tip, package_dirs=folders)
-    why, near = why_no_file(path), ""
-    if why != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
-        if why == FOLDER:
+    what = what_is_at(path)
+    if what != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
+        remedy = "give a URDF, xacro or MJCF file, a DH table, an arm.toml or an arm of the catalogue"
+        if what == FOLDER:
             files = listed(_descriptions_in(path))
             remedy = f"give a file in it: {files}" if files else "no description is in it: give another folder's file"
-            raise refusal("file-unreadable", Place(text[:200]), why, remedy)
-        with suppress(OSError, ValueError):
-            near = closest(path.name, [sibling.name for sibling in path.parent.iterdir()])
-        remedy = f"give a URDF, xacro or MJCF file, a DH table, an arm.toml or an arm of the catalogue{near}"
-        raise refusal("file-unreadable", Place(text[:200]), why, remedy)
+        raise refusal("file-unreadable", Place(text[:200]), why_no_file(path), remedy)
     names = available_arms()
     raise UnknownNameError(
         f"no arm {text!r} in the catalogue, nor a file of that name{closest(text, names)} (arms: {', '.join(names)})"

@@ -13,7 +13,7 @@ from collections.abc import Callable, Collection, Iterator
 from ...arm.arm import Arm, require_arm
 from ...support.checks import require, require_clock, require_names
 from ...support.errors import InputError, listed, quote
-from ...support.files import as_path, read_bounded
+from ...support.files import as_path, read_bounded, why_no_file
 from ...support.interrupts import Closeable
 from ...support.strict_json import LARGEST_MESSAGE, encode
 from .inbox import CommandInput, Inbox, StateInbox, StateInput
@@ -199,8 +199,7 @@ def read_key(path: str | os.PathLike[str]) -> bytes:
     try:
         key = read_bounded(file, 2048).strip()
     except (OSError, ValueError) as error:
-        why = getattr(error, "strerror", None) or error
-        raise InputError(f"cannot read the key {quote(str(path))}: {why}") from error
+        raise InputError(f"the key {quote(str(path))}: {why_no_file(file, error)}") from error
     return checked_key(key)
 
 

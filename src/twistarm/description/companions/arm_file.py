@@ -16,7 +16,7 @@ from ...limits.joint_limits import FIELDS, RATES
 from ...support.checks import Array, as_number, as_positive, frozen, pose_of
 from ...support.errors import InputError, quote
 from ...support.fields import Check, anything, fields, list_of, numbers, table_of, text, word
-from ...support.files import as_path, is_file
+from ...support.files import as_path, closest_beside, is_file
 from ...support.units import angle_hint
 from ...theory.rotations import from_rpy
 from ..document import LARGEST
@@ -205,7 +205,7 @@ def _beside(name: str, key: str, path: Path, exists: Callable[[Path], bool] = is
     """A file, or a folder, that the arm.toml names, beside it."""
     file = path.parent / as_path(name)
     if not exists(file):
-        what = f"{key} {name!r} does not exist beside it"
+        what = f"{key} {name!r} does not exist beside it{closest_beside(file)}"
         raise refusal("file-unreadable", Place(str(path)), what, "correct the path")
     return file
 

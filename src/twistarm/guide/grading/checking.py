@@ -87,16 +87,15 @@ def check_file(path: Path, arm: Arm, seed: int = 0, seconds: float = SECONDS) ->
 
 def _text(path: Path) -> str:
     """What a file holds; InputError where that is no text."""
-    if why := why_no_file(path):
-        raise InputError(f"{path}: {why}; give the Python file, or the results file, that is to be graded")
     try:
         return read_bounded(path, LARGEST_FILE).decode("utf-8-sig").replace("\r\n", "\n")
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
         raise InputError(
             f"{path} is no UTF-8 text (byte {error.start + 1} is 0x{error.object[error.start]:02x}): save it as UTF-8"
         ) from error
+    except (OSError, ValueError) as error:  # a name that cannot be a file's is a ValueError
+        what = "give the Python file, or the results file, that is to be graded"
+        raise InputError(f"{path}: {why_no_file(path, error)}; {what}") from error
 
 
 def _missing(exercise: Exercise, result: Run) -> Verdict:

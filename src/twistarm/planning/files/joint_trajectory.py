@@ -60,8 +60,7 @@ def read_message(arm: Arm, file: Path) -> Points:
     try:
         text = read_bounded(file, MAX_BYTES).decode("utf-8-sig")
     except (OSError, ValueError) as error:
-        why = why_no_file(file) or getattr(error, "strerror", None) or error
-        raise InputError(f"cannot read {file}: {why}") from error
+        raise InputError(f"{file}: {why_no_file(file, error)}") from error
     try:
         # An echoed message ends with the separator of a next document, which does not follow.
         is_json = file.suffix.lower() == ".json"

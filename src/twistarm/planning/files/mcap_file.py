@@ -148,7 +148,7 @@ def mcap_bytes(trajectory: Trajectory, how: Writing) -> bytes:
 def read_mcap(arm: Arm, file: Path) -> Points:
     """Read the points of `arm` from a recording. Raises InputError, with the point."""
     if why := why_no_file(file) or _why_no_recording(file):
-        raise InputError(f"cannot read {file}: {why}")
+        raise InputError(f"{file}: {why}")
     rosbag2, _, store = _import_rosbags()
     try:
         with rosbag2.Reader(file) as reader:
