@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from functools import partial
 from itertools import pairwise
 from operator import itemgetter
 from typing import Any, NamedTuple
@@ -28,7 +27,6 @@ STEPS = (0.1, 0.05, 0.02, 0.01, 0.005)
 LAST_SHARE, LAST_TIME, LAST_STEPS = 0.05, 0.5, (0.02, 0.01, 0.005)
 UNLIMITED = np.pi  # How far joints without limits may go beyond start and goal: every direction, once.
 REACH = 0.5  # The longest way [rad, m] that a tree grows at once.
-SMALL = 0.02  # Distance [rad, m] of the states of a path that is checked before its motion is proven.
 SHORTCUTS = 50  # Random shortcuts that are tried on a path.
 SAMPLES = 300  # States by which the length of a path is measured.
 STILL = 1e-9  # A path shorter than this [m, rad] is none.
@@ -36,15 +34,14 @@ STILL = 1e-9  # A path shorter than this [m, rad] is none.
 
 def free_path(
     scene: Scene, start: Array, goal: Array, others: Callable[[], Array], limits: JointLimits, max_time: float,
-    clearance: float = CLEARANCE, seed: int = 0, proven: bool = True,
+    clearance: float = CLEARANCE, seed: int = 0,
 ) -> Array:  # fmt: skip
     """Waypoints (k, n) of a collision-free path from start to goal (n,), or to one of `others` (k, n).
 
     A free straight path to the goal is taken. Only otherwise `others` is called. RRT-Connect (Kuffner & LaValle, ICRA
     2000) then plans on states with a `clearance` [m]. It grows a tree from the start, and one from all goals. OMPL's
     simplifier shortens the path. `Scene.is_free` then proves it. If that fails, the search is repeated with smaller
-    steps. Half of the time is kept for last tries with a twentieth of the clearance. A path that need not be `proven`,
-    because its motion will be, is only checked in small steps.
+    steps. Half of the time is kept for last tries with a twentieth of the clearance.
 
     Raises:
         PathError: Start or goal collides, or no way was found in `max_time` [s] of wall time.
@@ -69,8 +66,7 @@ def free_path(
             path = _searched(is_free, start, goals, lower, upper, step, latest - time.monotonic(), seed)
             if path is None:
                 break
-            free_way = scene.is_free if proven else partial(_seems_free, scene.checks(0.0))
-            if all(free_way(before, after) for before, after in pairwise(path)):
+            if all(scene.is_free(before, after) for before, after in pairwise(path)):
                 return path
     raise PathError(
         Text(
@@ -99,13 +95,6 @@ def require_clear(scene: Scene, start: Array, goal: Array) -> None:
         contacts = scene.contacts(theta)
         if contacts:
             raise PathError(f"the {name} collides: {contacts[0]}", theta=theta)
-
-
-def _seems_free(is_free: Callable[[Array], bool], start: Array, end: Array) -> bool:
-    """Whether states at most `SMALL` [rad, m] apart on the straight way between two others are free."""
-    way = end - start
-    shares = np.linspace(0.0, 1.0, int(np.linalg.norm(way) / SMALL) + 2)
-    return all(is_free(state) for state in start + shares[1:-1, None] * way)
 
 
 def _searched(

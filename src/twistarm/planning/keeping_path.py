@@ -16,7 +16,7 @@ from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.messages import Argument, Remedies, Text
 from .following import outside_limits
-from .free_moves import SMALL, UNLIMITED, require_clear
+from .free_moves import UNLIMITED, require_clear
 from .keep import Constraint, Flags
 from .piecewise import JointPath
 from .refusal import PathError
@@ -41,7 +41,7 @@ ROUNDING = 1e-9  # Beyond a limit by less [rad, m] is rounding.
 
 def keeping_path(
     scene: Scene, constraint: Constraint, start: Array, goals: Array, part: float = 1.0, *, limits: JointLimits,
-    max_time: float, clearance: float = CLEARANCE, seed: int = 0, proven: bool = True,
+    max_time: float, clearance: float = CLEARANCE, seed: int = 0,
 ) -> JointPath:  # fmt: skip
     """A free path that keeps all, from `start` (n,) to one of `goals` (k, n), best first.
 
@@ -49,8 +49,7 @@ def keeping_path(
     projected comes next. Otherwise a tree grows from the start and one from all goals, with projected steps (Kuffner &
     LaValle, RRT-Connect, ICRA 2000). Shortcuts and averages of neighbours make the path short and smooth. A C² cubic
     spline leads through its states. Its pieces are halved until all of it is proven to keep. If that fails, or the path
-    collides, the search begins anew with smaller steps and distances. A path that need not be `proven` free, because
-    its motion will be, is checked in small steps.
+    collides, the search begins anew with smaller steps and distances.
 
     Raises:
         PathError: Start or goal collides, or no way is found in this part of `max_time` [s].
@@ -69,7 +68,7 @@ def keeping_path(
         states = search.found(start, goals)
         if states is not None:
             path = search.spline(search.smoothed(states))
-            if path is not None and _free(scene, path, proven):
+            if path is not None and scene.first_collision(path) is None:
                 return path
         filled = states is None and not search.late
         if search.late or (filled and k + 1 >= len(ATTEMPTS)):
@@ -101,13 +100,6 @@ def _roomy(scene: Scene, clearance: float, ends: Array) -> Callable[[Array], boo
         return is_free
     beside = scene.checks(min(near))
     return lambda theta: is_free(theta) or (bool((np.abs(ends - theta).max(axis=1) < BESIDE).any()) and beside(theta))
-
-
-def _free(scene: Scene, path: JointPath, proven: bool) -> bool:
-    if proven:
-        return scene.first_collision(path) is None
-    is_free = scene.checks(0.0)
-    return all(map(is_free, path(np.linspace(0.0, path.length, int(path.length / SMALL) + 2))))
 
 
 class Tree:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
@@ -32,7 +32,6 @@ from .within import inside_from
 
 if TYPE_CHECKING:
     from ..collision import Distance, Scene
-    from .free_moves import Hit
     from .keep import Constraint
 
 MotionKind = Literal["s_curve", "time_optimal", "quintic"]
@@ -41,6 +40,7 @@ LAWS: dict[str, Callable[[JointPath, PathBounds], TimeLaw]] = {
     "time_optimal": time_optimal,
     "quintic": quintic,
 }
+WAYS_SHARE = 0.5  # The share of the work when all ways are found.
 
 
 def plan(
@@ -92,8 +92,7 @@ def plan(
         torques: Whether the efforts of joints and motors limit the motion too, by the masses of the arm.
         payload: What the tool carries then, a mass [kg] or (mass, place (3,) in tool axes [m]).
         scene: A `Scene` of the arm, or None. The motion is then proven free without gaps, and a `FreeMove` goes round.
-        max_time: Greatest wall time [s] for the way of one `FreeMove`. A busy computer searches less in it. If the
-            timed motion collides, which is rare, the ways are searched again.
+        max_time: Greatest wall time [s] for the way of one `FreeMove`. A busy computer searches less in it.
         clearance: How far [m] the states of a `FreeMove` keep from everything; less near its start and goal. A
             twentieth of it in the second half of `max_time`, for narrow gaps.
         progress: Called with the fraction done, in (0, 1], or None.
@@ -122,13 +121,19 @@ def plan(
     origin = ranged.ready if start is None else ranged.theta_from(start, name="start")
     if origin.shape != (arm.n,):
         raise InputError(f"start must be one configuration ({arm.n},); got {origin.shape}")
-    effort = torque_limits(arm, bounds.effort, torques, payload)
+    inside, back = inside_from(origin, bounds, arm.joint_names, arm.units)
     how = {"max_time": as_positive(max_time, "max_time"), "clearance": as_number(clearance, "clearance", 0.0)}
+    rates = PathBounds(bounds, arm.actuators, torques=torque_limits(arm, bounds.effort, torques, payload))
     around, ways = _obstacles(arm, moves, origin, scene, {"limits": bounds, **how})
     goals, report = Goals(ranged, bounds, as_flag(unwrap, "unwrap")), _onward(progress)
-    work = _Work(ranged, moves, origin, goals, PathBounds(bounds, arm.actuators, torques=effort), kind, around, ways)
+    router = Router(ranged, moves, goals, lambda done: report(WAYS_SHARE * done / len(moves)), around, *ways)
     try:
-        motion = _free(partial(work.planned, notes, report), moves, around is scene)
+        parts, route_notes = _route(router, inside)
+        if back:
+            parts.insert(0, PathPart(0, JointMove(inside), inside, JointPath.straight(origin, inside), last=False))
+        notes = (*notes, *back, *route_notes)
+        timed = partial(_in_time, ranged, origin if back else inside, rates, kind, notes)
+        motion = timed(parts) if around is None else _free(around, timed, parts, router, advise=around is scene)
     except PathError as error:
         if scene is None or around is scene or error.reason != "collision":
             raise
@@ -146,44 +151,6 @@ def _with_range(arm: Arm, limits: JointLimits) -> Arm:
     """The arm with these limits if its positions change. Inverse kinematics looks at the arm's own limits."""
     same = all(np.array_equal(getattr(limits, side), getattr(arm.limits, side)) for side in ("lower", "upper"))
     return arm if same else replace(arm, limits=limits)
-
-
-@dataclass(frozen=True, eq=False)
-class _Work:
-    """What `plan` makes of its arguments. `ways` are the searches for free paths in the scene `around`."""
-
-    arm: Arm
-    moves: list[Segment]
-    origin: Array
-    goals: Goals
-    bounds: PathBounds
-    kind: str
-    around: Scene | None
-    ways: tuple[Callable[..., Any] | None, ...]
-
-    def planned(
-        self, notes: tuple[str, ...], report: Callable[[float], None], proven: bool
-    ) -> tuple[Trajectory, Hit | None]:
-        """The motion and its first collision. Free ways are `proven`, or only checked in small steps."""
-        free, keeping = (None if way is None else partial(way, proven=proven) for way in self.ways)
-        # The ways are half of the work. A second round goes on where the first stopped.
-        low, share = (0.5, 0.4) if proven else (0.0, 0.5)
-
-        def onward(done: int) -> None:
-            report(low + share * done / len(self.moves))
-
-        router = Router(self.arm, self.moves, self.goals, onward, self.around, free, keeping)
-        inside, back = inside_from(self.origin, self.bounds.limits, self.arm.joint_names, self.arm.units)
-        parts, route_notes = _route(router, inside)
-        if back:
-            way = JointPath.straight(self.origin, inside)
-            parts.insert(0, PathPart(0, JointMove(inside), inside, way, last=False))
-        first, noted = self.origin if back else inside, (*notes, *back, *route_notes)
-
-        def timed(parts: list[PathPart]) -> Trajectory:
-            return _in_time(self.arm, first, parts, self.bounds, self.kind, noted)
-
-        return (timed(parts), None) if self.around is None else _checked(self.around, timed, parts, router.constraints)
 
 
 def _from_collision(error: PathError, start: str) -> PathError:
@@ -228,7 +195,7 @@ def _route(router: Router, origin: Array) -> tuple[list[PathPart], list[str]]:
 
 def _obstacles(
     arm: Arm, moves: list[Segment], origin: Array, scene: Scene | None, how: Mapping[str, Any]
-) -> tuple[Scene | None, tuple[Callable[..., Any] | None, ...]]:
+) -> tuple[Scene | None, tuple[Callable[..., Any] | None, Callable[..., Any] | None]]:
     """Return the scene and the searches for paths in it: a free one, one that keeps something.
 
     A start in collision may be left: its pairs come no nearer.
@@ -246,31 +213,18 @@ def _obstacles(
     return around, (partial(free_path, around, **how), partial(keeping_path, around, **how))
 
 
-def _free(planned: Callable[[bool], tuple[Trajectory, Hit | None]], moves: list[Segment], advise: bool) -> Trajectory:
-    """Return the planned motion, which is free. The paths of free moves are proven only if that of the motion fails."""
-    motion, hit = planned(False)
-    if hit is not None and isinstance(moves[hit.leg], FreeMove):
-        motion, hit = planned(True)
-    if hit is not None:
-        remedy = "; let a free move go round, or choose another goal" if advise else ""
-        where = place(hit.leg, moves[hit.leg])
-        raise PathError(f"{hit}{remedy}", hit.share, hit.theta, "collision", segment=hit.leg, place=where)
-    return motion
+def _free(
+    around: Scene, timed: Callable[[list[PathPart]], Trajectory], parts: list[PathPart], router: Router, *, advise: bool
+) -> Trajectory:
+    """The motion along the parts, proven free. If it collides, the ways of free moves get sharp corners.
 
-
-def _checked(
-    around: Scene, timed: Callable[[list[PathPart]], Trajectory], parts: list[PathPart],
-    constraints: Mapping[int, Constraint],
-) -> tuple[Trajectory, Hit | None]:  # fmt: skip
-    """The motion along the parts, and its first collision. If it collides, the ways of free moves get sharp corners.
-
-    It stops at an end of a free move if a rounded corner would not keep enough.
+    It stops at an end of a free move if a rounded corner would not keep enough. `advise`: a free move may go round.
     """
     from .free_moves import first_collision
 
     motion, stops = timed(parts), list[str]()
     for before in (0, 1):  # the corner at the end of such a move, then that at its beginning
-        left = {k - before for k, constraint in constraints.items() if not _keeps(constraint, motion, k)}
+        left = {k - before for k, constraint in router.constraints.items() if not _keeps(constraint, motion, k)}
         sharp = [part for part in parts if part.last and part.blend and part.index in left]
         if sharp:
             parts = [replace(part, blend=0.0) if part in sharp else part for part in parts]
@@ -279,10 +233,14 @@ def _checked(
     if hit is not None and any(isinstance(part.segment, FreeMove) for part in parts):
         motion = timed([part if part.last else replace(part, blend=0.0) for part in parts])
         hit = first_collision(around, motion)
+    if hit is not None:
+        remedy = "; let a free move go round, or choose another goal" if advise else ""
+        where = place(hit.leg, router.segments[hit.leg])
+        raise PathError(f"{hit}{remedy}", hit.share, hit.theta, "collision", segment=hit.leg, place=where)
     if stops:
         note = f"stops at {', '.join(stops)}: a rounded corner would not keep what a free move keeps"
         motion = replace(motion, notes=(*motion.notes, note))
-    return motion, hit
+    return motion
 
 
 def _keeps(constraint: Constraint, motion: Trajectory, k: int) -> bool:
@@ -294,7 +252,7 @@ def _keeps(constraint: Constraint, motion: Trajectory, k: int) -> bool:
 
 
 def _in_time(
-    arm: Arm, origin: Array, parts: list[PathPart], bounds: PathBounds, kind: str, notes: tuple[str, ...]
+    arm: Arm, origin: Array, bounds: PathBounds, kind: str, notes: tuple[str, ...], parts: list[PathPart]
 ) -> Trajectory:
     """Return the motion along the parts, from stop to stop as fast as the limits allow."""
     motions, stopped, limits = list[Motion](), list[PathPart](), bounds.limits
