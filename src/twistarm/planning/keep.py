@@ -56,7 +56,8 @@ class Keep(Brief):
 
     position_tol: the largest distance from the plane [m], 0.002 by default.
 
-    Raises InputError where nothing is kept, for unusable numbers, and where the parts contradict each other.
+    Raises InputError where nothing is kept, and for unusable numbers. `plan` raises PathError for a start that does not
+    keep all. That is every start where parts contradict each other.
     """
 
     direction: Row | Literal[True] | None = None
@@ -93,19 +94,6 @@ class Keep(Brief):
             checked["plane"] = frozen([one_vector(point, "the plane's point"), one_direction(normal, "its normal")])
         for name, value in checked.items():
             object.__setattr__(self, name, value)
-        self._require_common()
-
-    def _require_common(self) -> None:
-        """Refuse a plane that does not meet the box."""
-        if self.box is None or self.plane is None:
-            return
-        point, normal = np.asarray(self.plane)
-        with np.errstate(invalid="ignore"):  # an open side across the normal: inf · 0
-            ends = np.where(normal == 0.0, 0.0, (np.asarray(self.box) - point) * normal)
-        least, most = ends.min(axis=0).sum(), ends.max(axis=0).sum()
-        if least > self.position_tol or most < -self.position_tol:
-            off = min(abs(least), abs(most))
-            raise InputError(f"box and plane contradict each other: the box is {off:.3g} m off the plane")
 
     @classmethod
     def level(cls, tol: float = 0.05) -> Keep:
@@ -130,13 +118,6 @@ class Keep(Brief):
             given["direction"] = R @ axis if self.direction is True else self.direction
         if self.orientation is not None:
             given["orientation"] = R if self.orientation is True else self.orientation
-        if self.direction is not None and self.orientation is not None:
-            angle, _ = _least_turn(given["orientation"] @ given["tool_axis"], given["direction"])
-            if angle > 2.0 * self.tol:  # each may be off by tol
-                what = (
-                    "orientation and direction contradict each other: {angle} are between them, more than 2 tol, {most}"
-                )
-                raise InputError(Text(what, angle=Quantity(angle, "rad", 3), most=Quantity(2.0 * self.tol, "rad", 3)))
         return replace(self, **given)
 
     def weaker(self, arm: Arm) -> Iterator[Keep]:

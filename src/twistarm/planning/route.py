@@ -14,8 +14,8 @@ from ..arm.arm import Arm
 from ..ik.targets import KINDS, AnyTarget, Position, target_for
 from ..ik.task_space import Tolerances
 from ..support.checks import Array
-from ..support.errors import InputError, NotConvergedError, TwistarmError
-from ..support.messages import Argument, Remedies, Text, joined
+from ..support.errors import NotConvergedError, TwistarmError
+from ..support.messages import Argument, Remedies, Text
 from .configurations import DISTINCT, branches
 from .curves import MovingTarget
 from .following import Blocked, Node, climb, efforts, follow, way
@@ -163,10 +163,7 @@ class Router:
 
     def _keeping(self, i: int, segment: FreeMove, keep: Keep, theta: Array) -> PathPart:
         """The part of a free move that keeps something. An arm of fewer than six joints keeps what it can of it."""
-        try:
-            whole = keep.at(self.arm, self.arm.fk(theta))
-        except InputError as error:
-            raise InputError(joined(": ", [self._place(i), error.message])) from error
+        whole = keep.at(self.arm, self.arm.fk(theta))
         wanted, errors = [whole, *(whole.weaker(self.arm) if self.arm.n < 6 else ())], list[TwistarmError]()
         for candidate in wanted:
             constraint = Constraint(self.arm, candidate)
