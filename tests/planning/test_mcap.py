@@ -146,22 +146,21 @@ def test_joint_states_of_a_robot_are_its_motion(rover, tmp_path):
 
 
 BAD = {
-    "cut": (lambda data: data[: len(data) // 2], ": its end is missing; .*`mcap recover`"),
-    "a byte": (lambda data: data[:1], "it is no MCAP file"),
-    "empty": (lambda data: b"", "it is no MCAP file"),
-    "foreign": (lambda data: b"time [s],slide.position [m]\n" * 20, "it is no MCAP file"),
-    "of ROS 1": (lambda data: data.replace(b"ros2", b"ros1", 1), "its messages are not of ROS 2"),
-    "another chunk": (lambda data: data[:200] + bytes(99) + data[299:], "a part of it is damaged .*`mcap recover`"),
-    "another bit": (lambda data: data[:5000] + bytes([data[5000] ^ 1]) + data[5001:], "a part of it is damaged"),
+    "cut": lambda data: data[: len(data) // 2],
+    "a byte": lambda data: data[:1],
+    "empty": lambda data: b"",
+    "foreign": lambda data: b"time [s],slide.position [m]\n" * 20,
+    "of ROS 1": lambda data: data.replace(b"ros2", b"ros1", 1),
+    "another chunk": lambda data: data[:200] + bytes(99) + data[299:],
+    "another bit": lambda data: data[:5000] + bytes([data[5000] ^ 1]) + data[5001:],
 }
 
 
 @pytest.mark.parametrize("what", BAD)
 def test_a_damaged_file_is_refused_in_a_sentence(rover, tmp_path, what):
-    change, why = BAD[what]
     file = save_trajectory(planned(rover), tmp_path / "motion.mcap", arm=rover, dt=0.05)
-    file.write_bytes(change(file.read_bytes()))
-    with pytest.raises(InputError, match=why) as refused:
+    file.write_bytes(BAD[what](file.read_bytes()))
+    with pytest.raises(InputError, match="no whole recording of ROS 2 .*; copy it again, or .*recover") as refused:
         load_trajectory(rover, file)
     assert "\n" not in str(refused.value)
 
@@ -179,7 +178,7 @@ def test_files_without_a_motion_of_the_arm_are_refused(rover, tmp_path):
     with pytest.raises(InputError, match="not a regular file"):
         load_trajectory(rover, tmp_path / "pipe.mcap")
     os.truncate(save_trajectory(planned(rover), tmp_path / "huge.mcap", arm=rover), 2**40)
-    with pytest.raises(InputError, match="more than 1,000,000,000 bytes"):
+    with pytest.raises(InputError, match="no whole recording"):
         load_trajectory(rover, tmp_path / "huge.mcap")
 
 

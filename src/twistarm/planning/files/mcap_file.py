@@ -30,12 +30,7 @@ SETPOINTS, LABELS = "/setpoints", "/labels"
 SECOND = 10**9  # nanoseconds
 NONE = np.zeros(0)
 
-# Of a file, and of a topic that is read: half an hour at 100 Hz.
-MAX_BYTES, MAX_MESSAGES = 1_000_000_000, 200_000
-# The bytes at both ends of a file, and those behind the 17th.
-MAGIC, PROFILE = b"\x89MCAP0\r\n", b"\4\0\0\0ros2"
-
-RECOVER = "copy it again, or save what is whole by `mcap recover`, a program of mcap.dev"
+MAX_MESSAGES = 200_000  # Of a topic that is read: half an hour at 100 Hz.
 
 
 def _import_rosbags() -> tuple[Any, Any, Any]:
@@ -147,7 +142,7 @@ def mcap_bytes(trajectory: Trajectory, how: Writing) -> bytes:
 
 def read_mcap(arm: Arm, file: Path) -> Points:
     """Read the points of `arm` from a recording. Raises InputError, with the point."""
-    if why := why_no_file(file) or _why_no_recording(file):
+    if why := why_no_file(file):
         raise InputError(f"{file}: {why}")
     rosbag2, _, store = _import_rosbags()
     try:
@@ -156,29 +151,12 @@ def read_mcap(arm: Arm, file: Path) -> Points:
     except InputError as error:
         raise InputError(f"cannot read {file}: {error}") from error
     except Exception as error:  # damaged files raise errors of any type in rosbags
-        why = f"a part of it is damaged ({one_line(str(error) or repr(error))}); {RECOVER}"
-        raise InputError(f"cannot read {file}: {why}") from error
+        why = f"it is no whole recording of ROS 2 ({one_line(str(error) or repr(error))})"
+        remedy = "copy it again, or save what is whole by `mcap recover`, a program of mcap.dev"
+        raise InputError(f"cannot read {file}: {why}; {remedy}") from error
     if not message["points"]:
         raise InputError(f"{file} holds neither one JointTrajectory nor joint states of {listed(arm.joint_names)}")
     return points_in(arm, message, str(file))
-
-
-def _why_no_recording(file: Path) -> str:
-    """Why size and ends of a file are not those of a recording of ROS 2, or an empty text."""
-    try:
-        with file.open("rb") as opened:
-            head, size = opened.read(25), file.stat().st_size
-            opened.seek(max(0, size - len(MAGIC)))
-            tail = opened.read()
-    except OSError as error:
-        return str(error.strerror)
-    if size > MAX_BYTES:
-        return f"more than {MAX_BYTES:,} bytes; split it"
-    if not head.startswith(MAGIC):
-        return "it is no MCAP file"
-    if tail != MAGIC:
-        return f"its end is missing; {RECOVER}"
-    return "" if head[17:] == PROFILE else "its messages are not of ROS 2"
 
 
 def _motion(arm: Arm, reader: Any, store: Any) -> dict[str, Any]:
