@@ -25,6 +25,7 @@ from .protocols import MESSAGE_TIMEOUT, Interlock, Measured, Reading
 
 LONGEST_SENDER = 100  # Most characters of a sender's name in a message.
 MAX_OTHER_NAMES = 20  # Most unknown names to keep for messages.
+MOST_TEXTS = 128  # Texts that count in a cycle: four for each of 32 joints. All are read in some two milliseconds.
 
 
 @dataclass(frozen=True)
@@ -267,12 +268,9 @@ class StateInbox(Arrivals):
 class MessageInput(ABC):
     """Texts that arrive on a line, read once a cycle into `inbox`, malformed ones included.
 
-    Texts that waited for longer than a timeout are dropped, because their age is unknown. The last `most_texts` of at
-    most `senders` senders count. Together they are no longer than one message. The rest of a flood is not read.
+    Texts that waited for longer than a timeout are dropped, because their age is unknown. Of a flood the last
+    `MOST_TEXTS` count, together no longer than one message. The rest is not read.
     """
-
-    senders, most_texts = 3, 1
-    """Two senders of commands are one too many already."""
 
     def __init__(self, inbox: Inbox | StateInbox, parse: Callable[[bytes], tuple[Any, int | None]]) -> None:
         self.interlock = Interlock()
@@ -285,22 +283,15 @@ class MessageInput(ABC):
 
     def _take(self, now: float) -> None:
         """Put all that has arrived by `now` [s] into the inbox."""
-        last: dict[str, deque[bytes]] = {}
         missed, self._looked = now - self._looked > self._inbox.timeout, now
-        for sender, text in self.arrivals():
-            if self._obey(text, not missed) or (sender not in last and len(last) >= self.senders):
-                continue
-            # The last sender is the last in the dict.
-            texts = last[sender] = last.pop(sender, deque(maxlen=self.most_texts))
-            texts.append(text)
-            while len(texts) > 1 and sum(map(len, texts)) > LARGEST_MESSAGE:
-                texts.popleft()
+        arrived = deque((pair for pair in self.arrivals() if not self._obey(pair[1], not missed)), MOST_TEXTS)
+        while len(arrived) > 1 and sum(len(text) for _, text in arrived) > LARGEST_MESSAGE:
+            arrived.popleft()
         if missed:
-            self._inbox.unread = now if last else self._inbox.unread
+            self._inbox.unread = now if arrived else self._inbox.unread
             return
-        for sender, texts in last.items():
-            for text in texts:
-                self._put(sender, text, now)
+        for sender, text in arrived:
+            self._put(sender, text, now)
 
     def _put(self, sender: str, text: bytes, now: float) -> None:
         try:
@@ -335,9 +326,6 @@ class CommandInput(MessageInput):
 
 class StateInput(MessageInput):
     """A feedback of joint states. If the robot may not move, neither may the stream."""
-
-    senders, most_texts = 16, 32
-    """A robot may have a sender for each bus, and a message for each joint."""
 
     _state_of: Callable[[Arm, bytes, MotorSide | None], StateMessage]
 
