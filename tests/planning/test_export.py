@@ -110,7 +110,6 @@ def by_hand(theta, theta_dot):
 
 def test_the_motors_columns_follow_the_joints(tmp_path):
     arm, trajectory = with_motors()
-    trajectory = replace(trajectory, limits=None)
     path = save_trajectory(trajectory, tmp_path / "a.csv", dt=0.1)
     with open(path, newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import yaml
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_allclose
 
 from test_export import LABELS, plain, with_motors
 from twistarm import Actuators, load_trajectory, plan_joint, save_trajectory
@@ -43,8 +43,6 @@ def test_what_was_written_is_read_back(rover, motion, tmp_path, kind, ending):
         assert_allclose(read(read.times[1:-1], order), planned(read.times[1:-1], order), atol=atol)
         if ending == ".csv":
             assert np.array_equal(read(read.times[:-1], order), planned(read.times[:-1], order))
-            for rate, limit in RATES.items():
-                assert_array_equal(getattr(read.limits, rate), np.minimum(limit, getattr(planned.limits, rate)))
     between = np.linspace(0.0, planned.duration, 2001)
     jump = 2.0 * rover.limits.acceleration.max() if kind == "time_optimal" else 2.0 * planned.peak(3).max() * 0.02
     assert np.abs(read(between) - planned(between)).max() <= jump * 0.02**2 / 32
@@ -127,7 +125,7 @@ BAD_CSV = {
         "another arm.* rover_arm has 'slide'",
     ),
     "degrees": (line(1, lambda text: text.replace("elbow.position [rad]", "elbow.position [deg]")), "closest: 'elbow"),
-    "short": (line(7, lambda text: text.rsplit(",", 1)[0]), "line 7: 25 values"),
+    "short": (line(7, lambda text: text.rsplit(",", 1)[0]), "line 7: 15 values"),
     "word": (line(7, lambda text: "soon" + text[text.index(",") :]), "line 7: column 1"),
     "a picosecond": (line(7, lambda text: "0.080000000001" + text[text.index(",") :]), "line 7: time must increase"),
     "so fast": (
@@ -139,7 +137,6 @@ BAD_CSV = {
         lambda lines: lines[:1] + [f"{1e3 * float(row.split(',')[0])},{row.partition(',')[2]}" for row in lines[1:]],
         "velocities mean .* times the change of the positions: check the unit of the times",
     ),
-    "a limit of 0": (line(2, lambda text: text.rsplit(",", 1)[0] + ",0"), "line 2: wrist_roll.acceleration_limit"),
     "no line": (lambda lines: lines[:1], "holds no point of a motion"),
 }
 

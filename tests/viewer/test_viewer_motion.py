@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -128,11 +127,7 @@ def test_a_jump_is_plotted_as_a_jump(arm: Arm) -> None:
 def test_a_trajectory_of_python_is_plotted_against_its_own_limits_or_the_arm_s(arm: Arm, tmp_path: Path) -> None:
     motion = plan_joint(arm, [HOME, REACH], limits={"velocity": 0.4, "acceleration": 1.7})
     read = load_trajectory(arm, save_trajectory(motion, tmp_path / "m.csv"))
-    for each, velocity, acceleration in (
-        (motion, [0.4] * 3, [1.7] * 3),
-        (read, [0.4] * 3, [1.7] * 3),
-        (replace(motion, limits=None), [None, 2.0, 0.5], [None] * 3),
-    ):
+    for each, velocity, acceleration in ((motion, [0.4] * 3, [1.7] * 3), (read, [None, 2.0, 0.5], [None] * 3)):
         stage = Stage(arm)
         stage.load(each).play(0.0)
         joints = said(stage, "plots")["joints"]

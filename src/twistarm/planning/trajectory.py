@@ -44,8 +44,7 @@ class Trajectory:
     Merged waypoints have equal times. A motion from a point to itself has duration 0 and one piece of no length.
     `actuators` are the arm's motors or None; files hold their values too. `labels` are actions on the way in order of
     time, pairs such as (1.5, "close gripper"). Every file contains them. `notes` say what was assumed, such as limits.
-    No file contains them. `limits` are those that the motion was planned with, or None. CSV has their velocities and
-    accelerations.
+    `limits` are those that the motion was planned with, or None. No file contains notes and limits.
     """
 
     joint_names: tuple[str, ...]
@@ -218,7 +217,7 @@ class Writing(NamedTuple):
 
 
 class Points(NamedTuple):
-    """k instants t (k,) [s] of n joints (k, n) in a file. Rates, accelerations and the planner's limits are optional.
+    """k instants t (k,) [s] of n joints (k, n) in a file. Rates and accelerations are optional.
 
     `place(i)` tells the place of point i in the file.
     """
@@ -226,7 +225,6 @@ class Points(NamedTuple):
     t: Array
     labels: list[tuple[float, str]]
     place: Callable[[int], str]
-    limits: JointLimits | None
     theta: Array
     theta_dot: Array | None = None
     theta_ddot: Array | None = None

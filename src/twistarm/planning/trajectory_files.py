@@ -64,7 +64,7 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
 
     - CSV: columns `time [s]`, and for each joint `<joint>.position [rad]` and `<joint>.velocity [rad/s]`, with or
       without `<joint>.acceleration [rad/s^2]` (m for slides), in any order. Counts of the motors' drives may replace
-      them, as `save_trajectory(counts=True)` writes. Columns of limits are optional. Other columns are ignored.
+      them, as `save_trajectory(counts=True)` writes. Other columns are ignored.
     - JSON, YAML: a `trajectory_msgs/JointTrajectory`, or MoveIt's `RobotTrajectory` with one, in rad and m, joints in
       any order, others ignored. YAML may last some minutes at most.
     - MCAP, with the extra `mcap`: the setpoints of a recorded stream, as sent. Of another recording of ROS 2 its only
@@ -109,7 +109,7 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
     notes = ("the file has positions alone, so velocities jump at its points",) if straight else ()
     try:
         motion = Trajectory(
-            arm.joint_names, arm.units, theta, t, breakpoints, coefficients, arm.actuators, labels, notes, points.limits
+            arm.joint_names, arm.units, theta, t, breakpoints, coefficients, arm.actuators, labels, notes
         )
         require_positions(motion, allowed, "check the times and rates of the file", SWING)
     except (InputError, LimitError) as error:
@@ -160,8 +160,7 @@ def save_trajectory(
     """Write a motion to a file, whole or not at all. `load_trajectory` reads all but headers.
 
     - CSV: a row every `dt` [s] and one at the end. A row has the time, then position, velocity and acceleration of
-      each joint. The header names column and unit, `slide.position [m]`. A planned motion adds its constant limits,
-      `slide.velocity_limit [m/s]` and `slide.acceleration_limit [m/s^2]`. Each motor adds `left.motor_position [rad]`,
+      each joint. The header names column and unit, `slide.position [m]`. Each motor adds `left.motor_position [rad]`,
       `left.motor_velocity [rad/s]`, `left.counts [tick]` and `left.counts_rate [tick/s]`, not rounded. A last column
       `label` has each label in a row at its time. Numbers read back as the same floats.
     - JSON: a `trajectory_msgs/JointTrajectory`, a point every `dt` [s] and one at the end. Each point has positions,

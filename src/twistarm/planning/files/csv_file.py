@@ -1,4 +1,4 @@
-"""CSV of a motion, written and read: joints, limits, motors and labels."""
+"""CSV of a motion, written and read: joints, motors and labels."""
 
 from __future__ import annotations
 
@@ -11,9 +11,8 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...limits.actuators import Actuators
-from ...limits.joint_limits import JointLimits
-from ...support.checks import Array, number_in
-from ...support.csv_lines import Bounds, Row, csv_lines, csv_rows
+from ...support.checks import Array
+from ...support.csv_lines import Bounds, csv_lines, csv_rows
 from ...support.csv_lines import csv_text as lines_of
 from ...support.errors import InputError, closest, listed
 from ..trajectory import Points, Trajectory, Writing, motor_values, motors_of, require_joint_of, require_motors
@@ -22,8 +21,6 @@ TIME = "time [s]"
 LABEL = "label"
 
 JOINTS = {"position": "", "velocity": "/s", "acceleration": "/s^2"}
-# Constant columns: every reader of tables takes them, and a line of comment would stop many.
-LIMITS = {"velocity_limit": "/s", "acceleration_limit": "/s^2"}
 MOTORS = {"motor_position": "", "motor_velocity": "/s"}
 # Rates and what follows their unit. The names are ASCII because spreadsheets guess at anything else.
 COUNTS = {"counts": "", "counts_rate": "/s"}
@@ -48,7 +45,7 @@ def csv_text(trajectory: Trajectory, how: Writing) -> str:
 def _tables(
     trajectory: Trajectory, t: Array, motors: Actuators | None, counts: bool
 ) -> Iterator[tuple[list[list[str]], list[Array]]]:
-    """Yield column names and values: positions and rates of the joints, then of the motors; limits."""
+    """Yield column names and values: positions and rates of the joints, then of the motors."""
     if counts:
         motors = require_motors(motors)
     else:
@@ -58,10 +55,6 @@ def _tables(
         names, first = _columns(COUNTS, motors.names, motors.units), 2 if counts else 0
         names = names if counts else [*_columns(MOTORS, motors.names, motors.motor_units), *names]
         yield names, motor_values(trajectory, motors, t)[first:]
-    if trajectory.limits is not None and not counts:
-        planned = [getattr(trajectory.limits, rate.removesuffix("_limit")) for rate in LIMITS]
-        names = _columns(LIMITS, trajectory.joint_names, trajectory.units)
-        yield names, [np.broadcast_to(limit, (len(t), limit.size)) for limit in planned]
 
 
 def _columns(rates: Mapping[str, str], names: Sequence[str], units: Sequence[str]) -> list[list[str]]:
@@ -100,10 +93,8 @@ def read_csv(arm: Arm, path: Path) -> Points:
     groups, counted = _groups(arm, header, file)
     places = [header.index(name) for name in (TIME, *(name for group in groups for name in group))]
     labelled = [k for k, name in enumerate(header) if name == LABEL]
-    lines, values, labels, limits = array("q"), array("d"), list[tuple[float, str]](), None
+    lines, values, labels = array("q"), array("d"), list[tuple[float, str]]()
     for row in rows:
-        if not lines:
-            limits = _limits(arm, header, row, file)
         values.extend(numbers := row.numbers(places, len(header), file))
         lines.append(row.line)
         labels.extend((numbers[0], row.cells[k]) for k in labelled if row.cells[k])
@@ -115,20 +106,7 @@ def read_csv(arm: Arm, path: Path) -> Points:
     if counted and arm.actuators is not None:
         motor, motor_dot = map(arm.actuators.from_counts, states)
         states = [arm.actuators.to_theta(motor), arm.actuators.velocity_to_theta(motor_dot)]
-    return Points(table[:, 0], labels, lambda k: f"{file}, line {lines[k]}", limits, *states)
-
-
-def _limits(arm: Arm, header: list[str], row: Row, file: str) -> JointLimits | None:
-    """Return the limits of the arm with those in a row, or None. Raises InputError for one that is no number."""
-    found = {}
-    for rate, names in zip(LIMITS, _columns(LIMITS, arm.joint_names, arm.units), strict=True):
-        if _has_columns([names], header) and len(row.cells) == len(header):
-            place = f"{file}, line {row.line}"
-            values = [number_in(row.cells[header.index(name)], f"{place}: {name}", 0.0, np.inf) for name in names]
-            if 0.0 in values:
-                raise InputError(f"{place}: {names[values.index(0.0)]} must be above 0, or inf")
-            found[rate.removesuffix("_limit")] = values
-    return arm.limits.with_(found, arm.joint_names) if found else None
+    return Points(table[:, 0], labels, lambda k: f"{file}, line {lines[k]}", *states)
 
 
 def _groups(arm: Arm, header: list[str], file: str) -> tuple[list[list[str]], bool]:

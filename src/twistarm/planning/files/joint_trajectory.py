@@ -88,7 +88,7 @@ def points_in(arm: Arm, message: Any, file: str) -> Points:
             numbers(_entry(point, name, place(k)), f"{place(k)}: {name}", len(names)) for k, point in enumerate(points)
         ]
         states.append(np.reshape(rows, (len(points), len(names)))[:, order])
-    return Points(t, _labels(message, file), place, None, *states)
+    return Points(t, _labels(message, file), place, *states)
 
 
 def _entry(mapping: Any, name: str, place: str) -> Any:
