@@ -25,13 +25,6 @@ from .packages import PackageIndex
 LARGEST = 1e9
 MAX_BYTES = 20_000_000  # A whole humanoid's URDF has some 200 kB, a robot cell's a few MB.
 
-MALFORMED = {
-    errors.codes[errors.XML_ERROR_MISPLACED_XML_PI]: "begin the file with <?xml …?>, before comments and spaces",
-    errors.codes[errors.XML_ERROR_JUNK_AFTER_DOC_ELEMENT]: "keep one root element: <robot> or <mujoco>",
-    errors.codes[errors.XML_ERROR_INVALID_TOKEN]: "write &amp; for & and &lt; for < in texts, and quotes round values",
-}
-"""Remedies for broken XML, by expat's code."""
-
 MAX_NESTING = 100  # No description nests deeper. Python's XML writer recurses.
 
 
@@ -187,7 +180,7 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
         if open_tags and error.code == errors.codes[errors.XML_ERROR_NO_ELEMENTS]:
             what, remedy = f"the file ends inside <{open_tags[-1]}>", "add the end tags, or the part that is lost"
         elif text.lstrip().startswith("<"):
-            remedy = MALFORMED.get(error.code, remedy)
+            remedy = "write one root element, &amp; for & and &lt; for < in values, and quotes round these"
         raise refusal("xml-malformed", place, what, remedy) from error
     return builder.close()
 
@@ -212,8 +205,6 @@ def read_inside(name: str, packages: PackageIndex) -> tuple[Path, str]:
         if other := kind_of(data):
             raise Refused("file-unreadable", f"{name}: it is {other[0]}", other[1])
         return real, decoded(data)
-    except ValueError:
-        raise Refused("file-outside-packages", f"{name!a} is no path", "write a path or $(find package)/…") from None
     except OSError as error:
         if error.errno not in (errno.EINVAL, errno.EFBIG):
             raise

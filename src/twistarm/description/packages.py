@@ -146,14 +146,12 @@ def package_index(
     file: Path, user_dirs: Iterable[str | os.PathLike[str]] = (), mesh_dirs: Iterable[str | os.PathLike[str]] = ()
 ) -> PackageIndex:
     """The index for one description. InputError for a user's folder that does not exist."""
-    found = []
-    for dirs in (user_dirs, mesh_dirs):
-        folders = as_paths(dirs, "package_dirs")
-        for folder in folders:
-            if not os.path.isdir(folder):
-                raise InputError(f"package_dirs: {quote(str(folder))} is not a folder; give one that holds packages")
-        found.append(tuple(folder.resolve() for folder in folders))
-    return PackageIndex(file.resolve(), found[0], found[1])
+    given = [as_paths(dirs, "package_dirs") for dirs in (user_dirs, mesh_dirs)]
+    for folder in chain(*given):
+        if not os.path.isdir(folder):
+            raise InputError(f"package_dirs: {quote(str(folder))} is not a folder; give one that holds packages")
+    users, meshes = (tuple(folder.resolve() for folder in folders) for folders in given)
+    return PackageIndex(file.resolve(), users, meshes)
 
 
 def checked_names(given: object, argument: str) -> tuple[str, ...]:
@@ -196,11 +194,8 @@ def _home() -> Path:
 
 def _is_marked(folder: Path) -> bool:
     """Whether it looks like a robot's package: messages may quote its files."""
-    try:
-        entries = list(folder.iterdir())
-    except OSError:
-        return False
-    return any(entry.suffix in (".xacro", ".urdf") or (entry.name in MARKS and entry.is_dir()) for entry in entries)
+    marks = (os.path.isdir(folder / mark) for mark in MARKS)
+    return any(marks) or any(any(folder.glob(pattern)) for pattern in ("*.xacro", "*.urdf"))
 
 
 def _by_name(folders: Iterable[Path]) -> dict[str, list[Path]]:

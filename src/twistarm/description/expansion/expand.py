@@ -40,8 +40,6 @@ PACKAGE = "package://"
 HERE = f"{PACKAGE}./"  # The description's own folder.
 CWD = f"{PACKAGE}.cwd"  # The working folder, of the command `$(cwd)`.
 
-XACRO = "http://www.ros.org/wiki/xacro"
-
 QUIET = ("message", "warning", "error", "print_location")  # Functions of xacro that write on the terminal.
 
 # Words of xacro that mean nothing without their prefix.
@@ -236,11 +234,9 @@ class _Expansion:
 
     def _missing_argument(self, name: str, place: Place) -> DescriptionError:
         """The error for an argument without a value. The remedy has all of them, and a default that comes too late."""
-        late = self.arguments.get(name)
-        missing = {name: late if late and "$" not in late else ...}
-        for other, default in self.arguments.items():
-            if default is None and other not in self._given:
-                missing.setdefault(other, ...)
+        missing: dict[str, Any] = {name: self.arguments.get(name) or ...}
+        required = [other for other, default in self.arguments.items() if default is None]
+        missing |= {other: ... for other in required if other not in self._given}
         remedy = Text("pass {arguments}", arguments=Argument("xacro_args", missing))
         return refusal("xacro-arguments", place, f"the xacro argument {name!r} has no value here", remedy)
 
@@ -392,7 +388,8 @@ def _document(text: str, path: Path) -> Any:
         return _Builder(options, path).parseString(re.sub(r"^<\?xml[^>]*\?>", "", text))
     except expat.ExpatError as error:  # of namespaces: all else was well-formed before
         what = f"{expat.ErrorString(error.code)}: {text.splitlines()[error.lineno - 1].strip()}"
-        remedy = f'declare each prefix once, as xmlns:xacro="{XACRO}" in <robot>; behind its colon, begin with a letter'
+        xmlns = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+        remedy = f"declare each prefix once, as {xmlns} in <robot>; begin the name behind it with a letter"
         raise refusal("xml-malformed", Place(str(path), error.lineno), what, remedy) from error
 
 

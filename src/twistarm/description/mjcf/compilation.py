@@ -65,11 +65,6 @@ class Mjcf:
         reading = next((part for part in self.readings if element in part.lines), self.readings[0])
         return refusal("mjcf-unusable", reading.place(element), what, remedy)
 
-    def at_line(self, line: int) -> ET.Element:
-        """The element that begins in a line of `text`, or the last one before it."""
-        begun = [tag for tag in self.text.splitlines()[:line] if not tag.startswith("</")]
-        return list(self.root.iter())[len(begun) - 1]
-
     def mesh_bytes(self, name: str) -> bytes | None:
         """The content of a mesh's file. None if there is none inside the folders, or none small enough."""
         path = resolve_uri(self.meshes[name], self.readings[0].packages)
@@ -265,7 +260,9 @@ def _refused(mjcf: Mjcf, error: ValueError) -> DescriptionError:
     found = re.search(r",? line (\d+)", text)
     if found is None or mjcf.models:  # the line may be that of an attached model
         return mjcf.error(mjcf.root, f"MuJoCo refuses it: {text}")
-    return mjcf.error(mjcf.at_line(int(found[1])), f"MuJoCo refuses it: {text.replace(found[0], '')}")
+    begun = [tag for tag in mjcf.text.splitlines()[: int(found[1])] if not tag.startswith("</")]
+    element = list(mjcf.root.iter())[len(begun) - 1]
+    return mjcf.error(element, f"MuJoCo refuses it: {text.replace(found[0], '')}")
 
 
 @contextmanager

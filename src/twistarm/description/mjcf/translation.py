@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import xml.etree.ElementTree as ET
 from collections import defaultdict
 from typing import NamedTuple
@@ -31,7 +30,6 @@ WORDS_OF = {
 
 SHOWN = 8  # Most parts in one finding.
 HIDDEN = 3  # The first group of geoms that MuJoCo's viewer does not show. Collision shapes usually have it.
-NEAR = 2e-3  # How far a rounded multiple of π/4 is from it, such as 1.57 or 3.14.
 UNPAINTED = (0.5, 0.5, 0.5, 1.0)  # The colour of a geom that gives none, or has that of its material.
 
 
@@ -93,17 +91,14 @@ class _Writer:
         return [self.mujoco.mj_id2name(self.model, objects, i) or "" for i in range(count)]
 
     def note_radians(self, reading: Reading) -> None:
-        """Note angles in degrees that look like radians: ranges all within 2π, or multiples of π/4 in `euler`."""
+        """Note ranges in degrees that look like radians: all are within 2π."""
         if "radian" in [element.get("angle") for element in self.mjcf.root.findall("compiler")]:
             return
         # MuJoCo has compiled degrees to radians.
         hinges = (self.model.jnt_limited != 0) & (self.model.jnt_type == self.mujoco.mjtJoint.mjJNT_HINGE)
         largest = np.degrees(np.abs(self.model.jnt_range[hinges]).max(initial=0.0))
-        words = [word for element in self.mjcf.root.iter() for word in element.get("euler", "").split()]
-        angles = [word for word in words if NEAR < abs(float(word)) < 7]
-        odd = [word for word in angles if abs(math.remainder(float(word), np.pi / 4)) < NEAR]
-        if 0.0 < largest <= 2 * np.pi or odd:
-            what = f"angles in degrees that look like radians: {odd[0] if odd else f'ranges within {largest:.4g}'}"
+        if 0.0 < largest <= 2 * np.pi:
+            what = f"joint ranges in degrees that look like radians: all are within {largest:.4g}"
             reading.note("unit-doubtful", None, what, 'if so, write <compiler angle="radian"/>')
 
     # -- bodies ------------------------------------------------------------------------------------------------------
