@@ -155,7 +155,7 @@ def test_a_joint_that_does_not_follow_ends_it_and_is_named(rover, motion, robot,
     report = followed(rover, motion, robot, clock, tolerance=0.05)
     assert report.stream.ending is Ending.STRAYED
     assert report.joint_names[int(np.argmax(report.largest_error))] in report.stream.reason
-    assert report.largest_error.max() == pytest.approx(0.05, abs=0.01)
+    assert 0.05 < report.largest_error.max() < 0.06  # what ended it counts too
     assert max(shares(rover, robot)) <= EXACT
     assert report.stream.at_rest
 
@@ -174,6 +174,19 @@ def test_drives_that_are_late_are_no_error(rover, motion, clock):
     assert (report.largest_error < 0.02).all()
     assert report.largest_lag.max() > 4 * report.largest_error.max()
     np.testing.assert_allclose(joints.theta, motion.waypoints[-1], atol=0.01)
+
+
+@pytest.mark.parametrize("late", [0.04, 0.09])
+def test_drives_that_keep_their_rates_through_a_late_cycle_are_no_error(rover, motion, late):
+    class Keeping(Robot):
+        def read(self, now):
+            last = self.setpoints[-1] if self.setpoints else None
+            return Measured(self.theta if last is None else last.theta + last.theta_dot * (now - last.time), now)
+
+    clock = FakeClock(late={60: late})
+    robot = Keeping(rover.ready, clock)
+    assert followed(rover, motion, robot, clock, tolerance=0.02).ok
+    assert np.abs(robot.rates).max(axis=1)[60] * late > 0.02  # so much farther than the setpoint before
 
 
 def test_after_a_stall_it_speeds_up_from_rest(rover, motion):

@@ -215,7 +215,11 @@ class Loop(ABC, Generic[C]):
             self._start(theta, now)
         if self.state is None:
             self.tally.waited += self.period
-        elif self._observer is not None:
+            return theta, blind
+        # Until the next setpoint a drive goes on at the rates that it was sent: farther, where this cycle is late.
+        since = 0.0 if self._stepped is None else min(max(now - self._stepped, 0.0), self.settings.max_dt)
+        self._watch.follow(self.state.theta + self.state.theta_dot * since, now)
+        if self._observer is not None:
             self._observer.hear(None if blind else measured, now)
         return theta, blind
 

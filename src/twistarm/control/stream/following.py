@@ -192,6 +192,7 @@ class Following(Loop[FollowCycle]):
         if self.state is None:
             return self._record(now, blind)
         lag = None if theta is None else frozen(np.abs(theta - self.state.theta))
+        error = None if theta is None else self._watch.error(theta)
         strayed = "" if theta is None else self._watch.deviation(theta)
         barrier = self.interlock.barrier
         if barrier:  # enabling does not resume the motion
@@ -206,7 +207,7 @@ class Following(Loop[FollowCycle]):
         undelivered = self._send(setpoint)
         ending, why = self._ending(strayed, theta, now)
         reason = why or "; ".join(filter(None, (reason, undelivered)))
-        return self._record(now, reason, ending, theta, setpoint, lag)
+        return self._record(now, reason, ending, theta, setpoint, lag, error)
 
     def _starts(self, theta: Array) -> bool:
         starts = super()._starts(theta)
@@ -289,8 +290,8 @@ class Following(Loop[FollowCycle]):
         theta: Array | None = None,
         setpoint: Setpoint | None = None,
         lag: Array | None = None,
+        error: Array | None = None,
     ) -> FollowCycle:
-        error = None if theta is None or setpoint is None else self._watch.error(theta)
         if error is not None:
             self.largest_error = np.maximum(self.largest_error, error)
         if lag is not None:
@@ -312,8 +313,8 @@ class FollowReport(Brief):
     stream: the loop's report, with its ending and reason. at: the reached time of the motion [s], below 0 on the way to
     the start. duration: its length [s]. speed: the share of the planned speed, lower if the arm's limits require it.
     largest_lag (n,): the largest distance of each joint from the current setpoint [rad, m]. Drives lag by delay times
-    rate. largest_error (n,): the largest distance from all setpoints within the last `feedback_timeout`. `tolerance`
-    bounds it, and a delay does not count.
+    rate. largest_error (n,): the largest distance from all setpoints within the last `feedback_timeout`. A delay does
+    not count, nor how far a joint goes on at its rate until a late cycle. Beyond `tolerance` the motion has ended.
     """
 
     stream: StreamReport

@@ -165,9 +165,9 @@ class FeedbackWatch:
     """Whether the measurement is usable and the arm follows.
 
     timeout [s]: older joint states are stale. tolerance (n,) or one number [rad, m]: the allowed distance of a joint
-    from all setpoints of the last `timeout`. It is also that of the first joint state from the position limits. A
-    shorter lag is no deviation. `returned`: whether the last joint state was the first after a gap longer than
-    `timeout`.
+    from all setpoints of the last `timeout`, and from where their rates lead until the next one. It is also that of the
+    first joint state from the position limits. A shorter lag is no deviation. `returned`: whether the last joint state
+    was the first after a gap longer than `timeout`.
     """
 
     def __init__(self, arm: Arm, timeout: float, tolerance: ArrayLike) -> None:
