@@ -235,15 +235,3 @@ def test_ctrl_c_ends_it_at_rest(capsys: Capture, file: Path, monkeypatch: pytest
     monkeypatch.setattr("twistarm.cli.commands.driving.obey", lambda *_: os.kill(os.getpid(), signal.SIGINT))
     report, _ = report_of(capsys, "follow", "rr_planar", str(file), code=1)
     assert (report["ending"], report["loop"]["at_rest"]) == ("INTERRUPTED", True)
-
-
-def test_a_motion_that_no_robot_can_follow_is_refused(capsys: Capture, file: Path, tmp_path: Path) -> None:
-    message = json.loads(file.read_text())
-    other = tmp_path / "other.json"
-    message["joint_names"][1] = "joint_two"
-    other.write_text(json.dumps(message))
-    assert "joint_2" in error_of(capsys, "follow", "rr_planar", str(other), "--no-browser")
-    message["joint_names"][1] = "joint_2"
-    message["points"] = [{key: point[key] for key in ("positions", "time_from_start")} for point in message["points"]]
-    other.write_text(json.dumps(message))
-    assert "joint_" in error_of(capsys, "follow", "rr_planar", str(other), "--no-browser"), "it jumps"

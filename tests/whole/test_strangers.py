@@ -124,7 +124,6 @@ NASTY = {
     "wildcards in a linked folder": include("linked/*.xacro", make=linked("linked", "../outside")),
     "a URI": include("file://@SECRET", "xacro-failed"),
     "a pipe": include("pipe", "file-unreadable", make=lambda folder: os.mkfifo(folder / "pipe")),
-    "a giant": include("giant.xacro", "file-unreadable", sized("giant.xacro", 50_000_000)),
     "YAML outside": xacro("file-outside-packages", "<a b=\"${xacro.load_yaml('@SECRET')}\"/>"),
     "an object in YAML": xacro(
         "xacro-failed",
