@@ -178,13 +178,14 @@ def at(*path, value=None):
 
 BAD_MESSAGES = {
     "a name": (at("joint_names", 2, value="ellbow"), "have no 'elbow'; closest: 'ellbow'; "),
-    "a typo": (lambda m: m.update(point=m.pop("points")), "'points' is missing; closest: 'point'"),
-    "no point": (at("points", 3, value=7), r"point 3 \(counted from 0\): a mapping with 'time_from_start' is needed"),
-    "no position": (at("points", 3, "positions"), "point 3 .*: 'positions' is missing"),
-    "a standstill": (at("points", 3, "time_from_start", value={"sec": 0, "nanosec": 0}), "point 3 .*: time must incr"),
-    "beyond": (at("points", 3, "positions", 0, value=9.0), "point 3 .*: joint 'slide' at 9 m is"),
+    "a typo": (lambda m: m.update(point=m.pop("points")), "unknown entry 'point' in Joint.*; closest: 'points'"),
+    "no point": (at("points", 3, value=7), r"points\[3\] must be a table with positions, time_from_start"),
+    "no position": (at("points", 3, "positions"), r"points\[3\] needs 'positions'; it has "),
+    "a standstill": (at("points", 3, "time_from_start", value={"sec": 0, "nanosec": 0}), r"points\[3\]: time must in"),
+    "half a second": (at("points", 3, "time_from_start", "sec", value=0.5), r"points\[3\].*\.sec must be a whole"),
+    "beyond": (at("points", 3, "positions", 0, value=9.0), r"points\[3\]: joint 'slide' at 9 m is"),
     "a late label": (at("labels", 0, "time", value=99.0), "the times of labels must not decrease"),
-    "no label": (at("labels", 0, "text"), "labels: 'text' is missing"),
+    "no label": (at("labels", 0, "text"), r"labels\[0\] needs 'text'"),
 }
 
 

@@ -172,7 +172,7 @@ def test_files_without_a_motion_of_the_arm_are_refused(rover, tmp_path):
     with pytest.raises(InputError, match="neither one JointTrajectory nor joint states of 'slide'"):
         load_trajectory(rover, bag(tmp_path / "fan", [("/joint_states", STATE, 1, joints(["fan"], [0.1]))]))
     back = [("/joint_states", STATE, k, joints(rover.joint_names, rover.ready)) for k in (1, 1)]
-    with pytest.raises(InputError, match="point 1 .*time must increase"):
+    with pytest.raises(InputError, match=r"points\[1\]: time must increase"):
         load_trajectory(rover, bag(tmp_path / "twice", back))
     os.mkfifo(tmp_path / "pipe.mcap")
     with pytest.raises(InputError, match="not a regular file"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +12,10 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...description.companions.data_files import parse_yaml
-from ...support.checks import Array, as_number
-from ...support.errors import DescriptionError, InputError, closest, listed, quote
-from ...support.fields import numbers
+from ...support.checks import Array, as_number, as_whole
+from ...support.errors import DescriptionError, InputError, closest, listed
+from ...support.fields import anything, fields, inside, list_of, numbers
+from ...support.fields import text as any_text
 from ...support.files import read_bounded, why_no_file
 from ...support.strict_json import parsed
 from ..trajectory import Points, Trajectory, Writing, motor_values, motors_of, require_joint_of
@@ -73,61 +75,45 @@ def read_message(arm: Arm, file: Path) -> Points:
 def points_in(arm: Arm, message: Any, file: str) -> Points:
     """The points of `arm` in a JointTrajectory or MoveIt's RobotTrajectory. Raises InputError, with the point."""
     message = message.get("joint_trajectory", message) if isinstance(message, dict) else message
-    names, points = _listed(message, "joint_names", file), _listed(message, "points", file)
+    with inside(file):
+        sent = fields(
+            message, "JointTrajectory", {"joint_names": list_of(any_text), "points": list_of(_point)},
+            {"header": anything, "motors": anything, "labels": list_of(_label)},
+        )  # fmt: skip
+    names, points, states = sent["joint_names"], sent["points"], []
     order = _order(arm, names, file)
-
-    def place(k: int) -> str:
-        return f"{file}, point {k} (counted from 0)"
-
-    t = np.array([_time(point, place(k)) for k, point in enumerate(points)])
-    states = []
     for name in FIELDS:
         if name != FIELDS[0] and not all(point.get(name) for point in points):
             break  # ROS leaves out what is not known, or leaves it empty
-        rows = [
-            numbers(_entry(point, name, place(k)), f"{place(k)}: {name}", len(names)) for k, point in enumerate(points)
-        ]
+        with inside(file):
+            rows = [numbers(point[name], f"points[{k}].{name}", len(names)) for k, point in enumerate(points)]
         states.append(np.reshape(rows, (len(points), len(names)))[:, order])
-    return Points(t, _labels(message, file), place, *states)
+    t = np.array([point["time_from_start"] for point in points])
+    return Points(t, sent.get("labels", []), lambda k: f"{file}, points[{k}]", *states)
 
 
-def _entry(mapping: Any, name: str, place: str) -> Any:
-    if not isinstance(mapping, dict):
-        raise InputError(f"{place}: a mapping with {name!r} is needed; got {quote(mapping)}")
-    if name not in mapping:
-        raise InputError(f"{place}: {name!r} is missing{closest(name, map(str, mapping))}")
-    return mapping[name]
+def _point(value: Any, name: str) -> dict[str, Any]:
+    optional = dict.fromkeys((*FIELDS[1:], "effort"), anything)
+    return fields(value, name, {FIELDS[0]: anything, "time_from_start": _time}, optional)
 
 
-def _listed(mapping: Any, name: str, place: str) -> list[Any]:
-    value = _entry(mapping, name, place)
-    if not isinstance(value, list):
-        raise InputError(f"{place}: {name} must be a list; got {quote(value)}")
-    return value
+def _time(value: Any, name: str) -> float:
+    whole = partial(as_whole, most=2**32 - 1)
+    parts = fields(value, name, {"sec": whole, "nanosec": whole})
+    return float(parts["sec"] + parts["nanosec"] * NANOSECOND)
 
 
-def _order(arm: Arm, names: list[Any], file: str) -> list[int]:
+def _label(value: Any, name: str) -> tuple[float, str]:
+    label = fields(value, name, {"time": as_number, "text": any_text})
+    return label["time"], label["text"]
+
+
+def _order(arm: Arm, names: list[str], file: str) -> list[int]:
     """Return the index of each of the arm's joints among those of the message."""
-    others = [name for name in names if isinstance(name, str) and name not in arm.joint_names]
-    require_joint_of(arm, [name for name in names if isinstance(name, str)], file)
+    others = [name for name in names if name not in arm.joint_names]
+    require_joint_of(arm, names, file)
     for name in arm.joint_names:
         if names.count(name) != 1:
             what = f"twice: {listed([name])}" if name in names else f"no {listed([name])}{closest(name, others)}"
             raise InputError(f"{file}: its joint_names have {what}; a motion of {arm.name} names each joint once")
     return [names.index(name) for name in arm.joint_names]
-
-
-def _time(point: Any, place: str) -> float:
-    time = _entry(point, "time_from_start", place)
-    parts = [_entry(time, name, f"{place}, time_from_start") for name in ("sec", "nanosec")]
-    if not all(isinstance(part, int) and not isinstance(part, bool) and 0 <= part < 2**32 for part in parts):
-        raise InputError(f"{place}: time_from_start is in whole sec and nanosec from 0; got {quote(time)}")
-    return float(parts[0] + parts[1] * NANOSECOND)
-
-
-def _labels(message: dict[str, Any], file: str) -> list[tuple[float, str]]:
-    place = f"{file}, labels"
-    return [
-        (as_number(_entry(label, "time", place), f"{place}: time"), _entry(label, "text", place))
-        for label in (_listed(message, "labels", file) if "labels" in message else ())
-    ]
