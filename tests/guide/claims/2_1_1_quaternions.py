@@ -19,7 +19,7 @@ assert np.isclose(literal, 1 / 30)
 assert np.allclose(rotations.quaternion_inverse_wxyz(four), conjugate(four) / square)
 assert np.isclose(growth, 1.05**2)
 
-# ## The sign in your logs
+# ## The sign in your recordings
 assert np.abs(np.diff(mended, axis=0)).max() < 0.02 < 0.5 < np.abs(np.diff(logged, axis=0)).max()
 assert np.allclose(rotations.from_quaternion_wxyz(mended), turned)
 assert np.isclose(short + long, 360)

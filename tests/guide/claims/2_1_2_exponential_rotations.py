@@ -32,5 +32,5 @@ assert by_cosine[tiny] == 0
 assert np.abs(by_log / sizes - 1).max() < 1e-6
 
 # ## In use: which way is down?
-assert np.allclose(R @ g_t, g_s)
-assert np.allclose(g_t, Rotation.from_matrix(R).inv().apply(g_s))
+assert np.allclose(R @ a_t, a_s)
+assert np.allclose(a_t, Rotation.from_matrix(R).inv().apply(a_s))

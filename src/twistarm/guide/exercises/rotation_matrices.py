@@ -234,6 +234,16 @@ EXERCISES = (
                 },
             ),
             Slip(
+                "arctan and sin β = 0",
+                "The arctangent of a quotient does not know in which quadrant the angle is, and divides 0 by 0 where "
+                "sin β is 0. Use np.arctan2(y, x), and where sin β is 0 read alpha from the upper left corner.",
+                {
+                    "np.arctan2(R[1, 2], R[0, 2])": "np.arctan(R[1, 2] / R[0, 2])",
+                    "np.arctan2(R[2, 1], -R[2, 0])": "np.arctan(-R[2, 1] / R[2, 0])",
+                    "if np.sin(beta) < 1e-6:": "if False:",
+                },
+            ),
+            Slip(
                 "sign of R31",
                 "R31 is −sin β cos γ: without its minus gamma comes out as π − γ. Write np.arctan2(R[2, 1], -R[2, 0]).",
                 {"-R[2, 0]": "R[2, 0]"},
@@ -255,6 +265,18 @@ EXERCISES = (
                 "If beta is 0 or π, sin β is 0, and the third column and row have only zeros or rounding. Read alpha "
                 "from the upper left corner there, and let gamma be 0.",
                 {"if np.sin(beta) < 1e-6:": "if False:"},
+            ),
+            Slip(
+                "alpha from the first column",
+                "Your alpha is right at beta = 0, and off by π at beta = π: there the first column is "
+                "(−cos α, −sin α, 0). The second column is (−sin α, cos α, 0) in both cases: take alpha from it.",
+                {"np.arctan2(-R[0, 1], R[1, 1])": "np.arctan2(R[1, 0], R[0, 0])"},
+            ),
+            Slip(
+                "alpha forgotten",
+                "Where sin β is 0, you let both alpha and gamma be 0. By the task gamma alone is 0: alpha is all of the "
+                "turn about z. Read it from the upper left corner.",
+                {"np.array([np.arctan2(-R[0, 1], R[1, 1]), beta, 0.0])": "np.array([0.0, beta, 0.0])"},
             ),
             Slip(
                 "gamma for alpha",

@@ -307,6 +307,12 @@ EXERCISES = (
                 {"    g = np.eye(4)\n": "    g = np.eye(4)\n    return expm(twist_matrix(xi)) * theta\n"},
             ),
             Slip(
+                "θ forgotten",
+                "Your matrix does not depend on θ: it is exp(ξ̂), the motion for θ = 1. Multiply ξ̂ by θ before you take "
+                "the exponential.",
+                {"    g = np.eye(4)\n": "    g = np.eye(4)\n    return expm(twist_matrix(xi))\n"},
+            ),
+            Slip(
                 "first order",
                 "I + ξ̂θ is the beginning of the series, and good for small θ only.",
                 {"    g = np.eye(4)\n": "    g = np.eye(4)\n    return g + twist_matrix(xi) * theta\n"},

@@ -1,9 +1,9 @@
 # %% [markdown]
 # # Quaternions
 #
-# The log of your arm gives the tool's orientation as four numbers. Which one is the scalar? In the next line all four
-# have changed their sign, and the gripper has not moved. And why four numbers? Three angles were enough in the last
-# lesson.
+# The recording of your arm gives the tool's orientation as four numbers. Which one is the scalar? In the next line all
+# four have changed their sign, and the gripper has not moved. And why four numbers? Three angles were enough in the
+# last lesson.
 #
 # The last question has an answer already: any three angles fail somewhere. Four numbers do not. This lesson explains
 # what the four are, how they multiply, and what you must take care of.
@@ -164,7 +164,7 @@ guide.slider(
 # the product uses the axes at zero. The lesson *Where is the tool?* (3.1) proves that this is right.
 
 # %%
-values = arm.coupling.A @ arm.ready  # of each moving joint, those that mimic others too
+values = arm.coupling.A @ arm.ready  # of each moving joint; `A` adds those that follow others (3.1)
 whole = np.array([1.0, 0, 0, 0])
 for omega, value in zip(arm.screws[3:].T, values, strict=True):
     half = value / 2 * np.linalg.norm(omega)  # the norm is 1, or 0 for a slide
@@ -205,7 +205,7 @@ guide.predict(
 # %% [markdown]
 # A quaternion that has lost its unit length is no longer a rotation: $Q\,(0, p)\,Q^*$ stretches every point by
 # $\|Q\|^2$. The remedy is one division, $Q/\|Q\|$. A matrix that has lost its right angles takes more work. For this
-# reason, and because four numbers are fewer than nine, filters and logs use quaternions.
+# reason, and because four numbers are fewer than nine, filters and recordings use quaternions.
 
 # %%
 stretched = product(product(1.05 * Q, [0, *p]), conjugate(1.05 * Q))
@@ -215,7 +215,7 @@ guide.say(
 )
 
 # %% [markdown]
-# ## The sign in your logs
+# ## The sign in your recordings
 #
 # The arm has moved to a second orientation. A teammate turns the tool once about its own axis while you record. The
 # program that converts matrices to quaternions must choose between $Q$ and $-Q$. Like most such programs, it takes the
@@ -256,8 +256,8 @@ guide.figure(
 #
 # $$Q(s) = \frac{\sin((1 - s)\,\varphi/2)}{\sin(\varphi/2)}\,Q_1 + \frac{\sin(s\,\varphi/2)}{\sin(\varphi/2)}\,Q_2$$
 #
-# This is *slerp*, a turn about one axis at an even rate. Source: Shoemake, *Animating rotation with quaternion curves*,
-# 1985.
+# This is *slerp*, a turn about one axis at an even rate. For $\varphi$ near 0 it divides 0 by 0: take $Q_1$ there.
+# Source: Shoemake, *Animating rotation with quaternion curves*, 1985.
 
 # %%
 Q1, Q2 = Q, rotations.to_quaternion_wxyz(R_2)

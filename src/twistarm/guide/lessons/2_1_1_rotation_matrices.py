@@ -8,9 +8,9 @@
 # This lesson gives two answers: nine numbers that never fail, and three numbers that fail in places.
 #
 # Take one configuration of your arm as the example. `arm.ready` holds the joint values in which it waits. The program
-# mixes them with random values inside the limits, so that no angle is special. Then `arm.fk` computes the pose of the
-# tool, a $4 \times 4$ matrix $g$. The lesson *Where is the tool?* (3.1) shows how. Here you need only its upper left
-# corner, three rows and three columns.
+# mixes them with random values inside the limits. Then `arm.fk` computes the pose of the tool, a $4 \times 4$ matrix
+# $g$. The lesson *Where is the tool?* (3.1) shows how. Here you need only its upper left corner, three rows and three
+# columns.
 
 # %% tags=["shown"]
 import numpy as np
@@ -58,9 +58,9 @@ guide.figure(
 #
 # $$R^T R = I, \qquad \det R = +1$$
 #
-# $R^T R$ is symmetric, so the first law is six equations for nine numbers. Three are left to choose. The first law
-# allows $\det R = \pm 1$, and the second law takes $+1$. The set of all matrices that obey both laws is called $SO(3)$,
-# the *special orthogonal group*.
+# $R^T R$ is symmetric: its entries above the diagonal equal those below. So the first law is six equations for nine
+# numbers. Three are left to choose. The first law allows $\det R = \pm 1$, and the second law takes $+1$. The set of
+# all matrices that obey both laws is called $SO(3)$, the *special orthogonal group*.
 
 # %%
 off = np.abs(R.T @ R - np.eye(3)).max()
@@ -148,9 +148,16 @@ guide.figure(
 # r_{11} & r_{12} & \cos\alpha \sin\beta \\ r_{21} & r_{22} & \sin\alpha \sin\beta \\
 # -\sin\beta \cos\gamma & \sin\beta \sin\gamma & \cos\beta \end{bmatrix}$$
 #
-# The matrix also gives the angles back. Its last entry holds $\beta$. If $\sin\beta$ is not 0, the third column holds
-# $\alpha$ and the third row $\gamma$. Other triples are in use too, so a file with "Euler angles" must say which.
-# *URDF*, the format in which arms are described, calls its three `rpy`: roll, pitch and yaw.
+# The matrix also gives the angles back. Its last entry holds $\beta$, from 0 to 180°. If $\sin\beta$ is not 0, the
+# third column holds $\alpha$ and the third row $\gamma$:
+#
+# $$\beta = \cos^{-1} r_{33}, \qquad \alpha = \mathrm{atan2}(r_{23}, r_{13}), \qquad
+# \gamma = \mathrm{atan2}(r_{32}, -r_{31})$$
+#
+# If $\sin\beta$ is 0, this column and this row are 0 up to their last entries. Then set $\gamma = 0$. The second column
+# is $(-\sin\alpha, \cos\alpha, 0)$, so $\alpha = \mathrm{atan2}(-r_{12}, r_{22})$. Other triples are in use too, so a
+# file with "Euler angles" must say which. *URDF*, the format in which arms are described, calls its three `rpy`: roll,
+# pitch and yaw.
 
 # %%
 orders = {"ZYZ": "in MLS", "ZYX": "yaw, pitch, roll; `rpy` is the same three, listed backwards"}
@@ -206,8 +213,7 @@ same, opposite = (np.linalg.norm(E_30 @ rates) for rates in ([1, 0, 1], [1, 0, -
 guide.say(
     r"Let $\beta = 30°$, and let $\alpha$ and $\gamma$ change at 1 rad/s each. In the same sense they turn the tool "
     rf"at {same:.2f} rad/s, in opposite senses at {opposite:.2f} rad/s. The ratio, {same / opposite:.1f}, is the "
-    r"**condition number** of $E$ here: the greatest length of $\omega$ divided by the least, for three rates that "
-    r"form a vector of length one."
+    r"**condition number** of $E$ here: the greatest length of $\omega$ divided by the least, for rates of one length."
 )
 beta = np.radians(np.linspace(1, 179, 179))
 E = rotations.euler_rate_map("ZYZ", np.stack([0 * beta, beta, 0 * beta], axis=-1))
@@ -262,8 +268,8 @@ guide.table(
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# - **Transposed.** With $R_{st}$ in place of $R_{ts}$, everything works where the tool is not turned, and nothing
-#   elsewhere. Name matrices by both frames, and let the indices cancel.
+# - **Transposed.** $R_{st}$ in place of $R_{ts}$ works where the tool is not turned, or is turned by exactly 180°, as
+#   when it points straight down. Test with 30°. Name matrices by both frames, and let the indices cancel.
 # - **Degrees.** `sin(90)` is the sine of 90 radians.
 # - **Fixed or moving axes.** URDF's `rpy` turns about fixed axes, first $x$, then $y$, then $z$. This equals turns
 #   about moving axes in the order $z, y, x$. It differs from turns about moving $x, y, z$.

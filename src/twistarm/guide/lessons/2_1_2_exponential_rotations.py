@@ -83,10 +83,9 @@ guide.predict(
 # \hat\omega = \begin{bmatrix} 0 & -\omega_3 & \omega_2 \\ \omega_3 & 0 & -\omega_1 \\
 # -\omega_2 & \omega_1 & 0 \end{bmatrix}$$
 #
-# The hat writes the cross product as a matrix. Such matrices are *skew-symmetric*, $\hat\omega^T = -\hat\omega$, and
-# their set is called $so(3)$. This is a linear differential equation: the rate of $p$ is a constant matrix times $p$.
-# For numbers, $\dot x = c\,x$ has the solution $x = e^{ct} x(0)$. For vectors it is the same, with the exponential of a
-# matrix:
+# The hat writes the cross product as a matrix. Such matrices are *skew-symmetric*, $\hat\omega^T = -\hat\omega$. This
+# is a linear differential equation: the rate of $p$ is a constant matrix times $p$. For numbers, $\dot x = c\,x$ has
+# the solution $x = e^{ct} x(0)$. For vectors it is the same, with the exponential of a matrix:
 #
 # $$p(t) = e^{\hat\omega t} p(0)$$
 #
@@ -134,9 +133,13 @@ guide.figure(
 # $$e^{\hat\omega\theta} = I + \hat\omega\theta + \frac{(\hat\omega\theta)^2}{2!}
 # + \frac{(\hat\omega\theta)^3}{3!} + \cdots$$
 #
-# The powers repeat. The rule for a double cross product says $a \times (a \times x) = a\,(a^T x) - \|a\|^2 x$. So $\hat
-# a^2 = a a^T - \|a\|^2 I$, where $a a^T$ is the $3 \times 3$ matrix of the products $a_i a_j$. Because $\hat a a = a
-# \times a = 0$, it follows that $\hat a^3 = -\|a\|^2\,\hat a$ (MLS, lemma 2.3). For the unit vector $\omega$ this is
+# The powers repeat. The rule for a double cross product says $a \times (a \times x) = a\,(a^T x) - \|a\|^2 x$. As a
+# matrix this is
+#
+# $$\hat a^2 = a a^T - \|a\|^2 I$$
+#
+# where $a a^T$ is the $3 \times 3$ matrix of the products $a_i a_j$. Multiply by $\hat a$. Because $\hat a a = a \times
+# a = 0$, the first term drops out: $\hat a^3 = -\|a\|^2\,\hat a$ (MLS, lemma 2.3). For the unit vector $\omega$ this is
 # $\hat\omega^3 = -\hat\omega$. Sort the terms by $\hat\omega$ and $\hat\omega^2$:
 #
 # $$e^{\hat\omega\theta} = I + \left(\theta - \frac{\theta^3}{3!} + \frac{\theta^5}{5!} - \cdots\right)\hat\omega
@@ -215,7 +218,8 @@ guide.predict(
 #
 # For $\omega$ along $x$, $y$ or $z$, Rodrigues' formula gives $R_x$, $R_y$ and $R_z$ of the first lesson. For a shaft
 # of your arm in the ready configuration, it gives the rotation that this joint adds. For the table, each joint moved
-# alone. The last column compares $e^{\hat\omega\theta}R$ with the orientation that the tool then had.
+# alone. The last column compares $e^{\hat\omega\theta}R$ with the orientation that the tool then had. Here $R$ is that
+# at ready.
 
 # %%
 turning = guide.arm_with(
@@ -248,8 +252,10 @@ guide.table(
 # $$\det(R - I) = \det(R - RR^T) = \det R\,\det(I - R^T) = \det(I - R) = -\det(R - I)$$
 #
 # A matrix and its transpose have one determinant. The last step changes the sign of three rows, and each changes the
-# sign of the determinant. A number that equals its own negative is 0. To find the axis, read Rodrigues' formula
-# backwards. The trace, the sum of the diagonal, holds the angle, and the differences of opposite entries hold the axis:
+# sign of the determinant. A number that equals its own negative is 0. $R$ keeps lengths and right angles, so it takes
+# the plane across the axis to itself. With $\det R = 1$ it is no mirror there, so it is a turn. To find the axis, read
+# Rodrigues' formula backwards. The trace, the sum of the diagonal, holds the angle, and the differences of opposite
+# entries hold the axis:
 #
 # $$\theta = \cos^{-1}\frac{\mathrm{tr}\,R - 1}{2}, \qquad
 # \omega = \frac{1}{2\sin\theta}\begin{bmatrix} r_{32} - r_{23} \\ r_{13} - r_{31} \\ r_{21} - r_{12} \end{bmatrix}$$
@@ -321,29 +327,29 @@ guide.figure(
 #
 # ## In use: which way is down?
 #
-# You know gravity in the axes of the base, $g_s$. To keep a bottle upright, the gripper needs it in the axes of the
-# tool, $g_t$. The matrix $R_{st}$ takes coordinates of the tool T to coordinates of the base S, $g_s = R_{st}\, g_t$.
+# You know gravity in the axes of the base, $a_s$. To keep a bottle upright, the gripper needs it in the axes of the
+# tool, $a_t$. The matrix $R_{st}$ takes coordinates of the tool T to coordinates of the base S, $a_s = R_{st}\, a_t$.
 # You need the opposite direction:
 #
-# $$g_t = R_{st}^T\,g_s$$
+# $$a_t = R_{st}^T\,a_s$$
 #
-# (An accelerometer in the gripper, at rest, reads $-g_t$: it measures the force that holds it up.)
+# (An accelerometer in the gripper, at rest, reads $-a_t$: it measures the force that holds it up.)
 
 # %%
-g_s = np.array([0.0, 0.0, -9.81])  # downward, the base standing upright [m/s²]
-g_t = R.T @ g_s
-back = R @ g_s
-wrong = np.degrees(np.arccos(np.clip(g_t @ back / (g_t @ g_t), -1, 1)))
+a_s = np.array([0.0, 0.0, -9.81])  # downward, the base standing upright [m/s²]
+a_t = R.T @ a_s
+back = R @ a_s
+wrong = np.degrees(np.arccos(np.clip(a_t @ back / (a_t @ a_t), -1, 1)))
 guide.table(
     ["", "$x$", "$y$", "$z$"],
-    [["gravity in base axes", *g_s], ["in tool axes, $R^T g$", *g_t], ["the slip, $R\\,g$", *back]],
+    [["gravity in base axes", *a_s], ["in tool axes, $R^T a$", *a_t], ["the slip, $R\\,a$", *back]],
     f"Gravity [m/s²] seen from the tool of `{arm.name}`. With the transpose forgotten, down is {wrong:.0f}° wrong.",
 )
 
 # %% [markdown]
-# Two habits prevent this mistake. Write the indices, and let the inner ones meet: $g_s = R_{st}\, g_t$. Test with a
-# turn about a level axis, where you know the answer. A turn about the vertical does not change gravity, so it hides the
-# mistake.
+# Two habits prevent this mistake. Write the indices, and let the inner ones meet: $a_s = R_{st}\, a_t$. Test with a
+# quarter turn about a level axis, where you know the answer. A half turn hides the mistake, because it is its own
+# inverse. So does a turn about the vertical, which does not change gravity.
 #
 # ## What goes wrong in practice
 #
@@ -357,7 +363,7 @@ guide.say(f"90 radians in place of 90° leave the tool {np.degrees(lost):.0f}° 
 
 # %% [markdown]
 # **Left and right.** A shaft seen from the base multiplies from the left. A shaft seen from the tool multiplies from
-# the right. The mistake does not show while all shafts are parallel.
+# the right. The mistake does not show while all shafts are parallel and the tool at zero is turned about them alone.
 #
 # **A program that multiplies for hours.** Rounding slowly moves the product out of $SO(3)$. Call `rotations.nearest`
 # from time to time.

@@ -25,8 +25,9 @@
 # = \begin{bmatrix} \hat\omega & v \\ 0 & 0 \end{bmatrix} \begin{bmatrix} p \\ 1 \end{bmatrix} = \hat\xi\,\bar p,
 # \qquad \xi = \begin{bmatrix} v \\ \omega \end{bmatrix}$$
 #
-# $\xi$ is the **twist** of the joint: six numbers, the linear part first. Source: Murray, Li and Sastry, *A
-# Mathematical Introduction to Robotic Manipulation* (MLS), section 2.3.2.
+# The bar puts a 1 below the point, as in the lesson on rigid motions. $\xi$ is the **twist** of the joint: six numbers,
+# the linear part first. Source: Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation* (MLS),
+# section 2.3.2.
 
 # %%
 import numpy as np
@@ -88,13 +89,13 @@ guide.predict(
 # ## The twists of your arm
 #
 # The table shows the twist of each moving joint and the screw that the twist describes. Both are seen from the base,
-# with all joints at zero. The $\omega$ of a twist may have any length, that of a joint has one. A twist with $\omega
-# \neq 0$ gives the pitch and a point of the axis by
+# with all joints at zero. The $\omega$ of a twist may have any length, that of a joint has the length 1. A twist with
+# $\omega \neq 0$ gives the pitch and a point of the axis by
 #
-# $$h = \frac{\omega^T v}{\|\omega\|^2}, \qquad q = \frac{\omega \times v}{\|\omega\|^2}, \qquad M = \|\omega\|$$
+# $$h = \frac{\omega^T v}{\|\omega\|^2}, \qquad q = \frac{\omega \times v}{\|\omega\|^2}, \qquad m = \|\omega\|$$
 #
-# where $q$ is the point of the axis nearest to the origin, and $M$ is the *magnitude*. A twist with $\omega = 0$ has
-# $h = \infty$ and $M = \|v\|$. Source: MLS, section 2.3.3.
+# where $q$ is the point of the axis nearest to the origin, and $m$ is the *magnitude* ($M$ in MLS). A twist with
+# $\omega = 0$ has $h = \infty$ and $m = \|v\|$. Source: MLS, section 2.3.3.
 
 # %%
 arm = guide.arm()
@@ -121,14 +122,15 @@ guide.scene(
 # ## The exponential
 #
 # Now let the joint move by $\theta$ radians. $d\bar p/d\theta = \hat\xi\,\bar p$ is again a linear differential
-# equation, so $\bar p(\theta) = e^{\hat\xi\theta}\,\bar p(0)$. Geometry says what this matrix must do. With $\omega = 0$ every
-# point is shifted by $v\theta$. With $\|\omega\| = 1$ a point turns about the axis, which passes through $q$, and
-# slides along it:
+# equation, so $\bar p(\theta) = e^{\hat\xi\theta}\,\bar p(0)$. Geometry says what this matrix must do. With $\omega =
+# 0$ every point is shifted by $v\theta$. With $\|\omega\| = 1$ a point turns about the axis, which passes through $q$,
+# and slides along it:
 #
 # $$p(\theta) = q + e^{\hat\omega\theta}\,(p(0) - q) + h\,\theta\,\omega$$
 #
 # To check it, differentiate by $\theta$: you get $dp/d\theta = \omega \times (p - q) + h\,\omega$. Now insert $q =
-# \omega \times v$ and $h = \omega^T v$. What multiplies $p(0)$ is the rotation, and the rest is the shift:
+# \omega \times v$ and $h = \omega^T v$. The factor of $p(0)$ is the rotation of $e^{\hat\xi\theta}$, the sum of the
+# other terms its shift:
 #
 # $$e^{\hat\xi\theta} = \begin{bmatrix} e^{\hat\omega\theta} &
 # (I - e^{\hat\omega\theta})(\omega \times v) + \omega\omega^T v\,\theta \\ 0 & 1 \end{bmatrix}$$
@@ -184,9 +186,9 @@ guide.slider(
 # and $\xi\theta$ is its *logarithm*. The proof computes it in three cases:
 #
 # - $R = I$: the body is only shifted; $\omega = 0$ and $v\theta = p$.
-# - $0 < \theta < \pi$: $\omega\theta$ is the logarithm of $R$, from the lesson on exponentials of rotations. The upper right
-#   corner of $e^{\hat\xi\theta}$ must be $p$. It is linear in $v$, a matrix $G$ times $v$, because
-#   $\omega \times v = \hat\omega v$. Solve for $v$:
+# - $0 < \theta < \pi$: $\omega\theta$ is the logarithm of $R$, from the lesson on exponentials of rotations. The upper
+#   right corner of $e^{\hat\xi\theta}$ must be $p$. It is linear in $v$, a matrix $G$ times $v$, because $\omega \times
+#   v = \hat\omega v$. Solve for $v$:
 #
 # $$G\,v = p, \qquad G = (I - e^{\hat\omega\theta})\,\hat\omega + \omega\omega^T\theta$$
 #
@@ -305,8 +307,8 @@ guide.say(
 # **A pitch per turn.** Data sheets of lead screws give millimetres per turn. The pitch $h$ here is per radian: divide
 # by $2\pi$.
 #
-# **The start forgotten.** $e^{\hat\xi\theta}$ is a motion, not a pose. If the computed tool sits at the origin while all
-# joints are at zero, the factor $g(0)$ is missing.
+# **The start forgotten.** $e^{\hat\xi\theta}$ is a motion, not a pose. If the computed tool sits at the origin while
+# all joints are at zero, the factor $g(0)$ is missing.
 #
 # ## Exercises
 

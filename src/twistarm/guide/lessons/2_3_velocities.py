@@ -141,9 +141,8 @@ for xi, value, rate in zip(arm.screws.T, values, speeds, strict=True):
 guide.say(
     f"The sum over the {len(values)} moving joints of `{arm.name}` differs from $V^s$ by "
     f"${guide.rough(np.abs(total - V_s).max())}$. The twists $\\xi_i$ are spatial, seen from the "
-    "base. Some texts call them body velocities. But the twists seen from the tool are other numbers: they "
-    "differ by up to"
-    f" {np.abs(arm.body_screws - arm.screws).max():.2f}."
+    "base. Seen from the tool, the same twists are other numbers. They differ by up to "
+    f"{np.abs(arm.body_screws - arm.screws).max():.2f}."
 )
 
 # %% [markdown]
@@ -211,8 +210,9 @@ guide.predict(
 # **Adding twists of different frames.** The gyro's reading and the base's velocity are six numbers each. Take one of
 # them to the frame of the other by an Adjoint before you add them.
 #
-# **The stick in the wrong frame.** Roll the gripper by a quarter turn and push the stick as before. If the tool now
-# moves another way, the command is read in the tool's axes. Check that you meant these and not the base's.
+# **The stick in the wrong frame.** Push the stick sideways, roll the gripper by a quarter turn, and push it again. If
+# the tool now moves another way, the command is read in the tool's axes. Check that you meant these and not the base's.
+# Do not test with the stick pushed along the roll axis: a roll does not change this direction.
 #
 # ## Exercises
 

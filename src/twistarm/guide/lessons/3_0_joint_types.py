@@ -30,7 +30,8 @@ arm = guide.arm()
 #   \xi = \begin{bmatrix} -\omega \times q + h\,\omega \\ \omega \end{bmatrix}$$
 #
 # The third is a screw (Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation* (MLS), section
-# 2.3.3). The first is a screw of pitch zero, and the second is the limit of a screw with growing pitch.
+# 2.3.3). The first is a screw of pitch zero. The second is the limit of $\xi/h$, with $\xi$ of the third, for $h \to
+# \infty$ and $v = \omega$.
 
 # %%
 axis, point = [0, 0, 1], [0.3, 0, 0]

@@ -49,15 +49,15 @@ guide.figure(
 # %% [markdown]
 # ## Two frames and the axes: the product of exponentials
 #
-# Set every joint to zero. This is the **home** configuration. Take two photographs of it. One shows the tool: its pose
-# $g_{st}(0)$. The other shows the axes of the joints, seen from the base: their twists $\xi_1, \dots, \xi_n$. Here are
+# Set every joint to zero. Take two photographs of the arm there. One shows the tool: its pose $g_{st}(0)$, the **home**
+# pose. The other shows the axes of the joints, seen from the base: their twists $\xi_1, \dots, \xi_n$. Here are
 # the twists of a joint that turns about a line through $q$ along the unit vector $\omega$, and of a joint that slides
 # along $v$:
 #
 # $$\xi = \begin{bmatrix} -\omega \times q \\ \omega \end{bmatrix}, \qquad \xi = \begin{bmatrix} v \\ 0 \end{bmatrix}$$
 #
 # Now move the joints one after the other, **the last one first**. It moves the tool: $e^{\hat\xi_n\theta_n} g_{st}(0)$.
-# It does not move the axes before it. So the axis of the next joint is still where the photograph shows it. That joint
+# It does not move the axes before it. So the axis of joint $n - 1$ is still where the photograph shows it. That joint
 # moves everything beyond it, and so on down to the base:
 #
 # $$g_{st}(\theta) = e^{\hat\xi_1\theta_1}\, e^{\hat\xi_2\theta_2} \cdots e^{\hat\xi_n\theta_n}\, g_{st}(0)$$

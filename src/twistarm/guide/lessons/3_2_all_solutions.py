@@ -41,9 +41,9 @@ arm = guide.arm_with("a joint that turns", lambda a: len(turning(a)) > 0)
 # axis, $u' = 0$. The joint does not move it, and every angle is an answer.
 #
 # **Subproblem 2.** Two joints with axes that meet in $r$ bring $p$ to $q$: $e^{\hat\xi_1\theta_1}
-# e^{\hat\xi_2\theta_2}\, p = q$. The second joint moves $p$ along a circle about its axis. The first one must arrive at
-# $q$, so it starts on the circle through $q$ about *its* axis. Let $c$ be a point where the circles cross. The second
-# joint takes $p$ to $c$, and the first takes $c$ to $q$. Each of the two turns is subproblem 1. Write
+# e^{\hat\xi_2\theta_2}\, p = q$. The second joint takes $p$ to a point $c$ of the circle through $p$ about its axis.
+# The first joint takes $c$ to $q$, so $c$ also lies on the circle through $q$ about the first axis. The circles cross
+# in $c$. Each of the two turns is subproblem 1. Write
 #
 # $$c = r + \alpha\,\omega_1 + \beta\,\omega_2 + \gamma\,(\omega_1 \times \omega_2)$$
 #

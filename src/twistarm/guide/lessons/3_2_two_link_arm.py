@@ -29,8 +29,8 @@ cross = np.array([0.30, 0.35])  # where the cross is [m], seen from the shoulder
 # $$r = \sqrt{x^2 + y^2}, \qquad \varphi = \mathrm{atan2}(y, x)$$
 #
 # The joints count their angles in another way. $\theta_1$ is the direction of the first link. $\theta_2$ is the turn of
-# the second link from *that* direction. For the stretched arm $\theta_2 = 0$ and $\alpha = \pi$. On one
-# side $\theta_2$ is $\pi - \alpha$. On the other side it is $\alpha - \pi$, which is the same direction as $\pi + \alpha$.
+# the second link from *that* direction. For the stretched arm $\theta_2 = 0$ and $\alpha = \pi$. On one side $\theta_2$
+# is $\pi - \alpha$. On the other side it is $\alpha - \pi$, which is the same direction as $\pi + \alpha$.
 #
 # The triangle can lie on either side of the line from the shoulder to the cross. So there are two answers. Each is
 # called the **flip** of the other:
@@ -148,8 +148,9 @@ guide.table(
 )
 
 # %% [markdown]
-# Are there more? The solver of twistarm uses no triangles and starts from the axes alone. It finds the same two answers
-# and proves that there are no others.
+# Are there more? No. The elbow lies on the circle of radius $l_1$ about the base and on that of radius $l_2$ about the
+# cross, and two circles meet in at most two points. The solver of twistarm uses no triangles and starts from the axes
+# alone. It finds the same two answers.
 #
 # ## The signs go together
 #
@@ -372,8 +373,8 @@ guide.figure(
 # - **No clamp.** The program works everywhere, except that it sends `nan` for the stretched arm. Clip the cosine.
 # - **No wrap.** $\pi + \alpha$ is between half a turn and a whole one. A joint with limits of ±150° refuses it,
 #   although the same angle less a whole turn is allowed.
-# - **`atan(y / x)`.** It cannot tell a cross in front of the arm from one behind it. It divides by zero straight to the
-#   left. Use `atan2(y, x)`.
+# - **`atan(y / x)`.** It cannot tell a cross in front of the arm from one behind it. It divides by zero where $x = 0$.
+#   Use `atan2(y, x)`.
 # - **Flipping on the way.** A program that takes either answer at each point of a line may change the elbow in the
 #   middle. Choose once. Then keep to the answer nearest to the present configuration.
 

@@ -49,10 +49,11 @@ guide.slider(
     "ellipsoid",
     r"You met this ellipse in *Walking to the target*: the velocities that the tool gets from joint rates with "
     r"$|\dot\theta| = 1$. Bring $\theta_2$ to 0. What happens to it, and in which direction can the tool no "
-    r"longer move?",
-    r"It becomes a line, at a right angle to the arm: $\sigma_2 = 0$. Along the arm the tool cannot move at "
-    r"all, neither "
-    "out nor in. Both joints only move it sideways. Even inward it cannot move, although there is room.",
+    r"longer have a velocity?",
+    r"It becomes a line, at a right angle to the arm: $\sigma_2 = 0$. At this instant both joints move the tool "
+    "only sideways: its velocity along the arm is zero, whatever their rates. This holds inward too, although "
+    "there is room. Bend the elbow at a constant rate, and the tool starts inward from rest. No rates give it 5 cm/s "
+    "at once.",
     l1=round(l1, 3),
     l2=round(l2, 3),
     theta1=25,
@@ -186,15 +187,15 @@ guide.table(
 # $$u_2^T (J \dot\theta) = (J^T u_2)^T \dot\theta = 0 \quad\text{for every } \dot\theta$$
 #
 # Such a force, or wrench, is called **reciprocal** to the joints (MLS, section 2.5.3). It shows what is lost: the
-# joints cannot make any motion $V$ in which the wrench has power, $F^T V \ne 0$. The wrench does not depend on the
-# unit, metres or millimetres.
+# joints cannot make any velocity $V$ in which the wrench has power, $F^T V \ne 0$. In millimetres the same wrench is
+# reciprocal.
 
 # %%
 inward = np.array([-0.05, 0.0])  # [m/s]
 guide.say(
     f"Let both joints turn at 1 rad/s: the pull along the arm has the power {abs(along @ J @ np.ones(2)):.1f} "
-    f"W. A motion inward at 5 cm/s against it would need {abs(along @ inward):.1f} W. No motor can supply "
-    f"them, so the tool cannot move inward."
+    f"W. A velocity of 5 cm/s inward against it would need {abs(along @ inward):.1f} W. No motor can supply "
+    f"this power here, so the tool cannot have this velocity."
 )
 
 # %% [markdown]
@@ -484,8 +485,8 @@ guide.predict(
 #   smallest singular value.
 # - **Metres beside radians.** In millimetres the same configuration has another condition number. Say what length is
 #   worth a radian.
-# - **A hard switch.** A pseudo-inverse that cuts off small singular values jumps when one crosses the threshold. The
-#   motors then jerk. Damping is smooth.
+# - **A hard switch.** Some programs solve $J\dot\theta = V$ by $1/\sigma_i$, and set it to 0 for a small $\sigma_i$ (a
+#   pseudo-inverse). The rates jump when one crosses the threshold, and the motors jerk. Damping is smooth.
 # - **Zero is singular.** In many descriptions the arm is stretched out at zero. Do not start Newton's method or a
 #   joystick there.
 
