@@ -60,6 +60,9 @@ def test_info_tells_what_was_loaded(capsys: Capture) -> None:
     }  # fmt: skip
     assert content["joints"][4]["lower"] is None
     assert (content["base"], content["tip"], content["tool_axis"]) == ("base_link", "tool0", [0.0, 0.0, 1.0])
+    for name, words in {"rover_arm": "wrist_roll turns the tool about it", "rr_planar": "a line 0.300 m"}.items():
+        run(["info", name])
+        assert words in capsys.readouterr().out
 
 
 def test_arms_lists_the_catalogue(capsys: Capture) -> None:

@@ -39,7 +39,7 @@ def test_what_an_arm_has_at_no_posture_is_impossible_and_no_singularity(name, ha
     """Bent, and stretched, where it is singular too."""
     twist = 0.05 * np.eye(6)[k + 3 * (half == "turn")]
     held, done = (
-        ("with the position held, ", "turns its tool about") if half == "turn" else ("", "moves its tool along")
+        ("with the position held, ", "turns the tool about") if half == "turn" else ("", "moves the tool along")
     )
     for theta in (BENT[name], np.zeros(len(BENT[name]))):
         output = pushed(name, theta, twist)
@@ -53,7 +53,7 @@ def test_five_joints_lack_the_third_turn_in_whatever_posture(name):
     """By Pinocchio's Jacobian: with the position held, the rotations are a plane, and its normal is what is missing."""
     g, _, J = load(name).by_pinocchio(BENT[name])
     turns = np.linalg.svd(J[3:] @ np.linalg.svd(J[:3])[2][3:].T)[0]
-    missing = "this arm cannot turn that way: with the position held, no joint turns its tool about"
+    missing = "this arm cannot turn that way: with the position held, no joint turns the tool about"
     for frame, R in (("tool", np.eye(3)), ("base", g[:3, :3])):
         output = pushed(name, BENT[name], np.r_[0, 0, 0, 0.05 * R @ turns[:, 2]], frame)
         assert output.status == "IMPOSSIBLE_DIRECTION"
@@ -79,11 +79,11 @@ def test_a_planar_arm_turns_its_tool_on_the_way_and_says_so():
     twist = [0.02, 0, 0, 0, 0, 0]
     output = pushed("rr_planar", BENT["rr_planar"], twist)
     assert output.status == "OK"
-    assert output.explain() == "this arm cannot move that way without turning its tool about the base's z axis"
+    assert output.explain() == "this arm cannot move that way without turning the tool about the base's z axis"
     arm = load("rr_planar")
     held = TwistCommand(twist, "base", hold="orientation")
     _, output = servo_step(arm, ServoState.at(arm, BENT["rr_planar"]), held, DT)
-    assert "cannot move that way: with the orientation held, no joint moves its tool along" in output.explain()
+    assert "cannot move that way: with the orientation held, no joint moves the tool along" in output.explain()
 
 
 def test_leaving_a_singularity_is_called_ok():

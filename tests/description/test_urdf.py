@@ -35,6 +35,8 @@ REFUSED = {
         two_joints(inside="<limit>" + "<a>" * 5000 + "</a>" * 5000 + "</limit>"),
         "arm.urdf:2: elements are nested more than 100 deep",
     ),
+    "a missing end tag": (two_joints().replace("</robot>", ""), "the file ends inside <robot>"),
+    "another kind of file": ("print(1 & 2)", "is it a URDF, xacro or MJCF file"),
     "xacro without its namespace": (two_joints(inside="<xacro:thing/>"), "xmlns:xacro="),
 }
 """What `finding_cases` has no input for: another way into a finding, or a hint that must name the right thing."""

@@ -167,7 +167,7 @@ def test_a_damaged_file_is_refused_in_a_sentence(rover, tmp_path, what):
 
 def test_files_without_a_motion_of_the_arm_are_refused(rover, tmp_path):
     other = load_arm("rr_planar")
-    with pytest.raises(InputError, match="a motion of another arm, of 'joint_1', 'joint_2'; rover_arm has 'slide'"):
+    with pytest.raises(InputError, match="moves another arm, with 'joint_1', 'joint_2'; rover_arm has 'slide'"):
         load_trajectory(rover, save_trajectory(planned(other), tmp_path / "other.mcap", arm=other))
     with pytest.raises(InputError, match="neither one JointTrajectory nor joint states of 'slide'"):
         load_trajectory(rover, bag(tmp_path / "fan", [("/joint_states", STATE, 1, joints(["fan"], [0.1]))]))

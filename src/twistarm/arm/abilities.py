@@ -55,18 +55,18 @@ def lacks(arm: Arm, theta: Array, half: Half, direction: Array, frame: str, befo
 def cannot_move(axis: Array, frame: str, held: str = "") -> str:
     """The words for a unit vector (3,) along which no joint moves the tool with `held` fixed."""
     holding = f"with {held} held, " if held else ""
-    return f"{CANNOT_MOVE}: {holding}no joint moves its tool along {axis_in_words(axis, frame)}"
+    return f"{CANNOT_MOVE}: {holding}no joint moves the tool along {axis_in_words(axis, frame)}"
 
 
 def cannot_turn(axis: Array, frame: str, held: str = "") -> str:
     """The words for a unit vector (3,) about which no joint turns the tool with `held` fixed."""
     holding = f"with {held} held, " if held else ""
-    return f"{CANNOT_TURN}: {holding}no joint turns its tool about {axis_in_words(axis, frame)}"
+    return f"{CANNOT_TURN}: {holding}no joint turns the tool about {axis_in_words(axis, frame)}"
 
 
 def must_turn(axis: Array, frame: str) -> str:
     """The words for a motion that must turn the tool about the unit vector (3,)."""
-    return f"{CANNOT_MOVE} without turning its tool about {axis_in_words(axis, frame)}"
+    return f"{CANNOT_MOVE} without turning the tool about {axis_in_words(axis, frame)}"
 
 
 def singular(what: str, share: float, joint: str | None, axis: str = "") -> str:

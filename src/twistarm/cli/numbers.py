@@ -64,10 +64,7 @@ def is_part(word: str) -> bool:
 
 
 def separate(text: str, option: str) -> list[str]:
-    """The numbers of a list, with their units. Spaces or commas separate them, and brackets may enclose them.
-
-    Raises InputError for a decimal comma where commas separate nothing: 0,1 would be two numbers.
-    """
+    """The numbers of a list between spaces or commas, with their units. InputError for a decimal comma."""
     comma = _DECIMAL_COMMA.search(text)
     if comma and _NO_LIST.search(text):
         raise InputError(f"{option}: {comma[0]} is two numbers; write the decimal {comma[0].replace(',', '.')}")
@@ -75,10 +72,7 @@ def separate(text: str, option: str) -> list[str]:
 
 
 def require_units(typed: Sequence[str], quantities: Sequence[str], option: str, radians: bool) -> None:
-    """Raise InputError if one number has a unit and another of its quantity has none: it would be a guess.
-
-    0 needs none, and the unit of numbers without one may stand at some of them.
-    """
+    """Raise InputError if a number has an unusual unit and another of its quantity, not 0, has none."""
     for quantity in dict.fromkeys(quantities):
         alike = [(text, WRITTEN.sub("", text)) for text, of in zip(typed, quantities, strict=True) if of == quantity]
         usual = typed_number("1", quantity, radians=radians)

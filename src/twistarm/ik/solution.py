@@ -294,7 +294,7 @@ def _why(solution: IKResult) -> tuple[str, list[str]]:
         details = _out_of_reach(solution)
     else:
         turn, prevented = _impossible(solution, solution.theta), split_rotation(solution, solution.theta)[1]
-        by = "limits or reach" if bounds else "its reach"
+        by = "limits or the reach" if bounds else "the reach"
         details = [f"{_degrees(prevented)} of the rotation are prevented by {by}"] if prevented > NEGLIGIBLE else []
         if turn and stop is StopReason.IMPOSSIBLE_DIRECTION:
             reason = turn[0]

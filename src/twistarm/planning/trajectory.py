@@ -195,8 +195,7 @@ def require_motors(motors: Actuators | None) -> Actuators:
 def require_joint_of(arm: Arm, names: list[str], file: str) -> None:
     """Raise InputError for a motion of such joints if the arm has none of them."""
     if names and not {*names} & {*arm.joint_names}:
-        theirs, ours = listed(names), listed(arm.joint_names)
-        raise InputError(f"{file} is a motion of another arm, of {theirs}; {arm.name} has {ours}")
+        raise InputError(f"{file} moves another arm, with {listed(names)}; {arm.name} has {listed(arm.joint_names)}")
 
 
 def motor_values(trajectory: Trajectory, motors: Actuators, t: Array) -> list[Array]:

@@ -15,6 +15,7 @@ import numpy as np
 
 from ...arm import engine
 from ...arm.arm import Arm
+from ...arm.arm_data import ALIGNED
 from ...arm.loading.arm_file_draft import draft_arm_file
 from ...arm.loading.load import load_arm
 from ...description import catalog
@@ -22,7 +23,7 @@ from ...description.companions.arm_file import MOTOR_LIMITS
 from ...ik import closed_form_of
 from ...limits.actuators import Actuators
 from ...planning.motion_file import draft_motion_file
-from ...support.directions import direction_in_words
+from ...support.directions import direction_in_words, length_in_words
 from ...support.errors import InputError, without_places
 from ...support.messages import Argument
 from ..numbers import argument, switch
@@ -70,15 +71,21 @@ def show_arm(out: Outputs, arm: Arm) -> None:
         "findings": arm.findings,
     }
     freedom = "1 degree" if arm.n == 1 else f"{arm.n} degrees"
-    head = f"{arm.name}: {freedom} of freedom from {arm.base} to {arm.tip}, reach {arm.reach:.3f} m ({arm.source})"
-    axis = f"the tool points along {direction_in_words(arm.tool_axis, 'tool')}, unless --axis names another"
+    head = f"{arm.name}: {freedom} of freedom from {arm.base} to {arm.tip}, links of {arm.reach:.3f} m ({arm.source})"
+    axis = direction_in_words(arm.tool_axis, "tool").replace("its", "the tool's")
+    turning = [pair for pair in zip(arm.moving_names, arm.body_screws.T, strict=True) if pair[1][3:].any()]
+    for name, xi in turning[-1:]:
+        if np.linalg.norm(np.cross(xi[3:], arm.tool_axis)) < ALIGNED:
+            beside = float(np.linalg.norm(np.cross(xi[3:], xi[:3])))
+            line = "it" if beside < ALIGNED * arm.reach else f"a line {length_in_words(beside)} beside it"
+            axis += f" ({name} turns the tool about {line})"
     proof = arm.proof and (
         f"proof at load: screws and Pinocchio agree within {arm.proof.pose_error:.1e} (pose) and "
         f"{arm.proof.jacobian_error:.1e} (Jacobian) at {arm.proof.samples} random configurations"
     )
     article = "an" if report.target[0] in "AEIO" else "a"
     parts = [
-        head, axis, "", joints_table(arm), "", _poses(arm), "", proof,
+        head, f"--direction points {axis}; --axis names another", "", joints_table(arm), "", _poses(arm), "", proof,
         f"engine: {engine_of(arm)}" + (f"; no compiled core: {why_not}" if why_not else ""),
         f"all configurations of {article} {report.target} (ik --all): {report}",
         *([] if arm.actuators is None else _motors(arm, arm.actuators)),

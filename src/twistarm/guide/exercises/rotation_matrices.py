@@ -274,7 +274,7 @@ EXERCISES = (
             ),
             Slip(
                 "alpha forgotten",
-                "Where sin β is 0, you let both alpha and gamma be 0. By the task gamma alone is 0: alpha is all of the "
+                "Where sin β is 0, you let both alpha and gamma be 0. By the task gamma alone is 0: alpha is the whole "
                 "turn about z. Read it from the upper left corner.",
                 {"np.array([np.arctan2(-R[0, 1], R[1, 1]), beta, 0.0])": "np.array([0.0, beta, 0.0])"},
             ),
