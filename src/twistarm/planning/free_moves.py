@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from operator import itemgetter
 from typing import Any, NamedTuple
@@ -68,25 +68,19 @@ def free_path(
                 break
             if all(scene.is_free(before, after) for before, after in pairwise(path)):
                 return path
-    raise PathError(
-        Text(
-            "no way round{to} was found in {time:g} s of wall time ({spent:.2g} s spent, {worked:.2g} s of the "
-            "processor), with {room} of clearance and at last {last}; give {remedies}",
-            to=f" to any of {len(goals)} configurations of the target" if len(goals) > 1 else "",
-            spent=time.monotonic() - began,
-            time=max_time,
-            worked=time.process_time() - worked,
-            room=Quantity(room, "m"),
-            last=Quantity(LAST_SHARE * room, "m"),
-            remedies=Remedies(
-                (
-                    "another goal",
-                    Text("a longer {max_time}", max_time=Argument("max_time")),
-                    Text("a smaller {clearance}", clearance=Argument("clearance")),
-                )
-            ),
-        )
-    )
+    to = f" to any of {len(goals)} configurations of the target" if len(goals) > 1 else ""
+    kept, last = (Quantity(distance, "m") for distance in (room, LAST_SHARE * room))
+    more = Text(", with {room} of clearance and at last {last}", room=kept, last=last)
+    spent = time.process_time() - worked
+    raise no_way(f"round{to}", max_time, spent, more, {"max_time": "longer", "clearance": "smaller"})
+
+
+def no_way(way: str, max_time: float, worked: float, more: str, remedies: Mapping[str, str]) -> PathError:
+    """The error of a search in vain. `worked`: the processor's time [s]. `remedies`: arguments, and what to give."""
+    less = (Text(f"a {how} {{{name}}}", **{name: Argument(name)}) for name, how in remedies.items())
+    what = "no way {way} was found in {time:g} s of wall time ({worked:.2g} s of the processor{more}); give {remedies}"
+    given = Remedies(("another goal", *less))
+    return PathError(Text(what, way=way, time=max_time, worked=worked, more=more, remedies=given))
 
 
 def require_clear(scene: Scene, start: Array, goal: Array) -> None:

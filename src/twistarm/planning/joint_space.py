@@ -83,7 +83,6 @@ def plan_joint(
     A waypoint is a configuration or a target: `Pose`, `Position`, `Approach`, `TolerancedPose` or a pose (4, 4).
     `solve_ik` finds the configuration of a target from the waypoint before it, or from `arm.ready`. Joints that can
     turn by 2π go to a target by the shorter way. To a configuration they go as written: from 0 to 2π by a full turn.
-    `unwrap` chooses the shorter way there too: from 3.1 to −3.1 by 0.08 rad, to 3.18.
 
     Without `times` a path leads through the waypoints. A time law follows it as fast as the limits allow:
 
@@ -123,7 +122,7 @@ def plan_joint(
             beyond its waypoints, inside the limits.
         position_tol: Tolerance of a target [m]; 1e-5 by default.
         orientation_tol: Tolerance of its rotation [rad]; 5e-5 by default.
-        unwrap: Whether these joints go to configurations by the shorter way too.
+        unwrap: Whether these joints go to configurations by the shorter way too, from 3.1 by 0.08 rad to −3.1 (3.18).
         smooth: How far [rad, m] each joint may deviate from recorded waypoints: 0.01 for two decimals. They become as
             smooth as that allows. The first and the last waypoint are kept. None: all are passed exactly.
         torques: Whether the efforts of joints and motors limit the motion too, by the masses of the arm.

@@ -14,12 +14,11 @@ import numpy as np
 from ..collision import Scene
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
-from ..support.messages import Argument, Remedies, Text
+from ..support.messages import Text
 from .following import outside_limits
-from .free_moves import UNLIMITED, require_clear
+from .free_moves import UNLIMITED, no_way, require_clear
 from .keep import Constraint, Flags
 from .piecewise import JointPath
-from .refusal import PathError
 from .segments import CLEARANCE
 from .spline import interpolating
 
@@ -73,23 +72,9 @@ def keeping_path(
         filled = states is None and not search.late
         if search.late or (filled and k + 1 >= len(ATTEMPTS)):
             break
-    raise PathError(
-        Text(
-            "no way that keeps {what} was found in {time:g} s of wall time ({worked:.2g} s of the processor{filled}); "
-            "give {remedies}",
-            what=constraint.keep.describe(),
-            time=max_time,
-            worked=time.process_time() - began,
-            filled=", the search came to its end" if filled else "",
-            remedies=Remedies(
-                (
-                    "another goal",
-                    Text("a larger {tol}", tol=Argument("tol")),
-                    Text("a longer {max_time}", max_time=Argument("max_time")),
-                )
-            ),
-        )
-    )
+    what = Text("that keeps {what}", what=constraint.keep.describe())
+    more = ", the search came to its end" if filled else ""
+    raise no_way(what, max_time, time.process_time() - began, more, {"tol": "larger", "max_time": "longer"})
 
 
 def _roomy(scene: Scene, clearance: float, ends: Array) -> Callable[[Array], bool]:

@@ -69,9 +69,7 @@ def plan(
     curves with the least joint motion. Between two moves the arm stops, or rounds the corner inside a ball of radius
     `blend`. The corner shrinks until it fits. The arm also stops if that takes less time.
 
-    - `s_curve`: acceleration is continuous and jerk within its limits. A joint without a jerk limit takes 0.1 s to its
-      acceleration limit. A joint move that stops at both ends is the shortest possible.
-    - `time_optimal`: the shortest time along the path; acceleration jumps.
+    - `s_curve`, `time_optimal`: as for `plan_joint`. A joint move that stops at both ends is the shortest possible.
     - `quintic`: s(t) = 10 u³ − 15 u⁴ + 6 u⁵ along the whole stretch from stop to stop.
 
     Sources: Biagiotti & Melchiorri 2008, §3.4 (double-S); Pham & Pham 2018 (time-optimal); Lynch & Park 2017, §9.2.

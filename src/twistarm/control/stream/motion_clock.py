@@ -11,7 +11,7 @@ from ...arm.arm import Arm
 from ...limits.joint_limits import JointLimits
 from ...planning import Trajectory, plan_joint
 from ...planning.piecewise import derivative, evaluate, shifted
-from ...planning.within import GIVEN_TOL, require_within, returning, stretch_needed
+from ...planning.within import GIVEN_TOL, require_positions, returning, stretch_needed
 from ...support.checks import Array, require
 from ...support.errors import InputError, closest, listed
 from ...support.messages import Argument, Quantity, Text, joined
@@ -31,8 +31,7 @@ def motion_of(arm: Arm, trajectory: Trajectory) -> Trajectory:
     motion = _ordered(arm, require(trajectory, Trajectory, "trajectory", "as plan_joint returns"))
     _require_smooth(motion, arm.limits)
     allowed = returning(arm.limits, motion.waypoints[0], arm.units)
-    positions = replace(JointLimits.unbounded(arm.n), lower=allowed.lower, upper=allowed.upper)
-    require_within(motion, positions, f"plan it for {arm.name} in its present state")
+    require_positions(motion, allowed, f"plan it for {arm.name} in its present state")
     return motion
 
 
