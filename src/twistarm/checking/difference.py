@@ -17,8 +17,10 @@ from ..limits.joint_limits import RATES, JointLimits
 from ..support.checks import Array, pose_of
 from ..support.errors import ComparisonError, InputError
 from ..support.files import as_path, write_whole
+from ..theory.rotations import exp as rotation_exp
+from ..theory.rotations import least_turn
 from ..theory.rotations import log as rotation_log
-from ..theory.screws import adjoint, hat, inverse, nearest_on_line, to_screw
+from ..theory.screws import adjoint, inverse, nearest_on_line, to_screw
 
 GOLDEN = Kind("twistarm golden", "golden file", "twistarm freeze ARM -o FILE")
 
@@ -273,13 +275,11 @@ def _axis_change(before: Array, now: Array, tool: Array, new_tool: Array) -> tup
     rotated = np.abs(new.axis - old.axis).max() > SAME_TOL
     if rotated and np.abs(adjoint(motion) @ before - now).max() <= SAME_TOL:
         return _motion_words(motion, anchor), motion
-    cosine = float(old.axis @ new.axis)
     words, turn = [], np.eye(3)
-    if cosine < -1 + OPPOSITE:  # the line stays where it is: nothing beyond it has turned
+    if old.axis @ new.axis < -1 + OPPOSITE:  # the line stays where it is: nothing beyond it has turned
         words.append("is reversed: it turns or slides the other way")
     else:  # the least rotation from one axis to the other
-        K = hat(np.cross(old.axis, new.axis))
-        turn = np.eye(3) + K + K @ K / (1 + cosine)
+        turn = rotation_exp(least_turn(old.axis, new.axis))
     there = nearest_on_line(new.axis, new.point, anchor) if turning else anchor
     motion = pose_of(turn, there - turn @ anchor)
     words += _motion_words(motion, anchor)

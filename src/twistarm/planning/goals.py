@@ -83,7 +83,7 @@ class Goals:
             return [target], _with_position(g0, target.p)
         if isinstance(target, Approach):
             g1 = _with_position(g0, target.p)
-            g1[:3, :3] = _shortest_turn(g0[:3, :3] @ target.axis, target.direction) @ g0[:3, :3]
+            g1[:3, :3] = rotations.exp(rotations.least_turn(g0[:3, :3] @ target.axis, target.direction)) @ g0[:3, :3]
             return [target], g1
         return [target], target.g
 
@@ -113,14 +113,3 @@ def _with_position(g: Array, p: Any) -> Array:
     moved = np.array(g)
     moved[:3, 3] = p
     return moved
-
-
-def _shortest_turn(a: Array, b: Array) -> Array:
-    """Return the rotation (3, 3) by the least angle from the unit vector a to b."""
-    axis = np.cross(a, b)
-    sine, cosine = float(np.linalg.norm(axis)), float(a @ b)
-    if sine < 1e-12:
-        if cosine > 0.0:
-            return np.eye(3)
-        axis = np.cross(a, np.eye(3)[int(np.abs(a).argmin())])
-    return rotations.from_axis_angle(axis / np.linalg.norm(axis), float(np.arctan2(sine, cosine)))

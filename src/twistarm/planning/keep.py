@@ -144,8 +144,8 @@ class Keep(Brief):
             return Approach(target.p, np.asarray(self.direction), np.asarray(self.tool_axis))
         R = np.asarray(self.orientation)
         if self.direction is not None:
-            angle, turn = _least_turn(R @ np.asarray(self.tool_axis), np.asarray(self.direction))
-            if angle > self.tol:  # only rotations between the two keep both
+            turn = rotations.least_turn(R @ np.asarray(self.tool_axis), np.asarray(self.direction))
+            if np.linalg.norm(turn) > self.tol:  # only rotations between the two keep both
                 R = rotations.exp(0.5 * turn) @ R
         return Pose(pose_of(R, target.p))
 
@@ -309,12 +309,6 @@ class Constraint:
             piece, middle, half = np.tile(piece, 2), np.concatenate([middle - half, middle + half]), np.tile(half, 2)
         bad[piece] = True
         return bad
-
-
-def _least_turn(a: Array, b: Array) -> tuple[float, Array]:
-    """The angle from the unit vector a to b and its rotation vector (3,), which is 0 for opposite vectors."""
-    angle, turn = _turn(np.cross(a, b)[None], np.array([a @ b]))
-    return float(angle[0]), turn[0]
 
 
 def _turn(w: Array, cosine: Array) -> tuple[Array, Array]:
