@@ -9,13 +9,13 @@ import pytest
 
 from twistarm import InputError
 from twistarm.checking.doctor.repair import Repair, difference, repair
-from twistarm.description.urdf import read_description
+from twistarm.description.urdf import ReadOptions, read_description
 from urdf_text import joint, robot, two_joints, write
 
 
-def written(path: Path, copy: Path, **reading: object) -> Repair:
+def written(path: Path, copy: Path, options: ReadOptions = ReadOptions()) -> Repair:  # noqa: B008
     """What was done; its text is the file `copy` afterwards."""
-    made = repair(read_description(path, **reading), copy)
+    made = repair(read_description(path, options), copy)
     copy.write_text(made.text, "utf-8")
     return made
 
@@ -172,9 +172,10 @@ REAL = (
 def test_real_descriptions_get_a_copy_that_pinocchio_reads(
     file: str, arguments: dict[str, object], models: Path, tmp_path: Path
 ) -> None:
-    description = read_description(models / file, xacro_args=arguments)
-    assert written(models / file, tmp_path / "copy.urdf", xacro_args=arguments).complaint == ""
-    copy = read_description(tmp_path / "copy.urdf", package_dirs=[models])
+    options = ReadOptions(xacro_args=arguments)
+    description = read_description(models / file, options)
+    assert written(models / file, tmp_path / "copy.urdf", options).complaint == ""
+    copy = read_description(tmp_path / "copy.urdf", ReadOptions(package_dirs=[models]))
     worth = {"axis-not-unit", "inertial-unusable", "limit-incomplete"}
     assert not worth & {noted.code for noted in copy.findings}
     assert difference(description, copy) == ""

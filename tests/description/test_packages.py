@@ -14,7 +14,7 @@ from twistarm import diagnose, load_arm
 from twistarm.arm.arm import Arm
 from twistarm.cli.application import run
 from twistarm.description.packages import package_index, package_name
-from twistarm.description.urdf import read_description
+from twistarm.description.urdf import ReadOptions, read_description
 from twistarm.support.errors import DescriptionError, InputError
 from urdf_text import joint, two_joints, write
 from xacro_text import ARM, MANIFEST, XMLNS, as_xacro, lay
@@ -220,7 +220,7 @@ def drawing(root: Path, uri: str, arm: str, mesh: str, manifest: str = "") -> Pa
 
 
 def drawn(path: Path, **load: object) -> Path | None:
-    return read_description(path, **load).links["upper"].visuals[0].mesh  # type: ignore[arg-type]
+    return read_description(path, ReadOptions(**load)).links["upper"].visuals[0].mesh  # type: ignore[arg-type]
 
 
 OWN = ("pkg/urdf/arm.urdf", f"pkg/{STL}", "pkg")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 
 from ..arm.arm import Arm
-from ..arm.loading.load import Wishes, load_arm, read, specify
+from ..arm.loading.load import load_arm, read, specify
 from ..description.catalog import model_arms, own_arms
 from ..description.planar import free_name
 from ..limits.joint_limits import slides
@@ -206,8 +206,8 @@ def _keywords(
 def _locked(source: Source, pairs: list[str], radians: bool) -> dict[str, float]:
     """Typed JOINT=VALUE pairs in rad and m. Only the description knows which of the two, so that it is read."""
     # Limits are for joints that locking may remove, so they are left out here.
-    wishes = Wishes(**{name: value for name, value in source.keywords.items() if name != "limits"})
-    joints = read(specify(source.name, wishes)).joints
+    wishes = {name: value for name, value in source.keywords.items() if name != "limits"}
+    joints = read(specify(source.name, **wishes)).joints
     locked_joints: dict[str, float] = {}
     for pair in pairs:
         name, _, text = pair.rpartition("=")

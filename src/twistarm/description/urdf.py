@@ -6,13 +6,14 @@ import os
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import get_args
 
 import numpy as np
 
-from ..support.checks import frozen
+from ..support.checks import frozen, require_mapping
 from ..support.errors import DescriptionError, closest, listed
+from ..support.files import as_paths
 from ..support.messages import Text, package_folder
 from .bounds import NO_LIMIT, limit_numbers, note_commanded, note_softened, rate, read_axis, read_bounds, softened
 from .catalog import models_share
@@ -20,7 +21,7 @@ from .document import Reading, existing_file, floats, parse_xml, read_text
 from .expansion.expand import expand_xacro, is_xacro
 from .findings import Place, refusal
 from .geometry import INERTIA, Geometries, drop_unusable_inertials, read_origin
-from .packages import package_index
+from .packages import checked_names, package_index
 from .planar import split_planar_joints
 from .structure import check_structure, end_of, note_unread_words, root_links
 from .tree import Description, Joint, JointType, Link, Mimic
@@ -35,35 +36,62 @@ _MJCF = re.compile(r"<mujoco[\s/>]")
 _JOINT_TYPES: tuple[JointType, ...] = get_args(JointType)
 
 
-def read_description(
-    path: str | os.PathLike[str],
-    *,
-    package_dirs: Iterable[str | os.PathLike[str]] = (),
-    mesh_dirs: Iterable[str | os.PathLike[str]] = (),
-    xacro_args: Mapping[str, object] | None = None,
-    ignore_packages: Iterable[str] = (),
-    env_vars: Iterable[str] = (),
-) -> Description:
-    """The description in a URDF, xacro or MJCF file.
+@dataclass(frozen=True)
+class ReadOptions:
+    """What a description is read with, as in `load_arm`; checked.
 
-    `mesh_dirs` are folders with packages that give only meshes. Parts of the packages in `ignore_packages` are left
-    out. `env_vars` names the environment variables that the file may read (`expand_xacro`).
+    `mesh_dirs` are folders with packages that give only meshes.
+    """
+
+    package_dirs: Iterable[str | os.PathLike[str]] = ()
+    xacro_args: Mapping[str, object] = field(default_factory=dict)
+    ignore_packages: Iterable[str] = ()
+    env_vars: Iterable[str] = ()
+    mesh_dirs: Iterable[str | os.PathLike[str]] = ()
+
+    def __post_init__(self) -> None:
+        given = require_mapping({} if self.xacro_args is None else self.xacro_args, "xacro_args", "{'dof': 7}")
+        object.__setattr__(self, "xacro_args", given)
+        for name, check in (
+            ("package_dirs", as_paths),
+            ("ignore_packages", checked_names),
+            ("env_vars", checked_names),
+        ):
+            object.__setattr__(self, name, check(getattr(self, name), name))
+
+    def over(self, own: ReadOptions) -> ReadOptions:
+        """These, then an arm.toml's `own`, which name no environment variables."""
+        return replace(
+            own,
+            package_dirs=(*self.package_dirs, *own.package_dirs),
+            xacro_args={**own.xacro_args, **self.xacro_args},
+            ignore_packages=(*self.ignore_packages, *own.ignore_packages),
+            env_vars=self.env_vars,
+        )
+
+
+PLAIN = ReadOptions()
+
+
+def read_description(path: str | os.PathLike[str], options: ReadOptions = PLAIN) -> Description:
+    """The description in a URDF, xacro or MJCF file.
 
     Raises DescriptionError (file, element, remedy) for text that cannot be a robot: not XML, two roots, a cycle, an
     undefined link, a duplicate name, a zero axis on a moving joint, a malformed number.
     """
     file = existing_file(path, "a URDF, xacro or MJCF file, an arm.toml or a catalogue name").resolve()
-    packages = package_index(file, package_dirs, mesh_dirs)
+    packages = package_index(file, options.package_dirs, options.mesh_dirs)
     if is_xacro(file):
-        text, noted, _ = expand_xacro(file, packages, xacro_args, ignore_packages, env_vars)
+        given = options.xacro_args, options.ignore_packages, options.env_vars
+        text, noted, _ = expand_xacro(file, packages, *given)
         macros = list(dict.fromkeys(_MACRO.findall(read_text(file))))
         if macros and "<link" not in text:
             what = f"it has no links: it defines macros ({listed(macros)}) and calls none that makes one"
             remedy = f"load the file that calls them, or call one: <xacro:{macros[0]} …/>"
             raise refusal("no-robot", Place(str(file)), what, remedy)
         reading = Reading(file, packages, show_lines=False)
-    elif xacro_args:
-        what = f"it is plain URDF and takes no xacro arguments ({', '.join(xacro_args)})"
+    elif options.xacro_args:
+        what = f"it is plain URDF and takes no xacro arguments ({', '.join(options.xacro_args)})"
         raise refusal("xacro-arguments", Place(str(file)), what, "leave them out")
     else:
         noted, text, reading = (), read_text(file), Reading(file, packages)

@@ -17,7 +17,7 @@ from ...description.planar import free_name
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...support.files import as_path
-from .load import Wishes, assemble, proven, read, specify
+from .load import assemble, proven, read, specify
 
 HEAD = """\
 # What we say about our arm beside its description. SI units and radians throughout.
@@ -46,7 +46,8 @@ def draft_arm_file(
     file = existing_file(source, "a URDF or xacro file")
     if file.suffix == ".toml":
         raise InputError(f"{file} is an arm.toml already; give the URDF or xacro file")
-    given = specify(file, Wishes(**load))
+    given = specify(file, **load)
+    options = given.options
     description = read(given)
     arm = proven(assemble(description, given, {}))
 
@@ -57,18 +58,21 @@ def draft_arm_file(
     own = {"name": toml_text(arm.name), "source": path(file), "base": toml_text(arm.base), "tip": toml_text(arm.tip)}
     if given.srdf:
         own["srdf"] = path(given.srdf)
-    lists = {"package_dirs": map(path, given.package_dirs), "ignore_packages": map(toml_text, given.ignore_packages)}
+    lists = {
+        "package_dirs": map(path, options.package_dirs),
+        "ignore_packages": map(toml_text, options.ignore_packages),
+    }
     own |= {key: f"[{values}]" for key, texts in lists.items() if (values := ", ".join(texts))}
     lines = [HEAD, *(f"{key} = {text}" for key, text in own.items())]
     others = [toml_text(link) for link in description.leaves if link != arm.tip]
     lines += [f"# Other ends: {', '.join(others)}"] if others else []
     lines += [f"# joint_limits = {path(beside)}" for beside in files_beside(file.resolve(), "joint_limits.yaml")]
     if is_xacro(file):
-        index = package_index(file, given.package_dirs)
-        arguments = given.xacro_args, given.ignore_packages, given.env_vars
+        index = package_index(file, options.package_dirs)
+        arguments = options.xacro_args, options.ignore_packages, options.env_vars
         lines += ["", "# Arguments of the xacro file; a line that begins with # shows the default.", "[xacro_args]"]
         for name, default in expand_xacro(file.resolve(), index, *arguments).arguments.items():
-            value = given.xacro_args.get(name)
+            value = options.xacro_args.get(name)
             text = toml_text(default or "") if value is None else _toml(value)
             lines.append(f"{'# ' if value is None else ''}{toml_key(name)} = {text}")
     keys = [toml_key(name) for name in arm.joint_names]

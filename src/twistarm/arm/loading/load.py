@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,14 +16,14 @@ from ...description.companions.arm_file import ArmSpecification, Tool, read_arm_
 from ...description.companions.srdf import ArmGroup, arm_groups, note_names, path_from, read_srdf, srdf_beside
 from ...description.document import Reading
 from ...description.findings import Finding, Place, finding, refusal
-from ...description.packages import PackageIndex, checked_names
+from ...description.packages import PackageIndex
 from ...description.tips import choose_ends, note_choice
 from ...description.tree import Description, Semantics
-from ...description.urdf import build_description, read_description
+from ...description.urdf import ReadOptions, build_description, read_description
 from ...limits.joint_limits import JointLimits
 from ...support.checks import require_mapping
 from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, listed, quote
-from ...support.files import FOLDER, NO_SUCH_FILE, as_path, as_paths, is_file, what_is_at, why_no_file
+from ...support.files import FOLDER, NO_SUCH_FILE, as_path, is_file, what_is_at, why_no_file
 from ...support.messages import Argument, Text, plural
 from ..arm import Arm
 from ..arm_data import Coupling, Proof
@@ -36,29 +36,13 @@ DESCRIPTIONS = (".urdf", ".xacro", ".xml", "arm.toml")  # How the names of files
 PROOF_SAMPLES = 5
 PROOF_TOL = 1e-9  # Largest difference of the two double precision accounts, relative to the arm's size.
 
-Folders = Iterable[str | os.PathLike[str]]
-
-
-@dataclass(frozen=True)
-class Wishes:
-    """The options of `load_arm` that win over those of an arm.toml: all but `limits`, which do not need a file."""
-
-    base: str | None = None
-    tip: str | None = None
-    package_dirs: Folders = ()
-    xacro_args: Mapping[str, object] | None = None
-    locked_joints: Mapping[str, float] | None = None
-    srdf: str | os.PathLike[str] | None = None
-    ignore_packages: Iterable[str] = ()
-    env_vars: Iterable[str] = ()
-
 
 def load_arm(
     source: str | os.PathLike[str],
     *,
     base: str | None = None,
     tip: str | None = None,
-    package_dirs: Folders = (),
+    package_dirs: Iterable[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, object] | None = None,
     limits: JointLimits | Mapping[str, Any] | str | os.PathLike[str] | None = None,
     locked_joints: Mapping[str, float] | None = None,
@@ -101,10 +85,12 @@ def load_arm(
         InputError: An argument cannot be used.
         ComparisonError: The screws and Pinocchio's model disagree.
     """
-    wishes = Wishes(base, tip, package_dirs, xacro_args, locked_joints, srdf, ignore_packages, env_vars)
+    wishes: dict[str, Any] = {"base": base, "tip": tip, "srdf": srdf, "locked_joints": locked_joints}
+    wishes |= {"package_dirs": package_dirs, "xacro_args": xacro_args}
+    wishes |= {"ignore_packages": ignore_packages, "env_vars": env_vars}
     if is_baked(source):
         return _baked_arm(as_path(source), wishes, limits)
-    specification = specify(source, wishes)
+    specification = specify(source, **wishes)
     description = read(specification)
     return proven(assemble(description, specification, {} if limits is None else limits))
 
@@ -135,11 +121,11 @@ def arm_of(content: Mapping[str, Any]) -> Arm:
     return Arm(**fields, proof=None if proof is None else Proof(*proof))
 
 
-def _baked_arm(path: Path, wishes: Wishes, changes: Changes | None) -> Arm:
+def _baked_arm(path: Path, wishes: Mapping[str, Any], changes: Changes | None) -> Arm:
     """The arm of an arm.json with the caller's limits. InputError for any other wish."""
     content = unsealed(path, BAKED)
     arm = arm_of(content)
-    for name, wish in vars(wishes).items():
+    for name, wish in wishes.items():
         if wish and wish != getattr(arm, name, None):
             raise InputError(
                 f"{path}: {name} cannot be given for a baked arm, only for its description, {arm.source!r}"
@@ -155,29 +141,30 @@ def _baked_arm(path: Path, wishes: Wishes, changes: Changes | None) -> Arm:
     return replace(arm, limits=limits, named_states=states, findings=noted, known_ready=None)
 
 
-def specify(source: str | os.PathLike[str], wishes: Wishes) -> ArmSpecification:
-    """The specification of `load_arm`. The caller's wishes win over those of an arm.toml."""
-    base, tip, srdf = wishes.base, wishes.tip, wishes.srdf
+def specify(
+    source: str | os.PathLike[str],
+    base: str | None = None,
+    tip: str | None = None,
+    srdf: str | os.PathLike[str] | None = None,
+    locked_joints: Mapping[str, float] | None = None,
+    **options: Any,
+) -> ArmSpecification:
+    """The specification of `load_arm`'s arguments but `limits`, which need no file; they win over an arm.toml's."""
     for name, value in {"base": base, "tip": tip}.items():
         if value is not None and not (isinstance(value, str) and value.strip()):
             raise InputError(f"{name} must be the name of a link; got {quote(value)}")
     if srdf is not None and not isinstance(srdf, (str, os.PathLike)):
         raise InputError(f"srdf must be the path of an SRDF file; got {quote(srdf)}")
-    arguments, locked = wishes.xacro_args, wishes.locked_joints
-    arguments = {} if arguments is None else require_mapping(arguments, "xacro_args", "{'dof': 7}")
-    locked = {} if locked is None else require_mapping(locked, "locked_joints", "{'slide': 0.1}")
+    locked = {} if locked_joints is None else require_mapping(locked_joints, "locked_joints", "{'slide': 0.1}")
+    wishes = ReadOptions(**options)
     specification = _specification(source)
-    ignored = (*checked_names(wishes.ignore_packages, "ignore_packages"), *specification.ignore_packages)
     return replace(
         specification,
         other_chain=base not in (None, specification.base) or tip not in (None, specification.tip),
         base=base or specification.base,
         tip=tip or specification.tip,
         tool=None if tip else specification.tool,
-        package_dirs=(*as_paths(wishes.package_dirs, "package_dirs"), *specification.package_dirs),
-        xacro_args={**specification.xacro_args, **arguments},
-        ignore_packages=tuple(dict.fromkeys(ignored)),
-        env_vars=checked_names(wishes.env_vars, "env_vars"),
+        options=wishes.over(specification.options),
         locked_joints={**specification.locked_joints, **locked},
         srdf=srdf or specification.srdf,
     )
@@ -191,14 +178,7 @@ def read(specification: ArmSpecification) -> Description:
         file = specification.description.resolve()
         text = dh_urdf(specification.dh, specification.name or file.stem)
         return build_description(text, Reading(file, PackageIndex(file), show_lines=False))
-    return read_description(
-        specification.description,
-        package_dirs=specification.package_dirs,
-        mesh_dirs=specification.mesh_dirs,
-        xacro_args=specification.xacro_args,
-        ignore_packages=specification.ignore_packages,
-        env_vars=specification.env_vars,
-    )
+    return read_description(specification.description, specification.options)
 
 
 def available_arms() -> tuple[str, ...]:
@@ -254,8 +234,8 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
         return replace(read_arm_file(own), source=text)
     entry = catalog.model_entry(text)
     if entry is not None:
-        base, tip, folders = entry.base, entry.tip, (entry.share,)
-        return ArmSpecification(entry.file, text, name=text, base=base, tip=tip, package_dirs=folders)
+        options = ReadOptions(package_dirs=(entry.share,))
+        return ArmSpecification(entry.file, text, name=text, base=entry.base, tip=entry.tip, options=options)
     what = what_is_at(path)
     if what != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
         remedy = "give a URDF, xacro or MJCF file, a DH table, an arm.toml or an arm of the catalogue"
@@ -309,14 +289,7 @@ def _semantics(
     if specification.srdf is None:
         semantics, noted = srdf_beside(description)
     else:
-        semantics = read_srdf(
-            specification.srdf,
-            specification.package_dirs,
-            specification.xacro_args,
-            specification.ignore_packages,
-            specification.env_vars,
-        )
-        noted = ()
+        semantics, noted = read_srdf(specification.srdf, specification.options), ()
     return semantics, noted if semantics is None else (*noted, *note_names(semantics, description))
 
 

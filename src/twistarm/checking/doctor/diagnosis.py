@@ -9,7 +9,7 @@ from typing import Any
 
 from ...arm.abilities import Abilities, abilities_of
 from ...arm.arm import Arm
-from ...arm.loading.load import Wishes, assemble, proven, read, specify
+from ...arm.loading.load import assemble, proven, read, specify
 from ...description.chain import resolve_couplings
 from ...description.findings import Finding, Place, finding
 from ...description.inertias import check_inertias
@@ -68,7 +68,7 @@ def examine(source: str | os.PathLike[str] | Arm, **load: Any) -> Diagnosis:
     limits = load.pop("limits", None)
     description: Description | None = None
     try:
-        specification = specify(source, Wishes(**load))
+        specification = specify(source, **load)
         description = read(specification)
         arm = proven(assemble(description, specification, {} if limits is None else limits))
     except ComparisonError as error:

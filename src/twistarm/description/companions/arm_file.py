@@ -21,7 +21,8 @@ from ...support.units import angle_hint
 from ...theory.rotations import from_rpy
 from ..document import LARGEST
 from ..findings import Finding, Place, finding, refusal
-from ..packages import checked_names, is_too_wide
+from ..packages import is_too_wide
+from ..urdf import PLAIN, ReadOptions
 from .data_files import parse_toml, unusable
 
 if TYPE_CHECKING:
@@ -61,9 +62,8 @@ class ArmSpecification:
 
     `source` is the user's name for it: the description, an arm.toml or a name of the catalogue. `other_chain` says
     that the caller chose another base or tip, so that the other data need not fit. An arm.toml may come from a
-    stranger. So only the caller sets `env_vars`, the variables that the description may read. `mesh_dirs` are the
-    package folders that an arm.toml names outside its tree. They give only meshes. A table `dh` takes the place of
-    a description.
+    stranger. So only the caller sets `options.env_vars`, and package folders outside the arm.toml's tree are
+    `options.mesh_dirs`, which give only meshes. A table `dh` takes the place of a description.
     """
 
     description: Path
@@ -72,11 +72,7 @@ class ArmSpecification:
     base: str | None = None
     tip: str | None = None
     tool: Tool | None = None
-    package_dirs: tuple[str | os.PathLike[str], ...] = ()
-    mesh_dirs: tuple[Path, ...] = ()
-    xacro_args: Mapping[str, object] = field(default_factory=dict)
-    ignore_packages: tuple[str, ...] = ()
-    env_vars: tuple[str, ...] = ()
+    options: ReadOptions = PLAIN
     limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     locked_joints: Mapping[str, float] = field(default_factory=dict)
     poses: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
@@ -163,10 +159,12 @@ def _specification(content: Mapping[str, Any], path: Path) -> ArmSpecification:
         tip=content.get("tip", dh and "tool"),
         dh=dh,
         tool=tool and Tool(tool["name"], _pose(tool)),
-        xacro_args=content.get("xacro_args", {}),
-        package_dirs=tuple(folder for folder in folders if folder not in far),
-        mesh_dirs=far,
-        ignore_packages=checked_names(content.get("ignore_packages", ()), "ignore_packages"),
+        options=ReadOptions(
+            package_dirs=[folder for folder in folders if folder not in far],
+            xacro_args=content.get("xacro_args", {}),
+            ignore_packages=content.get("ignore_packages", ()),
+            mesh_dirs=far,
+        ),
         limits=content.get("limits", {}),
         locked_joints=content.get("locked_joints", {}),
         poses=content.get("poses", {}),

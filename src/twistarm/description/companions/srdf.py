@@ -7,10 +7,9 @@ from __future__ import annotations
 
 import os
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 
 from ...support.checks import number_in
 from ...support.errors import DescriptionError, InputError, listed
@@ -21,6 +20,7 @@ from ..expansion.expand import arguments_in, expand_xacro, is_xacro
 from ..findings import Finding, Place, finding, refusal
 from ..packages import package_index
 from ..tree import Description, EndEffector, Group, GroupState, Joint, Pair, Semantics, sorted_pair
+from ..urdf import PLAIN, ReadOptions
 
 MAX_BYTES = 1_000_000  # A whole humanoid's SRDF has some 200 kB.
 FOLDERS = ("config", "srdf")  # Folders of packages with such files, in the description's folder or one above.
@@ -80,27 +80,21 @@ def path_from(description: Description, file: Path) -> str:
     return os.path.relpath(file.resolve(), description.path.parent) if description.path else str(file)
 
 
-def read_srdf(
-    path: str | os.PathLike[str],
-    package_dirs: Iterable[str | os.PathLike[str]] = (),
-    xacro_args: Mapping[str, object] = MappingProxyType({}),
-    ignore_packages: Iterable[str] = (),
-    env_vars: Iterable[str] = (),
-) -> Semantics:
+def read_srdf(path: str | os.PathLike[str], options: ReadOptions = PLAIN) -> Semantics:
     """Read an SRDF, plain or xacro.
 
-    A xacro file gets those `xacro_args` that it declares. `ignore_packages` and `env_vars` are as in
-    `read_description`. A state with a value that is no number is left out, with a finding.
+    A xacro file gets those `xacro_args` that it declares. A state with a value that is no number is left out, with a
+    finding.
 
     Raises DescriptionError (file, line, element, remedy) for a file that is not an SRDF.
     """
     file = existing_file(path, "the path of an SRDF")
-    index, text = package_index(file, package_dirs), read_text(file, MAX_BYTES)
+    index, text = package_index(file, options.package_dirs), read_text(file, MAX_BYTES)
     if not is_xacro(file):
         return _semantics(text, Reading(file, index))
     known = arguments_in(parse_xml(text, Reading(file, index)))
-    given = {name: value for name, value in xacro_args.items() if name in known}
-    text = expand_xacro(file, index, given, ignore_packages, env_vars).text
+    given = {name: value for name, value in options.xacro_args.items() if name in known}
+    text = expand_xacro(file, index, given, options.ignore_packages, options.env_vars).text
     return _semantics(text, Reading(file, index, show_lines=False))
 
 
@@ -204,21 +198,14 @@ class ArmGroup:
 def arm_groups(semantics: Semantics, description: Description) -> tuple[ArmGroup, ...]:
     """The groups that could be the arm. A single one is the arm.
 
-    Groups with a gripper's joints count only if there is no other. Chains win over lists of joints, then groups with an
-    end effector over others.
+    Chains win over lists of joints, then groups with an end effector over others.
     """
     members = _members(semantics, description)
     paths = (_path(group, members[name], description) for name, group in semantics.groups.items())
     groups = list({(group.base, group.tip): group for group in paths if group is not None}.values())
-    effectors, gripping = semantics.end_effectors, set[str]()
-    for effector in effectors:  # its joints grip if all lie beyond its parent link
-        moving = [joint for joint in members.get(effector.group, ()) if joint.moving]
-        if all(effector.parent_link in description.inward(joint.parent) for joint in moving):
-            gripping.update(joint.name for joint in moving)
     preferences: tuple[Callable[[ArmGroup], bool], ...] = (
-        lambda group: not gripping.intersection(group.joints),
         lambda group: group.base is not None,
-        lambda group: any(_hangs_on(effector, group, description) for effector in effectors),
+        lambda group: any(_hangs_on(effector, group, description) for effector in semantics.end_effectors),
     )
     for better in preferences:
         groups = [group for group in groups if better(group)] or groups
@@ -245,16 +232,12 @@ def _members(semantics: Semantics, description: Description) -> dict[str, list[J
 
 
 def _path(group: Group, members: Sequence[Joint], description: Description) -> ArmGroup | None:
-    """The group as a path of joints. None if its moving joints branch, or if it has none."""
-    moving = [joint for joint in members if joint.moving]
-    # Fixed joints beyond the last moving one lead on to the tip only where they do not branch.
-    for joints in (members, moving) if moving else ():
-        tip = joints[-1].child
-        if {joint.child for joint in joints}.issubset(description.inward(tip)):
-            alone = len(group.chains) == 1 and not (group.joints or group.links or group.subgroups)
-            base = group.chains[0][0] if alone else None
-            return ArmGroup(group.name, base, tip, tuple(joint.name for joint in moving))
-    return None
+    """The group as a path of joints. None if its joints branch, or if none moves."""
+    moving = tuple(joint.name for joint in members if joint.moving)
+    if not moving or not {joint.child for joint in members}.issubset(description.inward(members[-1].child)):
+        return None
+    alone = len(group.chains) == 1 and not (group.joints or group.links or group.subgroups)
+    return ArmGroup(group.name, group.chains[0][0] if alone else None, members[-1].child, moving)
 
 
 def _hangs_on(effector: EndEffector, group: ArmGroup, description: Description) -> bool:
