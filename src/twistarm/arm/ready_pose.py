@@ -264,15 +264,13 @@ GROUND = "the base plane"
 
 
 def overlapping_links(
-    model: PinocchioModel, description: Description, base: str, first: str, reach: float, exempt: frozenset[Pair]
+    model: PinocchioModel, description: Description, base: str, reach: float, exempt: frozenset[Pair]
 ) -> Callable[[Array], frozenset[Pair]] | None:
     """A function from theta (n,) to the pairs of links that overlap, and links that reach below the base plane.
 
-    What the `first` joint carries is tested against the rest and the base plane, except adjacent links and pairs that
-    are `exempt`. None with more than `MOST_SHAPES`.
+    Adjacent links and pairs that are `exempt` are not tested. None with more than `MOST_SHAPES`.
     """
     shapes = Shapes(import_pinocchio().coal, rough=True)
-    moved = description.beyond(first)
     ground = Body(GROUND, base, shapes.half_space(), np.eye(4), "plane")
     bodies = [ground, *islice(shapes.of_links(description, reach), MOST_SHAPES + 1)]
     if len(bodies) > MOST_SHAPES + 1:
@@ -283,9 +281,7 @@ def overlapping_links(
     pairs = [
         (i, j)
         for i, j in combinations(range(len(bodies)), 2)
-        if (names[i] in moved or names[j] in moved)
-        and joints[i] != joints[j]
-        and sorted_pair(names[i], names[j]) not in exempt
+        if joints[i] != joints[j] and sorted_pair(names[i], names[j]) not in exempt
     ]
     checker = Checker(model, bodies, pairs, [0.0] * len(pairs))
 

@@ -265,7 +265,7 @@ RULES: Mapping[Part, Callable[[Body], Iterable[Body]]] = {
 
 SHOWN = 6  # Most candidates in one sentence.
 LEAST = 2  # Least joints of an arm on a robot that rolls or walks.
-# The most joints of a branch beside the arm, and how many more the arm must have.
+# The most joints of a branch beside the arm, and how many more an arm without a tool's name must have.
 BESIDE, MORE = 3, 2
 
 
@@ -287,7 +287,7 @@ def choose_ends(description: Description, base: str | None = None, groups: Itera
     """
     found = bodies(description, base or description.root)
     limbs = [body for body in found if body.joint is not None and all(other.part == "limb" for other in body.path())]
-    ends = sorted((body for body in limbs if not body.on("limb")), key=lambda body: -body.depth)
+    ends = sorted((body for body in limbs if not body.on("limb")), key=lambda body: (not _has_tool(body), -body.depth))
     least = LEAST if any(body.part == "locomotion" for body in found) else 1
     if not ends or ends[0].depth < least or not all(_outweighs(ends[0], other) for other in ends[1:]):
         raise _unclear(description, found, ends, groups)
@@ -314,10 +314,15 @@ def note_choice(description: Description, choice: Choice) -> tuple[Finding, ...]
     return (finding("several-tips", place, what, Text("pass {tip} if another is meant", tip=Argument("tip"))),)
 
 
+def _has_tool(end: Body) -> bool:
+    return any(map(is_tool, end.links))
+
+
 def _outweighs(end: Body, other: Body) -> bool:
     """Whether the chain to `end` is clearly the arm, counted from its fork with the chain to `other`."""
     fork = max(a.depth for a, b in zip(end.path(), other.path(), strict=False) if a is b)
-    return other.depth - fork <= BESIDE and end.depth >= other.depth + MORE
+    more = 0 if _has_tool(end) and not _has_tool(other) else MORE
+    return other.depth - fork <= BESIDE and end.depth >= other.depth + more
 
 
 def _first_link(description: Description, end: Body) -> str:

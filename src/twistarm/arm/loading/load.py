@@ -31,7 +31,7 @@ from ..baking import BAKED, SUFFIX, fields_of, unsealed
 from ..pinocchio_model import why_no_pinocchio
 from .overrides import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
 
-DESCRIPTIONS = (".urdf", ".xacro", ".xml", "arm.toml")  # How the names of files end that a folder is given for.
+DESCRIPTIONS = (".urdf", ".xacro", "arm.toml")  # How the names of files end that a folder is given for.
 
 PROOF_SAMPLES = 5
 PROOF_TOL = 1e-9  # Largest difference of the two double precision accounts, relative to the arm's size.
@@ -207,17 +207,6 @@ def prove(arm: Arm) -> Proof:
     return proof
 
 
-def _descriptions_in(folder: Path) -> list[str]:
-    """The descriptions at most three levels deep, the outer first; what cannot be read is left out."""
-    found = []
-    for here, folders, files in os.walk(folder):
-        inside = Path(here).relative_to(folder)
-        if len(inside.parts) == 2:
-            folders.clear()
-        found += [inside / name for name in files if name.endswith(DESCRIPTIONS) and name != "package.xml"]
-    return [str(path) for path in sorted(found, key=lambda path: (len(path.parts), path))]
-
-
 def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
     """The specification of a path or a catalogue name. An existing file wins over a name."""
     if not isinstance(source, (str, os.PathLike)):
@@ -240,7 +229,8 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
     if what != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
         remedy = "give a URDF, xacro or MJCF file, a DH table, an arm.toml or an arm of the catalogue"
         if what == FOLDER:
-            files = listed(_descriptions_in(path))
+            inside = (file for levels in ("*", "*/*", "*/*/*") for file in sorted(path.glob(levels)))
+            files = listed(str(file.relative_to(path)) for file in inside if file.name.endswith(DESCRIPTIONS))
             remedy = f"give a file in it: {files}" if files else "no description is in it: give another folder's file"
         raise refusal("file-unreadable", Place(text[:200]), why_no_file(path), remedy)
     names = available_arms()

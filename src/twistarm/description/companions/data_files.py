@@ -6,7 +6,6 @@ import json
 import re
 import sys
 from collections import Counter
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -37,10 +36,8 @@ def toml_content(text: str, path: Path, what: str = "an arm.toml") -> dict[str, 
 
     try:
         return tomllib.loads(text)
-    except RecursionError as error:
-        raise unusable(path, "not valid TOML: it nests too deep", f"is it {what}?") from error
-    except ValueError as error:  # TOMLDecodeError is one; so is Python's for an integer of too many digits
-        raise unusable(path, f"not valid TOML: {error}", "correct it there") from error
+    except (RecursionError, ValueError) as error:  # TOMLDecodeError is a ValueError; so is that for too many digits
+        raise unusable(path, f"not valid TOML: {error}", f"correct it there, or is it {what}?") from error
 
 
 def toml_key(name: str) -> str:
@@ -90,9 +87,6 @@ def parse_yaml(text: str, file: Path) -> Any:
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         what = " ".join(str(getattr(error, "problem", None) or error).split())
-        line = next(islice(text.split("\n"), mark.line, None), "") if mark else ""
-        if "\t" in line[: len(line) - len(line.lstrip())]:
-            what = "a TAB indents the line; indent with spaces"
         place = Place(str(file), mark.line + 1 if mark else None)
         raise refusal("companion-unusable", place, f"not usable YAML: {what}") from error
     except (RecursionError, ValueError, OverflowError) as error:

@@ -69,33 +69,26 @@ class LimitsFile:
     ) -> tuple[JointLimits, tuple[Finding, ...]]:
         """The limits of these coordinates with those of the file, and findings. `every` lists all joints of the robot.
 
-        Soft limits narrow the positions. Raises DescriptionError if the file names none of the coordinates, or its
-        limits are swapped.
+        Soft limits narrow the positions. Raises DescriptionError if the file names none of the coordinates, or if its
+        limits are swapped or leave no room.
         """
         noted = [*self.findings, *self._note_others(names, set(every))]
         ours = {joint: dict(its) for joint, its in self.joints.items() if joint in names}
-        soft = {joint: [its.pop(bound, None) for bound in ("soft_lower", "soft_upper")] for joint, its in ours.items()}
+        for joint, its in ours.items():
+            i, soft = names.index(joint), (its.pop("soft_lower", -inf), its.pop("soft_upper", inf))
+            if soft != (-inf, inf):
+                its["lower"] = max(soft[0], its.get("lower", limits.lower[i]))
+                its["upper"] = min(soft[1], its.get("upper", limits.upper[i]))
+                what = f"its soft limits are kept: [{its['lower']:g}, {its['upper']:g}]"
+                place = Place(self.path.name, None, "joint", joint)
+                noted.append(finding("limits-adjusted", place, what, "set has_soft_limits: false for its whole range"))
         try:
-            limits = limits.with_(by_field(ours), names)
+            return limits.with_(by_field(ours), names), tuple(noted)
         except InputError as error:
             raise unusable(self.path, str(error)) from error
-        for joint, (low, high) in soft.items():
-            if low is None and high is None:
-                continue
-            i, place = names.index(joint), Place(self.path.name, None, "joint", joint)
-            hard = limits.lower[i], limits.upper[i]
-            lower, upper = max(hard[0], -inf if low is None else low), min(hard[1], inf if high is None else high)
-            if lower < upper:
-                limits = limits.with_({"lower": {joint: lower}, "upper": {joint: upper}}, names)
-                what = f"its soft limits are kept: [{lower:g}, {upper:g}]"
-                noted.append(finding("limits-adjusted", place, what, "set has_soft_limits: false for its whole range"))
-            else:
-                what = "its soft limits lie outside its limits; they are ignored"
-                noted.append(finding("outside-limits", place, what, "correct them, or set has_soft_limits: false"))
-        return limits, tuple(noted)
 
     def _note_others(self, names: tuple[str, ...], every: set[str]) -> Iterator[Finding]:
-        """Findings for joints that are no coordinates, and for a file without any limit of one."""
+        """Findings for names of no joint, and for a file without any limit of a coordinate."""
         place, others = Place(self.path.name), [joint for joint in self.joints if joint not in names]
         if len(others) == len(self.joints):
             what = f"its joints are {listed(others) or 'none'}; the arm's are {listed(names)}"
@@ -103,9 +96,6 @@ class LimitsFile:
         for joint in (joint for joint in others if joint not in every):
             what = f"it has limits for {joint!r}, and no joint has that name; they are not kept"
             yield finding("companion-doubtful", place, what, f"correct the name{closest(joint, names)}")
-        if strangers := [joint for joint in others if joint in every]:
-            what = f"it has limits for {listed(strangers)}, which are no coordinates of this arm"
-            yield finding("off-the-chain", place, what, "nothing, if they are a gripper's")
         if not any(its for joint, its in self.joints.items() if joint in names):
             what = "it gives no limit for this arm: every has_…_limits is false, or the values are 0"
             yield finding("companion-not-used", place, what, "set has_velocity_limits: true and max_velocity")
