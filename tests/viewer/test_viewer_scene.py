@@ -46,7 +46,7 @@ def test_a_new_page_is_told_the_arm_the_scene_and_where_everything_stands(arm: A
     assert_allclose(hello["arm"]["joints"][0]["range"], [-np.pi, np.pi])
     assert hello["arm"]["joints"][2]["range"] == [0, 0.2]
     assert [joint["name"] for joint in hello["arm"]["others"]] == ["finger"]
-    assert list(hello["arm"]["poses"].items()) == [("zero", [0.0] * 3), ("ready", arm.ready.tolist())]
+    assert list(hello["arm"]["poses"].items()) == [("ready", arm.ready.tolist()), ("zero", [0.0] * 3)]
     notes = ["meshes not found, drawn as simple shapes: 'a/b <i>'"]
     drawn = {"objects": len(page.objects), "left": 0, "exact": False, "simplified": False, "notes": notes}
     assert page.latest["scene"] == {"type": "scene"} | drawn

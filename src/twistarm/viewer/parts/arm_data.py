@@ -34,15 +34,9 @@ def describe_arm(arm: Arm) -> dict[str, Any]:
         "tool_axis": arm.tool_axis.tolist(),
         "joints": [_describe(*joint) for joint in joints],
         "others": [_describe(*joint) for joint in others],
-        "poses": {name: theta.tolist() for name, theta in named_poses(arm).items()},
+        "poses": {name: theta.tolist() for name, theta in arm.configurations.items()},
         "screws": sorted(set(screw_kinds(arm))),
     }
-
-
-def named_poses(arm: Arm) -> dict[str, Array]:
-    """The configurations one can go to by name: zero, ready, and the arm's own."""
-    named = {name: np.asarray(theta, dtype=np.float64) for name, theta in arm.named_states.items()}
-    return {"zero": np.zeros(arm.n), "ready": arm.ready, **named}
 
 
 def extra_joints(arm: Arm) -> dict[str, Joint]:
