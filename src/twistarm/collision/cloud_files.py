@@ -96,13 +96,6 @@ def _text(data: bytes) -> Array:
     return np.loadtxt(rows, usecols=places, ndmin=2) * factors if rows else np.empty((0, 3))
 
 
-def _places(names: Sequence[str]) -> list[int]:
-    """The places of the columns x, y, z."""
-    if not {"x", "y", "z"} <= {*names}:
-        raise InputError(f"it has no x, y and z; it has {listed(names)}")
-    return [names.index(axis) for axis in "xyz"]
-
-
 def _ply(data: bytes) -> Array:
     head, _, body = data.partition(b"end_header")
     body = body[2:] if body.startswith(b"\r\n") else body[1:]
@@ -143,7 +136,10 @@ def _pcd(data: bytes) -> Array:
 
 def _rows(body: bytes, types: Sequence[tuple[str, str]], count: int, text: bool) -> Array:
     """The columns x, y, z of `count` rows."""
-    places = _places([name for name, _ in types])
+    names = [name for name, _ in types]
+    if not {"x", "y", "z"} <= {*names}:
+        raise InputError(f"it has no x, y and z; it has {listed(names)}")
+    places = [names.index(axis) for axis in "xyz"]
     if text:
         points = np.loadtxt(io.BytesIO(body), usecols=places, ndmin=2, max_rows=count) if count else np.empty((0, 3))
         present = len(points)

@@ -119,11 +119,9 @@ def _design(name: str, arm: Arm, poses: Sequence[Target | Array], panel: Panel |
 
 def _farthest(arm: Arm) -> float:
     """The greatest distance [m] of the tool from the base's origin."""
-
-    def nearness(theta: Array) -> Array:
-        return np.asarray(-np.linalg.norm(arm.fk(theta)[..., :3, 3], axis=-1, keepdims=True))
-
-    return float(-nearness(with_extremes(arm, nearness, arm.random_theta(0, SAMPLES))).min())
+    samples = arm.random_theta(0, SAMPLES)
+    theta = with_extremes(arm, lambda x: -np.linalg.norm(arm.fk(x)[..., :3, 3], axis=-1, keepdims=True), samples)
+    return float(np.linalg.norm(arm.fk(theta)[..., :3, 3], axis=-1).max())
 
 
 def _volume(arm: Arm) -> float:

@@ -83,12 +83,8 @@ def _function_name(name: str) -> str:
 
 def _matrix(rows: Array) -> str:
     """A matrix, a line for each of several rows."""
-    lines = [", ".join(map(_number, row)) for row in rows]
+    lines = [", ".join(map(repr, row)) for row in np.asarray(rows, np.float64).tolist()]  # inf too
     return f"[{lines[0]}]" if len(lines) == 1 else "[\n    " + "\n    ".join(lines) + "]"
-
-
-def _number(value: float) -> str:
-    return repr(float(value)) if np.isfinite(value) else "-Inf" if value < 0 else "Inf"
 
 
 def _texts(texts: Iterable[str]) -> str:

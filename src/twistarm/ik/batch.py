@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
-from ..support.checks import Array, Progress, RealArray, as_given, as_positive, as_whole, frozen, require_callback
+from ..support.checks import Array, Progress, RealArray, as_given, as_positive, as_whole, require_callback
 from ..support.errors import InputError, quote
 from .answer import CONVERGED, NOT_FINISHED, STOPS, Record, StopReason, record_type
 from .certainty import decided
@@ -200,8 +200,9 @@ def _of_goals(
         places = np.flatnonzero(kinds == kind)
         numbers, part = np.array([goals[i].numbers for i in places]), records[places]
         report = None if progress is None else partial(_report, progress, done, len(goals))
-        mine = _part_of(request, places)
-        if not chain.solve_batch(kind, numbers, mine.theta0, *mine.options, mine.posture, threads, report, part):
+        given = request.theta0, request.posture
+        start, posture = (x[places] if x is not None and x.ndim > 1 else x for x in given)
+        if not chain.solve_batch(kind, numbers, start, *request.options, posture, threads, report, part):
             # Somebody has written into the arrays of a target.
             return _of_goals(arm, targets_for(arm, goals, checked_target), request, threads, progress)
         records[places] = part
@@ -255,13 +256,3 @@ def targets_for(arm: Arm, targets: Any, convert: Callable[[Arm, Any], AnyTarget]
 def _report(progress: Progress, before: int, count: int | None, done: int, of: int) -> None:
     """Report a part of a batch of `count` targets, after `before` of them. None if it is the only part."""
     progress((before + done) / (of if count is None else count))
-
-
-def _part_of(request: Request, indices: NDArray[np.int64]) -> Request:
-    """The request for some targets of the batch."""
-
-    def part(values: Array) -> Array:
-        return values if values.ndim == 1 else frozen(values[indices])
-
-    posture = None if request.posture is None else part(request.posture)
-    return replace(request, theta0=part(request.theta0), posture=posture)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -146,13 +145,9 @@ class SelfMotions(Task):
 
     def _tangents(self, theta: Array) -> Array:
         """The directions (d, n) that move nothing at first, orthonormal."""
-        moving = self._moving
+        moving = [i for i in range(self.arm.n) if i not in self.still]
         _, size, Vt = np.linalg.svd(self.rows(theta)[1][:, moving])
         rank = int((size > DEPENDENT * size.max(initial=1e-300)).sum())
         tangents = np.zeros((len(Vt) - rank, self.arm.n))
         tangents[:, moving] = Vt[rank:]
         return tangents
-
-    @cached_property
-    def _moving(self) -> list[int]:
-        return [i for i in range(self.arm.n) if i not in self.still]

@@ -37,21 +37,12 @@ FLAGS = (
     "--headless",
     # The page is ours, holds numbers and escaped names, and may load nothing; containers and root have no sandbox.
     "--no-sandbox",
-    "--disable-gpu",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--no-first-run",
-    "--disable-breakpad",
-    "--disable-quic",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
+    "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+    "--no-first-run", "--disable-breakpad", "--disable-quic", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync", "--password-store=basic", "--use-mock-keychain",
     "--disable-features=WebUIOmniboxPopup,WebUIOmniboxAimPopup",  # pages of the address bar, which nobody sees
-    "--password-store=basic",
-    "--use-mock-keychain",
-    "--hide-scrollbars",
-    "--force-device-scale-factor=1",
-)
+    "--hide-scrollbars", "--force-device-scale-factor=1",
+)  # fmt: skip
 
 # [ms] of the page's own time, which stands still while its scripts work: the camera and the floor come in frames.
 BUDGET = "--virtual-time-budget=2000"

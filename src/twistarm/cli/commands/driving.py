@@ -102,9 +102,7 @@ class Robot:
             "velocity_mode": self.velocity_mode,
         }  # fmt: skip
 
-    def joints(
-        self, arm: Arm, theta: Array, stack: ExitStack
-    ) -> tuple[stream.Sink, stream.Feedback, Callable[[Any], object]]:
+    def joints(self, arm: Arm, theta: Array, stack: ExitStack) -> Joints:
         """Open the links to the robot, and what takes each cycle: with --record a recorder of both.
 
         Without a robot, return simulated joints at theta (n,).
@@ -207,7 +205,7 @@ def servo(
                 settings=viewer.servo_settings(settings),
             ), duration=duration, on_cycle=on_cycle,
         )  # fmt: skip
-    out.show(_loop(arm, report), *out.lines(report.explain()), written=robot.written)
+    out.show({"arm": arm, **vars(report), "ok": report.ok}, *out.lines(report.explain()), written=robot.written)
     return 0 if report.ok else 1
 
 
@@ -217,11 +215,6 @@ def _inside(arm: Arm, typed: JointValues) -> Array:
     for words in outside(arm, theta, typed.radians):
         raise LimitError(f"--theta: {words}")
     return theta
-
-
-def _loop(arm: Arm, report: stream.StreamReport) -> dict[str, Any]:
-    """The report of the loop."""
-    return {"arm": arm, **vars(report), "ok": report.ok}
 
 
 Motion = Annotated[Path, argument("MOTION", "A motion in *.csv, *.json, *.yaml or *.mcap, or a motion.toml to plan.")]
@@ -295,7 +288,7 @@ def follow(
         "arm": arm, **entries(report, "ok completed at duration speed"), "ending": report.stream.ending,
         "reason": report.stream.reason, "largest_lag": dict(zip(names, report.largest_lag, strict=True)),
         "largest_error": dict(zip(names, report.largest_error, strict=True)),
-        "loop": _loop(arm, report.stream),
+        "loop": {"arm": arm, **vars(report.stream), "ok": report.stream.ok},
     }  # fmt: skip
     answer.show(data, *answer.lines(report.explain()), written=robot.written)
     return 0 if report.ok else 1

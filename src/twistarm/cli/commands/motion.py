@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -197,7 +197,8 @@ def plan(
         asked = planning.load_motion(motion, arm)
     else:
         move = planning.LineMove if line else partial(planning.FreeMove, keep=kept) if avoid else planning.JointMove
-        asked = _moves(move, targets or waypoints[1:], blend or 0.0)
+        *corners, last = targets or waypoints[1:]
+        asked = planning.MotionFile((*(move(goal, blend=blend or 0.0) for goal in corners), move(last)))
     typed |= {} if start is None else {"start": waypoints[0]}
     typed |= {} if mass is None else {"payload": mass if offset is None else (mass, offset)}
     asked = replace(
@@ -236,11 +237,6 @@ def plan(
         *([] if nearest is None else [f"nearest: {nearest}"]),
         files=motion_texts(arm, found, out, dt, counts=counts),
     )
-
-
-def _moves(move: Callable[..., Any], goals: Sequence[Any], blend: float) -> planning.MotionFile:
-    """A move to each goal, with corners rounded between them: not at the last, where the arm stops."""
-    return planning.MotionFile((*(move(goal, blend=blend) for goal in goals[:-1]), move(goals[-1])))
 
 
 def _require_fitting(
