@@ -28,11 +28,7 @@ PARTS = ("urdf", "xacro", "robots", "robot", "description", "model", "models")
 # Folders of a robot's package. It has one of them, or a xacro or URDF file.
 MARKS = ("urdf", "xacro", "robots", "meshes", "models", "launch", "worlds", "config")
 
-NAMES = {
-    "ignore_packages": (re.compile(r"\w[\w.-]*"), "names of packages, as in $(find NAME)/…"),
-    "env_vars": (re.compile(r"[A-Za-z_]\w*", re.ASCII), "names of environment variables, without their values"),
-}
-"""What a name in an argument may be: packages to do without, and variables that a file may read."""
+_NAME = re.compile(r"\w[\w.-]*")  # Of a package, or of an environment variable.
 
 
 @dataclass(frozen=True)
@@ -155,12 +151,11 @@ def package_index(
 
 
 def checked_names(given: object, argument: str) -> tuple[str, ...]:
-    """The names of an `argument` of `NAMES`, from one name or several, each once. InputError for another text."""
-    pattern, wanted = NAMES[argument]
+    """The names of an `argument`, from one name or several, each once. InputError for another text."""
     names = (given,) if isinstance(given, str) else require_names(given, argument)
     for name in names:
-        if not pattern.fullmatch(name):
-            raise InputError(f"{argument} takes {wanted}; got {quote(name)}")
+        if not _NAME.fullmatch(name):
+            raise InputError(f"{argument} takes names alone, without paths and values; got {quote(name)}")
     return tuple(dict.fromkeys(names))
 
 

@@ -69,17 +69,16 @@ def replace_capsules(robot: ET.Element) -> None:
 
 
 def _parts(capsule: ET.Element) -> Iterator[ET.Element]:
-    """The cylinder and the spheres at its ends; one sphere if the capsule has no length."""
+    """The cylinder and the spheres at its ends."""
     sizes = dict(capsule.findall("geometry/capsule")[0].attrib)
     length = floats(sizes["length"], 1)[0]
     ball = {"radius": sizes["radius"]}
     for shape, size, z in (("cylinder", sizes, 0.0), ("sphere", ball, length / 2), ("sphere", ball, -length / 2)):
-        if length or (shape == "sphere" and not np.signbit(z)):
-            part, along = deepcopy(capsule), np.eye(4)
-            part.tail, along[2, 3] = None, z
-            g = read_origin(part) @ along
-            part[:] = [child for child in part if child.tag not in ("origin", "geometry")]
-            part.attrib.pop("name", None)  # names of shapes are unique
-            add_origin(part, g)
-            ET.SubElement(ET.SubElement(part, "geometry"), shape, size)
-            yield part
+        part, along = deepcopy(capsule), np.eye(4)
+        part.tail, along[2, 3] = None, z
+        g = read_origin(part) @ along
+        part[:] = [child for child in part if child.tag not in ("origin", "geometry")]
+        part.attrib.pop("name", None)  # names of shapes are unique
+        add_origin(part, g)
+        ET.SubElement(ET.SubElement(part, "geometry"), shape, size)
+        yield part

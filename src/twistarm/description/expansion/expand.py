@@ -138,7 +138,7 @@ def _own_xacro() -> Any:
     return copy
 
 
-def _replace(module: Any, functions: Mapping[str, Any]) -> None:
+def _exchange(module: Any, functions: Mapping[str, Any]) -> None:
     """Put our functions in place of xacro's. TwistarmError if this xacro has no such names."""
     if missing := [name for name in functions if not hasattr(module, name)]:
         lacks = f"this xacro ({module.__file__}) has no {', '.join(missing)} and cannot be confined"
@@ -181,9 +181,9 @@ class _Expansion:
         }
         if ignored:
             functions["handle_macro_call"] = partial(self._call_macro, xacro.handle_macro_call)
-        _replace(xacro, functions)
+        _exchange(xacro, functions)
         own = {"_eval": self._eval, "_eval_find": self._find, "_eval_env": self._env, "_eval_optenv": self._optenv}
-        _replace(commands, own)
+        _exchange(commands, own)
         xacro._global_symbols = symbols = xacro.create_global_symbols()
         symbols["xacro"].update(arg=self._argument, **dict.fromkeys(QUIET, _say_nothing))
         for name in LEFT_OUT:
