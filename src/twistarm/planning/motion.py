@@ -91,7 +91,7 @@ def plan(
         payload: What the tool carries then, a mass [kg] or (mass, place (3,) in tool axes [m]).
         scene: A `Scene` of the arm, or None. The motion is then proven free without gaps, and a `FreeMove` goes round.
         max_time: Greatest wall time [s] for the way of one `FreeMove`. A busy computer searches less in it.
-        clearance: How far [m] the states of a `FreeMove` keep from everything; less near its start and goal. A
+        clearance: How far [m] states of a `FreeMove` keep from everything; less where start or goal is nearer. A
             twentieth of it in the second half of `max_time`, for narrow gaps.
         progress: Called with the fraction done, in (0, 1], or None.
 
@@ -162,7 +162,8 @@ def _from_collision(error: PathError, start: str) -> PathError:
 def came_nearer(nearest: Distance, clearance: float) -> list[str]:
     """The note of a motion that comes nearer than its `clearance` [m], which only states of its search keep."""
     asked = Argument("clearance", Quantity(clearance, "m"))
-    note = Text("comes nearer than {clearance}: {nearest}", clearance=asked, nearest=nearest)
+    what = "comes nearer than {clearance}: {nearest}; a scene's margin is kept everywhere"
+    note = Text(what, clearance=asked, nearest=nearest)
     return [note] if nearest.metres < clearance else []
 
 

@@ -84,7 +84,7 @@ def check_postures(arm: Arm, rank: int) -> Iterator[Finding]:
         return
     best = arm.computed_ready
     at_best = _condition(arm, best, rank)
-    advice = f"write in arm.toml (condition number {at_best:.1f}; check it in twistarm view first):"
+    advice = f"write in arm.toml, in rad and m (condition number {at_best:.1f}; check it in twistarm view first):"
     values = [f"{toml_key(name)} = {value:.6g}" for name, value in arm.theta_to_dict(best).items()]
     snippet = "\n".join([advice, "[poses.ready]", *values])
     if poor and at_best < at_ready / 10 and not any(np.array_equal(arm.ready, homes[name]) for name in singular):
@@ -187,7 +187,7 @@ def check_tool(arm: Arm, description: Description) -> Iterator[Finding]:
     if last.moving and not slides(last.type) and not named and np.array_equal(arm.tool, np.eye(4)):
         end = _end_of(description.links[arm.tip_link], arm.tool_axis)
         xyz = ", ".join(f"{value + 0.0:.6g}" for value in (end or OUT) * arm.tool_axis)
-        guess = f"measure it; {OUT:g} m along {direction_in_words(arm.tool_axis, 'tool')} are"
+        guess = f"measure it; a tool that grips {OUT:g} m along {direction_in_words(arm.tool_axis, 'tool')} has"
         yield finding(
             "tool-frame-missing",
             description.place(description.links[arm.tip_link]),

@@ -126,7 +126,8 @@ def _poses(arm: Arm) -> Table:
         condition = float(arm.manipulability(theta).condition)
         below = "singular" if np.isinf(condition) else number(condition, 1)
         columns.append(Column(name, (*theta, below), (*arm.units, "")))
-    return Table("configurations (typed by name: --theta ready)", columns)
+    ready = "; ready is computed" if arm.ready_name is None else ""
+    return Table(f"configurations (typed by name: --theta ready{ready})", columns)
 
 
 def _motors(arm: Arm, motors: Actuators) -> list[Table | str]:

@@ -244,7 +244,8 @@ def _show_all(out: Outputs, solutions: AllSolutions) -> None:
         columns.append(Column("collides", ["yes" if hit else "" for hit in hits]))
     seen = min(count, rows.ROWS_SHOWN)
     more = f", the {seen} nearest of them (-o FILE.csv has all)" if count > seen else ", nearest first"
-    title = f"{arm.name}: {plural(count, 'configuration')}{more if count > 1 else ''}"
+    counted = plural(count, "configuration") + (" of infinitely many" if any(solutions.free) else "")
+    title = f"{arm.name}: {counted}{more if count > 1 else ''}"
     explanation = solutions.explain()
     names = "theta free colliding outside complete timed_out method family starts hits position_error orientation_error"
     parts: list[Table | str] = []

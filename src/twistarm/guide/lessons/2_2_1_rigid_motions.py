@@ -194,7 +194,8 @@ guide.scene(arm, theta=theta, caption="The arm as in the picture above.", quanti
 # **The letters do not meet.** `T_base_tool` in one program and `tool_to_base` in another are often the same matrix. Ask
 # of each: in which frame are the coordinates that go in, and in which those that come out?
 #
-# **The inverse by changing signs.** It works while nothing is turned, and fails as soon as something is.
+# **The inverse by changing signs.** It works while nothing is turned, or while the shift lies along the axis of the
+# turn. Test with a turn and a shift across its axis.
 #
 # **The 1 forgotten, or put under a direction.** With a 0 under a point the position of the frame is left out. With a 1
 # under a direction, the position of the frame is added to it. The gripper then approaches from the wrong side.

@@ -368,8 +368,8 @@ guide.figure(
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# - **Mixed signs.** The distance is right, and the direction is wrong. Test with the elbow at a right angle, where the
-#   error is largest.
+# - **Mixed signs.** The distance is right, and the direction is wrong, by $2\beta$. Test with the elbow well bent: on
+#   the stretched arm $\beta = 0$, and the mistake does not show.
 # - **No clamp.** The program works everywhere, except that it sends `nan` for the stretched arm. Clip the cosine.
 # - **No wrap.** $\pi + \alpha$ is between half a turn and a whole one. A joint with limits of ±150° refuses it,
 #   although the same angle less a whole turn is allowed.

@@ -346,10 +346,10 @@ guide.predict(
 #
 # - **The wrong Jacobian.** $v$ of $J^s$ is taken for the velocity of the tool. A tool that should only turn then drifts
 #   away. The farther it is from the base, the faster it drifts.
-# - **Columns from the photograph.** The twists at zero are used as columns. They are right at zero and wrong everywhere
-#   else.
+# - **Columns from the photograph.** The twists at zero are used as columns. They are right at zero, and wrong as soon
+#   as a joint has moved an axis beyond it.
 # - **The wrench in other axes.** A force measured in axes of the base goes into $(J^b)^T$. It is right only if the tool
-#   is not turned.
+#   is not turned, or turned about the direction of the force.
 # - **The torque first.** Another library writes $(\omega, v)$ and $(\tau, f)$. The shapes fit, so there is no error.
 # - **The sign.** $F$ is what the tool exerts. A force sensor at the wrist often reports what the world exerts on the
 #   tool. With the wrong sign the motors push the wrong way.

@@ -471,9 +471,8 @@ at_right_angle = bent.T @ (100 * tool / np.linalg.norm(tool))
 guide.predict(
     "The two-link arm pulls outward with 100 N, along the line from its base. What torque must the elbow hold when "
     "it is bent by 90°, and what when it is bent by 1°?",
-    f"{abs(at_right_angle[1]):.1f} N m at 90°, and {abs(stretched[1]):.2f} N m at 1°. The motor cannot move "
-    f"the tool outward there, but it need not hold against the pull either."
-    f"",
+    f"{abs(at_right_angle[1]):.1f} N m at 90°, and {abs(stretched[1]):.2f} N m at 1°. The motor can "
+    f"hardly move the tool outward there, but it need hardly hold against the pull either.",
 )
 
 # %% [markdown]
