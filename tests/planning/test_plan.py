@@ -21,6 +21,7 @@ from twistarm import (
     ScrewMove,
     Trajectory,
     active_limits,
+    arm_from_dh,
     load_arm,
     plan,
     rotations,
@@ -253,6 +254,17 @@ def test_an_arm_of_five_joints_keeps_as_much_of_a_pose_as_it_can():
         goal = end if move.to is not None else end + 0.05 * start[:3, 2]
         s = beside(arm.fk(motion(dense(motion))), start, goal)
         assert s[-1] == pytest.approx(1.0, abs=1e-4)
+
+
+def test_a_joint_move_to_a_target_ends_in_the_nearest_configuration():
+    """By hand: θ and, with the elbow to the other side, θ₁ turned by twice the angle to the hand, and −θ₂."""
+    arm = arm_from_dh([[0.4, 0, 0, 0], [0.3, 0, 0, 0]], "standard")
+    for theta, start in zip(arm.random_theta(0, 20), arm.random_theta(1, 20), strict=True):
+        beyond = np.arctan2(0.3 * np.sin(theta[1]), 0.4 + 0.3 * np.cos(theta[1]))
+        both = np.array([theta, [theta[0] + 2.0 * beyond, -theta[1]]])
+        away = np.linalg.norm((both - start + np.pi) % (2.0 * np.pi) - np.pi, axis=1)
+        motion = plan(arm, JointMove(Position(arm.fk(theta)[:3, 3])), start=start, limits=RATES)
+        assert np.linalg.norm(motion.waypoints[-1] - start) == pytest.approx(away.min(), abs=1e-4)
 
 
 def test_the_branch_is_chosen_for_the_whole_run():

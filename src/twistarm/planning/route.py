@@ -124,12 +124,13 @@ class Router:
             return self._around(i, segment, theta)
         if not isinstance(segment, JointMove):
             return self._run(range(i, after), theta[None], theta)[1]
-        if isinstance(segment.to, KINDS) and after > i + 1:
+        end = self._unwrapped_goal(i, segment, theta)  # says why, where nothing meets the target
+        if isinstance(segment.to, KINDS):
             starts = branches(self.arm, target_for(self.arm, segment.to), theta, self.goals.tolerances(segment))
             if len(starts):
                 start, parts = self._run(range(i + 1, after), starts, theta)
                 return [self._straight(i, theta, start), *parts]
-        return [self._straight(i, theta, self._unwrapped_goal(i, segment, theta))]
+        return [self._straight(i, theta, end)]
 
     def _unwrapped_goal(self, i: int, segment: JointMove, theta: Array) -> Array:
         end = self.goals.configuration(segment, theta, self._place(i))
