@@ -25,7 +25,6 @@ DATA = Path(__file__).parents[1] / "data" / "mjcf"
 FILES = sorted(DATA.glob("*.xml"))
 RATES_ALIKE = [path for path in FILES if path.stem not in ("couplings", "overrides")]
 TOL = 1e-12
-TIPS = {"attached": "tool_tcp"}  # Three pins beside this tool are chains as long as its own.
 UNNAMED = "body3_joint"  # What a joint of the body without a name is called in several_joints.xml.
 
 
@@ -90,8 +89,7 @@ def require_as_mujoco(arm: Arm, path: Path, samples: int) -> int:
 def test_a_file_is_what_mujoco_makes_of_it(path: Path) -> None:
     model = mujoco.MjModel.from_xml_path(str(path))
     named = {model.body(i).name for i in range(1, model.nbody)} | {model.site(i).name for i in range(model.nsite)}
-    arm = load_arm(path, tip=TIPS.get(path.stem))
-    assert require_as_mujoco(arm, path, 20) == 20 * len(named - {"", "box", "target"})  # not of the arm
+    assert require_as_mujoco(load_arm(path), path, 20) == 20 * len(named - {"", "box", "target"})  # not of the arm
 
 
 @pytest.mark.parametrize("seed", [*range(40), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(40, 100))])
@@ -301,7 +299,7 @@ def test_an_arm_loads_without_its_meshes(
 @pytest.mark.parametrize("path", RATES_ALIKE, ids=lambda path: path.stem)
 def test_torques_hold_the_arm_in_the_gravity_of_the_file(path: Path) -> None:
     """MuJoCo's own inverse dynamics at rest. Coordinates of followers are others than MuJoCo's."""
-    arm, model = load_arm(path, tip=TIPS.get(path.stem)), mujoco.MjModel.from_xml_path(str(path))
+    arm, model = load_arm(path), mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(model)
     dofs = [model.jnt_dofadr[mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)] for name in arm.joint_names]
     for theta in arm.random_theta(1, 5):
@@ -311,8 +309,8 @@ def test_torques_hold_the_arm_in_the_gravity_of_the_file(path: Path) -> None:
 
 
 def test_gravity_is_in_axes_of_the_base() -> None:
-    arm = load_arm(file("attached"), base="upper", tip="tool_tcp")
-    whole = load_arm(file("attached"), tip="tool_tcp")
+    arm = load_arm(file("attached"), base="upper")
+    whole = load_arm(file("attached"))
     g = whole.poses(np.zeros(whole.n))["upper"]
     np.testing.assert_allclose(g[:3, :3] @ arm.gravity, [1.0, -9.0, 2.0], atol=TOL)
     assert load_arm("rover_arm").gravity.tolist() == [0.0, 0.0, -9.81]
