@@ -85,7 +85,8 @@ def show_arm(out: Outputs, arm: Arm) -> None:
     )
     article = "an" if report.target[0] in "AEIO" else "a"
     parts = [
-        head, f"--direction points {axis}; --axis names another", "", joints_table(arm), "", _poses(arm), "", proof,
+        head, f"--direction points {axis}; --axis names another", "", joints_table(arm), "",
+        _configurations(arm), "", proof,
         f"engine: {engine_of(arm)}" + (f"; no compiled core: {why_not}" if why_not else ""),
         f"all configurations of {article} {report.target} (ik --all): {report}",
         *([] if arm.actuators is None else _motors(arm, arm.actuators)),
@@ -96,9 +97,7 @@ def show_arm(out: Outputs, arm: Arm) -> None:
 
 def engine_of(arm: Arm) -> str:
     """The engine of this arm's kinematics."""
-    if arm.compiled is not None:
-        return f"compiled core ({arm.compiled.instruction_set})"
-    return "NumPy"
+    return "NumPy" if arm.compiled is None else f"compiled core ({arm.compiled.instruction_set})"
 
 
 def joints_table(arm: Arm) -> Table:
@@ -118,7 +117,7 @@ def joints_table(arm: Arm) -> Table:
     return Table("joints, base to tip (− = not given)", columns, "joints")
 
 
-def _poses(arm: Arm) -> Table:
+def _configurations(arm: Arm) -> Table:
     """A column for each configuration, its name as it can be typed, and its condition number below."""
     configurations = {"ready": arm.ready, **arm.named_states}
     columns = [Column("joint", (*arm.joint_names, "condition"))]

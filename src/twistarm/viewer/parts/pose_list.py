@@ -103,17 +103,14 @@ class PoseList:
 
     def take_over(self, other: PoseList) -> list[str]:
         """Take over the poses of another arm with joints of the same names. Returns in words what is left out."""
-        reasons = [why for pose in other.poses if (why := self._why_left_out(pose, other._arm.joint_names))]
+        reasons: list[str] = []
+        for pose in other.poses:
+            try:
+                self.poses += (self._read(pose.entry(), self._order(other._arm.joint_names), self.poses),)
+            except (InputError, LimitError) as error:  # noqa: PERF203
+                reasons.append(str(error))
         which = "a pose is" if len(reasons) == 1 else f"{len(reasons)} poses are"
         return [f"{which} left out: {reasons[0]}"] if reasons else []
-
-    def _why_left_out(self, pose: RecordedPose, joints: Sequence[str]) -> str:
-        """Why a pose in the order of `joints` is left out; "" where it is taken."""
-        try:
-            self.poses += (self._read(pose.entry(), self._order(joints), self.poses),)
-        except (InputError, LimitError) as error:
-            return str(error)
-        return ""
 
     def theta(self, number: int) -> Array:
         """The configuration (n,) of a pose."""

@@ -81,10 +81,6 @@ def _motion(kind: str, stage: Stage, drawing: Drawing) -> Callable[[], str | byt
     return partial(written, playback.trajectory, kind, Writing(max(SAMPLE_TIME, playback.duration / MOST_SAMPLES)))
 
 
-def _page(stage: Stage, drawing: Drawing) -> Callable[[], str]:
-    return partial(stand_alone, on_show(stage, drawing))
-
-
 def _scene(stage: Stage, drawing: Drawing) -> Callable[[], str]:
     if stage.collisions.scene is None:
         raise InputError("there is no scene yet: turn on the layer Collision first")
@@ -92,7 +88,7 @@ def _scene(stage: Stage, drawing: Drawing) -> Callable[[], str]:
 
 
 DOWNLOADS: Mapping[str, Download] = {
-    "arm.html": Download("text/html; charset=utf-8", ".html", _page),
+    "arm.html": Download("text/html; charset=utf-8", ".html", lambda *shown: partial(stand_alone, on_show(*shown))),
     "scene.toml": Download("application/toml", "_scene.toml", _scene),
     "motion.csv": Download("text/csv; charset=utf-8", "_motion.csv", partial(_motion, "csv")),
     "motion.json": Download("application/json", "_motion.json", partial(_motion, "json")),
