@@ -109,7 +109,10 @@ def angle_between(R1: ArrayLike, R2: ArrayLike) -> Array:
 
 
 def least_turn(a: Array, b: Array) -> Array:
-    """The rotation vector (3,) of the least turn from the unit vector a to b (3,), about some axis if opposite."""
+    """The rotation vector (3,) of the least turn from a unit vector a to b (3,), about some axis if opposite.
+
+    The vectors are not checked.
+    """
     axis, cosine = np.cross(a, b), float(a @ b)
     sine = float(np.linalg.norm(axis))
     if sine < OPPOSITE and cosine < 0.0:

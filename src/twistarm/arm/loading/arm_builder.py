@@ -25,7 +25,7 @@ from ...support.errors import InputError, quote
 from ...support.fields import fields, inside
 from ...theory import joints
 from ...theory.lower_pairs import lower_pairs
-from ...theory.screws import axis_points, inverse, to_screw
+from ...theory.screws import NO_LINE, axis_points, inverse, to_screw
 from ..arm import Arm
 from ..arm_data import Coupling
 from .load import assemble, proven
@@ -304,7 +304,7 @@ def arm_from_screws(
     if not (np.abs(xi).max(axis=0) > 0).all():
         raise InputError("screws must not have a zero column: it moves nothing")
     g = require_one(as_pose(home, "home"), "home", 2)
-    path = axis_points(xi, g[:3, 3])[np.isfinite(to_screw(xi.T).pitch)]
+    path = axis_points(xi, g[:3, 3])[np.abs(to_screw(xi.T).pitch) < NO_LINE]
     limits = {} if limits is None else limits
     if isinstance(limits, JointLimits) and limits.lower.size != n:
         raise InputError(f"limits must be those of {n} joints; got {limits.lower.size}")
