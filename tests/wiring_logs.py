@@ -134,17 +134,10 @@ def _base(rng: np.random.Generator, off: tuple[float, float]) -> Array:
 
 
 def outcome(case: Planted, report: WiringReport) -> str:
-    """What the report is: "named", "possible", "left open", "missed", "unexplained" or, of a sound motor, "accused"."""
-    certain = {motor.name for motor in report.motors if motor.verdict == "fault"}
-    suspects = {motor.name for motor in report.motors if case.fault in motor.faults}
-    if certain - set(case.motors):
+    """What the report is: "named", "left open", "missed" or, of a sound motor, "accused"."""
+    certain = {motor.name for motor in report.motors if case.fault in motor.faults}
+    if {motor.name for motor in report.motors if motor.faults} - set(case.motors):
         return "accused"
-    if report.verdict == "unexplained":
-        return "unexplained"
-    if case.fault == "none":
-        return "named" if report.verdict != "fault" else "possible"
-    if set(case.motors) <= certain & suspects:
+    if set(case.motors) <= certain:
         return "named"
-    if set(case.motors) <= suspects:
-        return "possible"
     return "left open" if report.verdict != "sound" else "missed"

@@ -224,6 +224,21 @@ def test_bad_logs_are_refused_or_named(tmp_path):
     assert np.allclose(read.position, p)
 
 
+def test_a_sound_arm_needs_no_correction(here, capsys):
+    arm = load_arm("ur5")
+    theta = arm.random_theta(0, 80)
+    p = arm.fk(theta)[:, :3, 3] + np.random.default_rng(1).normal(scale=1e-4, size=(80, 3))
+    r = calibrate(arm, Measurements(theta, p)).require()
+    assert r.sound
+    assert not r.zeros.any()
+    assert np.allclose(r.arm.fk(theta), arm.fk(theta), atol=1e-12)
+    head = ",".join([*arm.joint_names, "x", "y", "z"])
+    np.savetxt("log.csv", np.hstack([theta, p]), delimiter=",", header=head, comments="")
+    assert run(["calibrate", "ur5", "log.csv", "-o", "same.urdf"]) == 0
+    assert "confirmed: the arm needs no correction" in capsys.readouterr().out
+    assert np.allclose(load_arm("same.urdf", base=arm.base, tip=arm.tip_link).fk(theta), arm.fk(theta), atol=1e-12)
+
+
 def test_rows_that_determine_nothing_confirm_nothing():
     arm, rng = load_arm("ur5"), np.random.default_rng(0)
     theta = arm.random_theta(0, 6)

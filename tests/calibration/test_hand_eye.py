@@ -67,9 +67,9 @@ def test_the_camera_is_found_without_a_guess_and_as_well_as_it_says(mount):
     assert shift < 4e3 * found.camera_std[0] < 6.0
     assert turn < 4 * np.degrees(found.camera_std[1]) < 0.6
     assert found.parent == (log[0].tip_link if mount == "tool" else log[0].base)
-    assert np.allclose([float(x) for x in found.xyz.split()], found.camera[:3, 3], atol=1e-6)
-    rpy = Rotation.from_euler("xyz", [float(x) for x in found.rpy.split()]).as_matrix()
-    assert np.allclose(rpy, found.camera[:3, :3], atol=1e-5)
+    xyz, rpy = (np.array(found.urdf.split(f'{name}="')[1].split('"')[0].split(), float) for name in ("xyz", "rpy"))
+    assert np.allclose(xyz, found.camera[:3, 3], atol=1e-6)
+    assert np.allclose(Rotation.from_euler("xyz", rpy).as_matrix(), found.camera[:3, :3], atol=1e-5)
 
 
 @pytest.mark.parametrize("mount", ["tool", "base"])
@@ -131,11 +131,10 @@ def test_bad_logs_of_a_camera_are_refused_with_the_reason():
     spun[:, 5] += np.linspace(-1, 1, 24)
     for log, match in (
         ((theta, rvec, 1e3 * tvec), r"tx \[mm\]"),
-        ((theta, np.degrees(rvec), tvec), r"rx \[deg\]"),
         ((theta, rvec, -tvec), "behind the camera"),
         ((theta, R.inv().as_rotvec(), np.abs(R.inv().apply(tvec))), "inverse"),
-        ((still, rvec, tvec), "hardly turns"),
-        ((spun, rvec, tvec), "about one axis only"),
+        ((still, rvec, tvec), "one axis at most"),
+        ((spun, rvec, tvec), "one axis at most"),
         ((theta, rvec, np.where(np.arange(24)[:, None] == 3, np.nan, tvec)), "row 4"),
         ((theta[:2], rvec[:2], tvec[:2]), "measure more"),
     ):

@@ -73,7 +73,7 @@ def test_planted_faults_are_named_with_the_true_entries(case: str) -> None:
     wrong, expected = PLANTED[case]
     report = check_wiring(rover(), log_of(*wrong, seed=1), **EXACT)
     assert (report.verdict, faults(report)) == ("fault", expected)
-    assert report.after.position < 0.003 < report.before.position
+    assert report.after < 0.003 < report.before
     true = {i: (factor, added) for i, factor, added in wrong}
     for i, motor in enumerate(report.motors):
         factor, added = true.get(i, (1.0, 0.0))
@@ -126,7 +126,8 @@ def test_a_swap_that_positions_on_the_axis_do_not_show(swapped: bool) -> None:
     report = check_wiring(rover(), exchanged(log, 3, 4) if swapped else log)
     assert (report.verdict, report.ok, faults(report)) == ("cannot tell", False, {})
     left, right = report.motors[3:]
-    assert (left.unseen, right.unseen) == (("zero", "swapped with right"), ("zero", "swapped with left"))
+    assert left.what == "the log does not show its swap with 'right', zero"
+    assert right.what == "the log does not show its swap with 'left', zero"
     assert "orientation" in left.remedy
 
 
@@ -139,11 +140,10 @@ def test_positions_beside_the_axis_show_it() -> None:
 
 def test_a_zero_of_either_has_no_entry_until_orientations_show_it() -> None:
     """3000 ticks of 60 · 4096 / 2π per rad are 4.39°, half of it pitch."""
-    for poses, left, right in ((False, "possible fault", "possible fault"), (True, "fault", "sound")):
+    for poses, left, right in ((False, "cannot tell", "cannot tell"), (True, "fault", "sound")):
         log = log_of(poses=poses)
         report = check_wiring(rover(), replace(log, theta=log.theta + [0, 0, 0, 3000, 0]))
         assert [motor.verdict for motor in report.motors[3:]] == [left, right]
-        assert report.motors[3].joint_offset["wrist_pitch"] == pytest.approx(-np.radians(4.39 / 2), abs=0.004)
         assert (report.motors[3].zero is None) == (not poses)
 
 
@@ -155,25 +155,25 @@ def test_a_motor_at_rest_may_have_another_zero_or_ratio() -> None:
     assert [motor.name for motor in report.motors if motor.verdict == "cannot tell"] == ["elbow"]
     assert "elbow" in report.motors[2].remedy
     off = check_wiring(rover(), log_of((2, 1.0, 30.0), seed=3, theta=theta)).motors[2]
-    assert (off.verdict, off.ratio, off.zero) == ("possible fault", None, None)
+    assert (off.verdict, off.ratio, off.zero) == ("cannot tell", None, None)
 
 
 @pytest.mark.parametrize(("rows", "poses"), [(1, False), (10, True)])
 def test_a_log_at_one_place_shows_nothing(rows: int, poses: bool) -> None:
     report = check_wiring(rover(), log_of(theta=np.zeros((rows, 5)), poses=poses))
     assert (report.verdict, faults(report)) == ("cannot tell", {})
-    assert all(motor.unseen == ("sign", "ratio", "zero") for motor in report.motors)
+    assert all(motor.verdict == "cannot tell" and "move it" in motor.remedy for motor in report.motors)
 
 
 def test_a_log_that_nothing_explains_blames_no_motor_and_names_the_row() -> None:
     log, noise = log_of(seed=6), np.random.default_rng(2).normal(scale=0.3, size=(20, 3))
     noisy = check_wiring(rover(), replace(log, position=log.position + noise))
-    assert (noisy.verdict, faults(noisy)) == ("unexplained", {})
-    assert all(np.isinf(motor.scale_std) for motor in noisy.motors)
+    assert (noisy.verdict, faults(noisy)) == ("cannot tell", {})
     position = log.position.copy()
     position[6] += (0.1, 0.05, 0.0)
     odd = check_wiring(rover(), replace(log, position=position))
-    assert (odd.verdict, odd.worst_row, faults(odd)) == ("unexplained", 7, {})
+    assert (odd.verdict, faults(odd)) == ("cannot tell", {})
+    assert "row 7" in odd.what
 
 
 def test_a_base_that_stands_elsewhere_is_found() -> None:
@@ -191,7 +191,7 @@ def test_a_zero_of_the_first_joint_looks_like_a_turned_base() -> None:
     assert motors is not None
     turned = motors.offset + motors.G[:, 0] * np.radians(4.0)
     arm = replace(case.arm, actuators=replace(motors, offset=turned))
-    assert check_wiring(arm, case.log).motors[0].verdict == "possible fault"
+    assert check_wiring(arm, case.log).motors[0].verdict == "cannot tell"
     known = check_wiring(arm, case.log, **EXACT)
     assert (known.motors[0].verdict, known.motors[0].faults, known.base) == ("fault", ("zero offset",), None)
 

@@ -5,9 +5,9 @@ from .calibration import Calibration, Estimate, corrected_urdf
 from .camera import HandEye
 from .geometry import Parameter
 from .measurements import Measurements, read_measurements
-from .wiring_verdicts import MotorVerdict, Residual, WiringReport, check_wiring
+from .wiring_verdicts import MotorVerdict, WiringReport, check_wiring
 
 __all__ = [
-    "Calibration", "Estimate", "HandEye", "Measurements", "MotorVerdict", "Parameter", "Residual", "WiringReport",
-    "calibrate", "check_wiring", "corrected_urdf", "read_measurements",
+    "Calibration", "Estimate", "HandEye", "Measurements", "MotorVerdict", "Parameter", "WiringReport", "calibrate",
+    "check_wiring", "corrected_urdf", "read_measurements",
 ]  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -44,7 +45,6 @@ def calibrate(
     distances: dict[tuple[str, str], float] | None = None,
     distance_noise: float = 1e-4,
     scales: bool = False,
-    robust: bool = True,
     camera: Mount | None = None,
     tag_size: float | None = None,
     corner_noise: float = 8e-4,
@@ -72,7 +72,6 @@ def calibrate(
         distances: Known distances {(point, point): m} between resting points.
         distance_noise: Standard deviation of each of them [m].
         scales: Fit a scale of each joint's drive too.
-        robust: Weigh outliers down (Cauchy's loss).
         camera: "tool" (eye-in-hand) or "base" (eye-to-hand), where the log has rvec and tvec.
         tag_size: Side of the tag [m], as solvePnP had it.
         corner_noise: Standard deviation of a corner of the tag in the image, over the focal length [rad]. The default
@@ -88,16 +87,16 @@ def calibrate(
     require_arm(arm)
     for choice, name in ((base, "base"), (tool, "tool")):
         require_choice(choice, ("fit", "held"), name)
-    log, robust = _read(arm, measurements), as_flag(robust, "robust")
-    eye = _camera(log, camera, tag_size, as_positive(corner_noise, "corner_noise"))
-    geometry = Geometry(arm, np.eye(4), np.eye(4), as_flag(scales, "scales"))
+    log = _read(arm, measurements)
     noise = as_positive(position_noise, "position_noise"), as_positive(orientation_noise, "orientation_noise")
     known = _distances(distances, log), as_positive(distance_noise, "distance_noise")
+    eye = _camera(log, camera, tag_size, as_positive(corner_noise, "corner_noise"))
     if eye is not None:
         if "held" in (base, tool) or distances:
             raise InputError("a camera's log shows base and tool as camera and tag: fit both, without distances")
         refuse_unusable_views(log, arm)
         noise, log = (eye.noise * float(np.median(log.tvec[:, 2])), noise[1]), eye.log(log)
+    geometry = Geometry(arm, np.eye(4), np.eye(4), as_flag(scales, "scales"))
     prior = [0.0] * JOINTS + [1.0 / USUAL[parameter.what.split()[0]] for parameter in geometry.parameters[JOINTS:]]
     problem, start = Problem(geometry, log, noise, np.array(prior), *known, camera=eye).with_places()
     # Without a measured frame the base may not move, and only poses show how a tool is turned.
@@ -105,23 +104,28 @@ def calibrate(
     fitted[BASE] = base == "fit" and bool(log.located.any())
     fitted[TOOL] = tool == "fit"
     fitted[TOOL][3:] &= bool(np.isfinite(log.rotation).any())
-    odd = refuse_unusable(problem, fitted)
+    return _fitted(problem, fitted, refuse_unusable(problem, fitted))
+
+
+def _fitted(problem: Problem, fitted: Bools, odd: tuple[str, ...]) -> Calibration:
+    """The fit of the `fitted` unknowns (Q,) that the log shows; `odd` is what is odd about the log."""
     problem, start = started(problem, bool(fitted[BASE].any()), fitted[TOOL])
     seen = observed(problem, start, fitted)
     still = still_joints(problem)
-    if eye is not None and still:  # camera and tag are as good without a corrected arm
+    if problem.camera is not None and still:  # camera and tag are as good without a corrected arm
         seen &= ~of_joints(problem)
         odd = (*odd, f"{listed(still)} hardly moves, so the arm is not corrected; move it by more than 15° or 50 mm")
-    first = descend(problem, start, seen & ~of_joints(problem), robust=robust)[0]
-    q, weights = descend(problem, first, seen, robust=robust)
+    first = descend(problem, start, seen & ~of_joints(problem))[0]
+    q, weights = descend(problem, first, seen)
     faults = faults_of(problem, q, first)
     held_out = np.inf, np.inf
     if not faults:
         loud = float(np.median(problem.normalised_residual(q)))
         if loud > OUTLIER:
             odd = (*odd, f"the rows fit {loud:.0f} times worse than the stated noise: something is not explained")
-        held_out = _held_out(problem, first, seen, robust)
-    return Calibration(problem, q, first, seen, fitted, weights, *held_out, (*odd, *faults), faults)
+        held_out = _held_out(problem, first, seen)
+    found = Calibration(problem, q, first, seen, fitted, weights, *held_out, (*odd, *faults), faults)
+    return replace(found, unknowns=first) if found.sound else found
 
 
 def _read(arm: Arm, measurements: Log | Sequence[Log]) -> Measurements:
@@ -164,7 +168,7 @@ def _distances(distances: dict[tuple[str, str], float] | None, log: Measurements
     return known
 
 
-def _held_out(problem: Problem, first: Array, seen: Bools, robust: bool) -> tuple[float, float]:
+def _held_out(problem: Problem, first: Array, seen: Bools) -> tuple[float, float]:
     """The mean error [m] on rows left out, with all that the rest shows, and with base and tool alone.
 
     A fifth of the rows is left out in turn, at random. Without positions they are places, those with a known distance
@@ -187,8 +191,8 @@ def _held_out(problem: Problem, first: Array, seen: Bools, robust: bool) -> tupl
         free = observed(rest, first, seen & ~own)
         if rest.numbers <= free.sum():
             return np.inf, np.inf
-        q = descend(rest, first, free & ~of_joints(problem), robust=robust)[0]
-        for i, fitted in enumerate((descend(rest, q, free, robust=robust)[0], q)):
+        q = descend(rest, first, free & ~of_joints(problem))[0]
+        for i, fitted in enumerate((descend(rest, q, free)[0], q)):
             errors[i, left] = problem.errors(descend(problem.of_rows(left), fitted, own)[0])[left]
     few = errors[1] <= np.nanquantile(errors[1], 0.99)
     return float(errors[0, few].mean()), float(errors[1, few].mean())

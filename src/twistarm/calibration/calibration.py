@@ -30,6 +30,7 @@ from .problem import OUTLIER, Problem, of_joints
 
 # The share of the error of base and tool alone that the corrected arm must stay below, on rows not fitted.
 SURE = 0.95
+TO_THE_NOISE = 2.0  # Rows whose median residual is no more [standard deviations] fit.
 ELSEWHERE = 5.0  # An expected error so many times that of rows left out shows that the log is from few places.
 
 CANDIDATES = 1000
@@ -133,7 +134,7 @@ class Calibration:
     @cached_property
     def hand_eye(self) -> HandEye | None:
         """Camera and tag of a camera's log. They belong to the corrected arm if rows left out confirm it."""
-        problem, camera, corrected = self.problem, self.problem.camera, self.confirmed_here
+        problem, camera, corrected = self.problem, self.problem.camera, self.confirmed_here and not self.sound
         if camera is None:
             return None
         q = self.unknowns if corrected else self.first
@@ -163,13 +164,20 @@ class Calibration:
         return covariance
 
     @cached_property
+    def sound(self) -> bool:
+        """The arm needs no correction: base and tool alone fit to the noise, and rows left out show no gain by more."""
+        shown = not self.faults and bool((self.seen & of_joints(self.problem)).any())
+        loud = float(np.median(self.problem.normalised_residual(self.first)))
+        return shown and SURE * self.held_out_before <= self.held_out < np.inf and loud < TO_THE_NOISE
+
+    @cached_property
     def confirmed_here(self) -> bool:
-        """Rows left out confirm the correction where the log was taken, and the log has no faults."""
-        return not self.faults and self.held_out < SURE * self.held_out_before
+        """Rows left out confirm the arm, corrected or sound, where the log was taken, and the log has no faults."""
+        return self.sound or (not self.faults and self.held_out < SURE * self.held_out_before)
 
     @cached_property
     def confirmed(self) -> bool:
-        """Rows that were not fitted confirm the correction, also elsewhere in reach.
+        """Rows that were not fitted confirm the arm, corrected or `sound`, also elsewhere in reach.
 
         One placement of points, a plane or a wire is not enough: its place is fitted too. Rows left out then only show
         that the tool stood still. Positions near each other are not enough either. More than `ELSEWHERE` times their
@@ -183,16 +191,13 @@ class Calibration:
     @property
     def why_not(self) -> str:
         """Why the correction is not confirmed; empty if it is."""
-        left, before = 1000 * self.held_out, 1000 * self.held_out_before
         if self.faults or self.confirmed:
             return "".join(self.faults[:1])
+        kept = f"rows left out keep {1000 * self.held_out:.3g} mm"
         if self.confirmed_here:
-            return (
-                f"rows left out keep {left:.3g} mm, but all are from one place: measure at others, as --next names them"
-            )
-        what = f"rows left out of the fit keep {left:.3g} mm, and {before:.3g} mm without it"
-        kept = ", for which camera and tag hold" if self.problem.camera else ""
-        return f"{what}: this log shows no correction; use the arm as described{kept}, or measure more, or better"
+            return f"{kept}, but all are from one place: measure at others, as --next names them"
+        what = f"{kept}, and {1000 * self.held_out_before:.3g} mm without the correction"
+        return f"{what}: this log shows none; use the arm as described, or measure more, or better"
 
     def require(self, *, here: bool = False) -> Calibration:
         """Itself, or InputError if the correction is not confirmed; with `here`, where the log was taken is enough."""
@@ -241,16 +246,15 @@ class Calibration:
             raise InputError(f"{self.arm.name} has no actuators: its zeros go into the origins of the description")
         return dict(zip(motors.names, (motors.offset - motors.G @ self.zeros).tolist(), strict=True))
 
-    def next_postures(self, count: int = 10, *, among: ArrayLike | None = None, scene: Scene | None = None) -> Array:
+    def next_postures(self, count: int = 10, *, scene: Scene | None = None) -> Array:
         """The configurations (count, n) to measure next, which show most beside the log: D-optimal, one by one.
 
-        Each next one maximises det(I + σ⁻² J C Jᵀ) for the covariance C so far. Candidates are `among` (N, n), by
-        default 1,000 random configurations, without those that collide in `scene`.
+        Each next one maximises det(I + σ⁻² J C Jᵀ) for the covariance C so far. Candidates are 1,000 random
+        configurations, without those that collide in `scene`.
         """
         camera, geometry = self.problem.camera, self.problem.geometry
-        theta = self.arm.random_theta(0, CANDIDATES) if among is None else as_theta(among, self.arm.n, "among")
-        if camera is not None and among is None:
-            theta = self.arm.random_theta(0, VIEWS * CANDIDATES)
+        theta = self.arm.random_theta(0, CANDIDATES if camera is None else VIEWS * CANDIDATES)
+        if camera is not None:
             theta = theta[camera.visible(geometry.poses(self._p, theta), self.problem.log)][:CANDIDATES]
         if scene is not None:
             theta = theta[~require_scene(scene, self.problem.geometry.arm).collides(theta)]
@@ -320,7 +324,7 @@ def corrected_urdf(calibration: Calibration, *, zeros: bool = True, here: bool =
     if arm.description is None:
         raise InputError(f"{arm.name} has no description: load its URDF, not a baked file or screws")
     p = calibration.unknowns[: calibration.problem.P].copy()
-    if not zeros:
+    if not as_flag(zeros, "zeros"):
         p[JOINTS : JOINTS + arm.n] = 0.0
     source = SourceText(arm.description.text)
     elements = {joint.get("name"): joint for joint in source.robot.findall("joint")}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -21,7 +20,7 @@ Mount = Literal["tool", "base"]
 
 NEAR = 0.1  # A corner nearer to the image plane than this share of the tag's side is drawn there: no division by 0.
 MOST_PAIRS = 4000  # More pairs of rows do not improve a first guess.
-ONE_AXIS = 0.05  # Root mean square [rad] of turns about a second axis below which only one axis was turned about.
+ONE_AXIS = 0.05  # Root mean square [rad] of turns about a second axis below which the tool turned about one at most.
 INVERTED = 3.0  # Poses that fit so much worse than their inverses are those. Wrong zeros alone reach 1.
 
 
@@ -107,12 +106,8 @@ def refuse_unusable_views(log: Measurements, arm: Arm) -> None:
     """InputError for rows that solvePnP does not return: other units or kinds, a tag behind the camera."""
     if not log.sighted.all() or np.isfinite(log.noise).any():
         raise InputError("all rows of a camera's log hold rvec and tvec, and no noise: fit other measurements alone")
-    turn, far = np.linalg.norm(log.rvec, axis=1), log.tvec[:, 2]
-    if (turn > 2 * np.pi).any():
-        k = int(turn.argmax())
-        raise InputError(f"{log.label[k]}: rvec has length {turn[k]:.4g} rad: name the unit, as rx [deg]")
-    if np.median(np.abs(far)) > 20.0 * arm.reach:
-        size = float(np.median(np.abs(far)))
+    far = log.tvec[:, 2]
+    if (size := float(np.median(np.abs(far)))) > 20.0 * arm.reach:
         raise InputError(
             f"the tag is {size:.4g} m from the camera, and the arm reaches {arm.reach:.3g} m: name the unit, as tx [mm]"
         )
@@ -138,7 +133,11 @@ def first_guess(g: Array, M: Array, mount: Mount) -> tuple[Array, Array]:
         chosen = np.random.default_rng(0).choice(len(i), MOST_PAIRS, replace=False)
         i, j = i[chosen], j[chosen]
     beta = log_of(g[i, :3, :3] @ np.swapaxes(g[j, :3, :3], 1, 2))
-    _require_turns(beta, mount)
+    if np.linalg.svd(beta / np.sqrt(len(beta)), compute_uv=False)[1] < ONE_AXIS:
+        raise InputError(
+            "the tool turns about one axis at most, so this log shows neither camera nor tag: turn the tool about two "
+            "axes, by 30° and more"
+        )
     (B, T, left), (_, _, left_by_inverse) = (_fit(g, poses, beta, (i, j)) for poses in (M, inverse_of(M)))
     if left_by_inverse < left / INVERTED:
         other = Argument("camera", "base" if mount == "tool" else "tool")
@@ -176,22 +175,6 @@ def _rotations(
     return R_B, R_T, weights, misfit
 
 
-def _require_turns(beta: Array, mount: Mount) -> None:
-    """InputError if the tool's turns (N, 3) [rad] are about one axis or none."""
-    _, sizes, axes = np.linalg.svd(beta / np.sqrt(len(beta)), full_matrices=False)
-    hidden = "camera" if mount == "tool" else "tag"
-    if sizes[0] < ONE_AXIS:
-        raise InputError(
-            f"the tool hardly turns in this log, so the {hidden} on it is not observable: turn it by 30° and more"
-        )
-    if sizes[1] < ONE_AXIS:
-        axis = ", ".join(f"{x:.2f}" for x in axes[0] * np.sign(axes[0][np.abs(axes[0]).argmax()]) + 0.0)
-        raise InputError(
-            f"the tool turns about one axis only, ({axis}) in the base: the positions of camera and tag along it are "
-            "not observable; turn the tool about another axis too, by 30° and more"
-        )
-
-
 @dataclass(frozen=True, eq=False)
 class HandEye:
     """The result of a hand-eye calibration.
@@ -221,24 +204,16 @@ class HandEye:
         """Whether the log shows the whole camera and the whole tag."""
         return bool(np.isfinite([*self.camera_std, *self.tag_std]).all())
 
-    @cached_property
-    def xyz(self) -> str:
-        """The camera's position [m] as a URDF's `xyz`."""
-        return " ".join(f"{x:.6f}" for x in self.camera[:3, 3] + 0.0)
-
-    @cached_property
-    def rpy(self) -> str:
-        """The camera's orientation [rad] as a URDF's `rpy`."""
-        return " ".join(f"{x:.6f}" for x in to_rpy(self.camera[:3, :3]) + 0.0)
-
     @property
     def urdf(self) -> str:
         """The camera's link and fixed joint, to paste into the URDF."""
+        parts = self.camera[:3, 3], to_rpy(self.camera[:3, :3])
+        xyz, rpy = (" ".join(f"{x:.6f}" for x in part + 0.0) for part in parts)
         return (
             '<link name="camera_optical_frame"/>\n'
             '<joint name="camera_joint" type="fixed">\n'
             f'  <parent link="{self.parent}"/>\n'
             '  <child link="camera_optical_frame"/>\n'
-            f'  <origin xyz="{self.xyz}" rpy="{self.rpy}"/>\n'
+            f'  <origin xyz="{xyz}" rpy="{rpy}"/>\n'
             "</joint>"
         )

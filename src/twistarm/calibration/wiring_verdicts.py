@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import compress
-from math import inf
-from typing import NamedTuple
+from itertools import combinations, compress
 
 import numpy as np
 
@@ -19,19 +17,17 @@ from ..support.errors import ComparisonError, InputError, listed
 from ..theory.screws import exp, inverse_of
 from .geometry import BASE
 from .measurements import LITTLE, Bools, Measurements, read_measurements, require_metres, require_motors
-from .problem import OUTLIER, Problem
-from .wiring import ANYTHING, KINDS, MOST_ROWS, Explanation, Found, Wiring, explained, sign_patterns
+from .problem import OUTLIER
+from .wiring import ANYTHING, CLEAR, MOST_ROWS, REVERSED_ZERO, ZERO, Explanation, Found, Wiring, explained
 
 # Normal errors of a scale, or of an offset by the joint's unit. They are no faults, even if the log shows them.
 NORMAL = {"1": 0.02, "rad": float(np.radians(1.0)), "m": 0.005}
-# Greatest standard deviations of a visible scale or offset.
-VISIBLE = {"1": 0.05, "rad": float(np.radians(2.0)), "m": 0.01}
-# One standard deviation [m, rad] of a base measured by tape, for logs that need it.
-USUAL_BASE = (0.01, float(np.radians(2.0)))
+VISIBLE = 2.0  # Normal errors that the standard deviation of a visible scale or offset is at most.
+AS_GOOD = 9.0  # Explanations whose squares differ by less, three standard deviations, are equally good.
+SURE = 4.0  # A scale or offset so many standard deviations off is a fault, even if the log hardly shows how large.
 FAULTS = "swapped", "flipped sign", "wrong ratio", "zero offset"  # Of a motor.
-# On motors, the gravest first; that on the arm is the gravest of them.
-VERDICTS = "fault", "possible fault", "cannot tell"
-ROUNDING = 1e-6  # A smaller share of a motor's largest ratio, or of a direction that no log shows, is rounding.
+SOUND, CANNOT_TELL, FAULT = VERDICTS = "sound", "cannot tell", "fault"  # The gravest last.
+TINY = 1e-9  # A smaller share of a motor's largest ratio, or of what a log shows, is rounding.
 
 BASE_KNOWN = (
     "measure the base anew, by the tool in several configurations; --base-position-noise (metres) and "
@@ -39,36 +35,18 @@ BASE_KNOWN = (
 )
 
 
-class Residual(NamedTuple):
-    """Root mean square of measured against computed: position [m], rotation [rad] or None."""
-
-    position: float
-    rotation: float | None
-
-
 @dataclass(frozen=True)
 class MotorVerdict:
-    """The log's verdict on one motor; by default none.
+    """The log's verdict on one motor: "sound", "fault" or "cannot tell".
 
-    `verdict` is "sound", "fault", "possible fault" or "cannot tell". `faults` are from "flipped sign", "wrong ratio",
-    "zero offset" and "swapped". A fault is possible if the log does not separate it from another, or from a base that
-    stands elsewhere. `unseen` is what the log does not show: "sign", "ratio", "zero" or "swapped with NAME".
-
-    The fit reads the motor as `scale` y + `offset` [rad or m, motor side]. Their standard deviations hold when all
-    parameters are fitted; inf if the log shows nothing. `joint_offset` is the offset of the joints [rad or m]. `ratio`
-    and `zero` are the right entries of arm.toml for the present wiring. None: the log does not tell. `what` and
-    `remedy` say it in words.
+    `faults` of a faulty motor are from "swapped", "flipped sign", "wrong ratio" and "zero offset". `ratio` and `zero`
+    are the right entries of arm.toml for the present wiring. None: the log cannot tell. `what` and `remedy` say it in
+    words.
     """
 
     name: str
-    verdict: str = "cannot tell"
+    verdict: str
     faults: tuple[str, ...] = ()
-    unseen: tuple[str, ...] = ("sign", "ratio", "zero")
-    scale: float = 1.0
-    scale_std: float = inf
-    offset: float = 0.0
-    offset_std: float = inf
-    joint_offset: Mapping[str, float] = field(default_factory=dict)
     ratio: Mapping[str, float] | None = None
     zero: float | None = None
     what: str = ""
@@ -77,10 +55,10 @@ class MotorVerdict:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WiringReport(Brief):
-    """The verdict on the whole arm ("sound", "fault", "cannot tell", "unexplained"), and on each motor.
+    """The verdict on the whole arm ("sound", "fault", "cannot tell"), and on each motor.
 
-    `before` is the residual with the values of arm.toml, `after` that with the found scales and offsets. `rows` moments
-    were logged; `worst_row`, counted from 1, fits least. `base` (4, 4) is where the base seems to stand, seen from its
+    `before` is the root mean square [m] of measured against computed positions with the values of arm.toml, `after`
+    that with the found ones, over `rows` moments. `base` (4, 4) is where the base seems to stand, seen from its
     measured place, if the log needs that. None: as measured.
     """
 
@@ -89,21 +67,20 @@ class WiringReport(Brief):
     what: str
     motors: tuple[MotorVerdict, ...]
     rows: int
-    before: Residual
-    after: Residual
-    worst_row: int
+    before: float
+    after: float
     base: Array | None = None
 
     @property
     def ok(self) -> bool:
         """Every motor is sound, and the log says so."""
-        return self.verdict == "sound"
+        return self.verdict == SOUND
 
     def require(self) -> WiringReport:
         """Itself, or ComparisonError with what was found."""
         if not self.ok:
-            faulty = [f"{motor.name}: {motor.what}" for motor in self.motors if motor.verdict != "sound" and motor.what]
-            raise ComparisonError(f"the wiring of {self.arm}: {'; '.join([self.what, *faulty])}")
+            found = [f"{motor.name}: {motor.what}" for motor in self.motors if motor.what]
+            raise ComparisonError(f"the wiring of {self.arm}: {'; '.join([f'{self.verdict}: {self.what}', *found])}")
         return self
 
 
@@ -113,18 +90,18 @@ def check_wiring(
     *,
     position_noise: float = 0.002,
     orientation_noise: float = float(np.radians(1.0)),
-    base_position_noise: float | None = None,
-    base_orientation_noise: float | None = None,
+    base_position_noise: float = 0.01,
+    base_orientation_noise: float = float(np.radians(2.0)),
 ) -> WiringReport:
     """Check the motors' signs, ratios and zeros against a log of counts and measured tool poses.
 
     The check fits theta = G⁻¹ (s y + e) to the poses. y are the motors' readings from their configured zeros. Faults
     are the fewest deviations from s = 1, e = 0 that explain the log. They are clear from the noise and larger than 1°,
-    5 mm or 2 %. If others explain the log as well, all are named and none is corrected.
+    5 mm or 2 %.
 
-    The verdict is "cannot tell" if the log does not show a motor's sign, scale, offset, or a swap. It comes with what
-    to move or measure. A fault that the base's pose explains as well is "possible": an offset of the first joint looks
-    like a turned base. A log that nothing explains takes seconds.
+    The verdict is "cannot tell" if the log does not show a motor's sign, scale, offset, or a swap, or if other faults
+    explain it as well. It comes with what to move or measure. An offset of the first joint looks like a turned base. A
+    log that nothing explains takes seconds.
 
     Args:
         arm: The arm, with actuators.
@@ -132,9 +109,8 @@ def check_wiring(
             file of them (`read_measurements`).
         position_noise: Standard deviation of the measured position [m].
         orientation_noise: Standard deviation of the measured orientation [rad].
-        base_position_noise: Standard deviation of the base's position [m]. By default 0; that of a tape measure if
-            the log is not sound with 0.
-        base_orientation_noise: The same for the base's orientation [rad].
+        base_position_noise: Standard deviation of the base's position [m], by default 1 cm.
+        base_orientation_noise: Standard deviation of the base's orientation [rad], by default 2°.
 
     Returns:
         The `WiringReport`: a verdict on each motor and one on the whole arm.
@@ -143,22 +119,35 @@ def check_wiring(
         InputError: The arm has no actuators, they do not determine its joints, or the log is unusable.
     """
     motors, whole = require_motors(arm), _readable(log, arm)
-    noises = {"base_position_noise": base_position_noise, "base_orientation_noise": base_orientation_noise}
-    given = [None if noise is None else as_number(noise, name, 0.0) for name, noise in noises.items()]
     noise = as_positive(position_noise, "position_noise"), as_positive(orientation_noise, "orientation_noise")
+    base = (
+        as_number(base_position_noise, "base_position_noise", 0.0),
+        as_number(base_orientation_noise, "base_orientation_noise", 0.0),
+    )
     rows = np.unique(np.linspace(0, len(whole.theta) - 1, MOST_ROWS).astype(int))
-    usual = [most if std is None else std for std, most in zip(given, USUAL_BASE, strict=True)]
-    base, elsewhere = (given[0] or 0.0, given[1] or 0.0), (usual[0], usual[1])
-    wiring = Wiring(arm, motors, whole.of_rows(rows), noise, base, elsewhere)
+    wiring = Wiring(arm, motors, whole.of_rows(rows), noise, base)
     found = explained(wiring)
-    before, after = (replace(wiring, log=whole).problems[swap] for swap in ((), found.best.swap))
-    residuals = after.normalised_residual(found.best.q)
-    verdict, what, verdicts = _verdicts(Evidence(wiring, found), residuals)
-    return WiringReport(
-        arm.name, verdict, what, verdicts, len(residuals),
-        _residual(before, np.zeros(len(found.best.q))), _residual(after, found.best.q), int(residuals.argmax()) + 1,
-        inverse_of(exp(found.best.q[BASE])) if found.best.q[BASE].any() else None,
-    )  # fmt: skip
+    # A base that may as well stand where it was measured hides no zero of a motor.
+    held = replace(wiring, base=(0.0, 0.0))
+    there = held.fit(found.best)
+    gain = there.total - found.best.total
+    if held.explains(there) and (not there.claims or gain < CLEAR * found.variance):
+        wiring, found = held, found._replace(best=there)
+    q, (before, after) = found.best.q, (replace(wiring, log=whole).problems[swap] for swap in ((), found.best.swap))
+    if wiring.explains(found.best):
+        verdicts = tuple(map(Evidence(wiring, found).verdict, range(wiring.k)))
+        verdict = max((motor.verdict for motor in verdicts), key=VERDICTS.index)
+        gravest = ", ".join(motor.name for motor in verdicts if motor.verdict == verdict)
+        what = "signs, ratios and zeros fit the log" if verdict == SOUND else gravest
+    else:
+        verdict, verdicts = CANNOT_TELL, tuple(MotorVerdict(name, CANNOT_TELL) for name in motors.names)
+        loud, remedy = after.normalised_residual(q), "check --position-noise"
+        if loud.max() > OUTLIER * max(1.0, float(np.median(loud))):
+            remedy = f"row {loud.argmax() + 1} fits least: measure it again, or leave it out"
+        what = f"no sign, ratio or zero of single motors explains the log; {remedy}"
+    stands = inverse_of(exp(q[BASE])) if q[BASE].any() else None
+    off, left = (float(np.sqrt((miss**2).mean())) for miss in (before.errors(np.zeros(len(q))), after.errors(q)))
+    return WiringReport(arm.name, verdict, what, verdicts, len(whole.theta), off, left, stands)
 
 
 def _readable(log: Measurements | str | os.PathLike[str], arm: Arm) -> Measurements:
@@ -175,34 +164,9 @@ def _readable(log: Measurements | str | os.PathLike[str], arm: Arm) -> Measureme
     return whole
 
 
-def _residual(problem: Problem, q: Array) -> Residual:
-    position, rotation = np.sqrt((problem.misses(q).reshape(-1, 2, 3) ** 2).sum(axis=2).mean(axis=0)).tolist()
-    return Residual(position, rotation if problem.measured[0, 3] else None)
-
-
-def _verdicts(evidence: Evidence, residuals: Array) -> tuple[str, str, tuple[MotorVerdict, ...]]:
-    """The verdict on the arm, in words too, and that on each motor; `residuals` (K,) are those of the rows [σ]."""
-    motors = range(evidence.wiring.k)
-    unknown = [MotorVerdict(name) for name in evidence.wiring.motors.names]
-    if not evidence.moved.any():
-        advised = tuple(replace(motor, remedy=evidence.advice(i)) for i, motor in enumerate(unknown))
-        return "cannot tell", "no motor was moved, so the log shows nothing of any", advised
-    if not evidence.wiring.explains(evidence.found.best):
-        worst, remedy = int(residuals.argmax()), "check --position-noise"
-        if residuals[worst] > OUTLIER * max(1.0, float(np.median(residuals))):
-            remedy = f"row {worst + 1} fits least: measure it again, or leave it out"
-        return "unexplained", f"no sign, ratio or zero of single motors explains the log; {remedy}", tuple(unknown)
-    verdicts = tuple(map(evidence.verdict, motors))
-    named = {found: [motor.name for motor in verdicts if motor.verdict == found] for found in VERDICTS}
-    named["possible fault"] += ["the base"] * evidence.of_base
-    gravest = next((found for found in VERDICTS if named[found]), "sound").removeprefix("possible ")
-    what = "; ".join(f"{found}: {', '.join(names)}" for found, names in named.items() if names)
-    return gravest, what or "signs, ratios and zeros fit the log", verdicts
-
-
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What a log says of each motor: the best explanation, and its rivals."""
+    """What a log says of each motor, if it is explained."""
 
     wiring: Wiring
     found: Found
@@ -226,121 +190,63 @@ class Evidence:
         return np.stack([swapped, one.scales < 0.0, ratio, zero], axis=1)
 
     @cached_property
-    def doubts(self) -> list[tuple[Explanation, Bools, Bools]]:
-        """The rivals that lack a fault of some motor, of which motors (k,) they lack one, and which they blame more."""
-        ours, doubts = self.faults(self.found.best), []
-        for rival in self.found.rivals:
-            theirs = self.faults(rival)
-            # A base that stands elsewhere stands for a fault only if it changes no other one of that motor.
-            other = (ours != theirs) if rival.elsewhere else ours & ~theirs
-            lacking, more = ours.any(axis=1) & other.any(axis=1), (theirs & ~ours).any(axis=1)
-            if lacking.any():
-                doubts.append((rival, np.asarray(lacking), np.asarray(more)))
-        return doubts
-
-    @property
-    def of_base(self) -> bool:
-        """Whether a base that stands elsewhere explains a fault as well."""
-        return any(rival.elsewhere for rival, _, _ in self.doubts)
+    def explanations(self) -> list[Explanation]:
+        """The best one, and those that fit as well with another sign, or with two motors swapped."""
+        wiring, best = self.wiring, self.found.best
+        swaps = [] if best.swap else [pair for pair in combinations(range(wiring.k), 2) if self.moved[list(pair)].any()]
+        others = [replace(best, swap=pair) for pair in swaps]
+        for i, kind in enumerate(best.kinds):
+            q = best.q.copy()
+            q[i - wiring.k] = -2.0 - q[i - wiring.k]  # the scale 1 + q with the other sign
+            other = ANYTHING if kind.scale else ZERO if kind.sign < 0 else REVERSED_ZERO
+            others.append(replace(best.with_kind(i, other), q=q))
+        most = best.total + AS_GOOD * self.found.variance
+        return [best, *(one for one in map(wiring.fit, others) if one.total < most)]
 
     @cached_property
     def std(self) -> Array:
-        """Standard deviations (2k,) of zeros and scales with all of them fitted; inf where the log shows nothing."""
+        """Standard deviations (2k,) of zeros and scales with all of them fitted; huge where the log shows nothing."""
         best = replace(self.found.best, kinds=(ANYTHING,) * self.wiring.k)
         A = self.wiring.problems[best.swap].slopes(best.q, np.ones(len(self.wiring.log.theta)))
         A = A[:, self.wiring.free(best)]
-        size = np.linalg.norm(A, axis=0)
-        _, values, Vt = np.linalg.svd(A / np.where(size > 0, size, 1.0), full_matrices=False)
-        kept = values > 1e-9 * values[0]
-        hidden = 1.0 - (Vt[kept] ** 2).sum(axis=0) > ROUNDING
-        with np.errstate(divide="ignore"):
-            std = np.sqrt(((Vt[kept] / values[kept, None]) ** 2).sum(axis=0)) / size
-        return np.asarray(np.where(hidden | (size == 0), np.inf, std)[-2 * self.wiring.k :])
-
-    @cached_property
-    def unseen_signs(self) -> Bools:
-        """Motors (k,) that may also turn the other way: one with another zero, or several at once."""
-        found, wiring, k, best = self.found, self.wiring, self.wiring.k, self.found.best
-        unseen = np.zeros(k, dtype=bool)
-        for i, kind in enumerate(best.kinds):
-            q = best.q.copy()
-            q[i - k] = -2.0 - q[i - k]  # the scale 1 + q with the other sign
-            other = ANYTHING if KINDS[kind].scale else "zero" if KINDS[kind].sign < 0 else "reversed, zero"
-            unseen[i] = found.as_good(wiring.fit(replace(best.with_kind(i, other), q=q)))
-        patterns = sign_patterns(k)
-        starts = np.tile(best.q, (len(patterns), 1))
-        starts[:, -k:] = best.scales * patterns - 1.0
-        totals = wiring.squares(best.swap, starts, MOST_ROWS)
-        for flipped, total in zip(patterns < 0, totals.tolist(), strict=True):
-            if found.as_good(replace(best, total=total)) and not (flipped & unseen).any():
-                unseen |= flipped
-        return unseen
-
-    def unseen(self, i: int) -> tuple[str, ...]:
-        """What the log does not show of motor i: sign, ratio, zero, or a swap of motors one of which has moved."""
-        k, best = self.wiring.k, self.found.best
-        hidden = {
-            "sign": self.unseen_signs[i],
-            "ratio": self.std[k + i] > VISIBLE["1"],
-            "zero": self.std[i] > VISIBLE[self.units[i]] * self.wiring.unit[i],
-        }
-        partners = [
-            self.wiring.motors.names[j]
-            for one in self.found.others
-            if one.kinds == best.kinds and i in one.swap and one.swap != best.swap
-            if self.found.as_good(one) and self.moved[list(one.swap)].any()
-            for j in one.swap
-            if j != i
-        ]
-        return (*(name for name, unseen in hidden.items() if unseen), *map("swapped with {}".format, partners))
+        size = np.maximum(np.linalg.norm(A, axis=0), TINY)
+        spread = np.linalg.inv((A / size).T @ (A / size) + TINY * np.eye(len(size)))
+        return np.asarray((np.sqrt(np.diag(spread)) / size)[-2 * self.wiring.k :])
 
     def verdict(self, i: int) -> MotorVerdict:
-        """The verdict on motor i of a log that is explained."""
+        """The verdict on motor i: a fault is sure if no explanation lacks it and the log shows how large it is."""
         motors, k, best = self.wiring.motors, self.wiring.k, self.found.best
-        faulty = self.faults(best)[i]
-        blaming = (rival for rival, _, more in self.doubts if more[i])
-        one = best if faulty.any() else next(blaming, best)
-        faults = tuple(compress(FAULTS, self.faults(one)[i]))
-        s, e, unseen = float(one.scales[i]), float(one.zeros[i]), self.unseen(i)
-        joints = {motors.joint_names[j]: float(motors.P[j, i] * e) for j in self.joints(i)}
-        stds = float(self.std[k + i]), float(self.std[i])
-        motor = MotorVerdict(motors.names[i], "sound", faults, unseen, s, stds[0], e, stds[1], joints)
-        partners = listed(motors.names[j] for j in one.swap if j != i)
-        named = [f"{fault} with {partners}" if fault == "swapped" else fault for fault in faults]
-        hidden = [f"the log does not show: {', '.join(unseen)}"] if unseen else []
-        possible = np.any([np.zeros(k), *(lacking | more for _, lacking, more in self.doubts)], axis=0)
-        if possible[i]:
-            others = [f"a fault of {motors.names[j]!r}" for j in np.flatnonzero(possible) if j != i]
-            what = ", or ".join([*named, *others, *["the base's place"] * self.of_base])
-            remedy = BASE_KNOWN if self.of_base else self.advice(i)
-            return replace(motor, verdict="possible fault", what=what, remedy=remedy)
+        each = np.array([self.faults(one)[i] for one in self.explanations])
+        doubt = np.asarray(each.any(axis=0) & ~each.all(axis=0))
+        s, e = float(best.scales[i]), float(best.zeros[i])
+        visible = VISIBLE * np.array([NORMAL["1"], NORMAL[self.units[i]] * self.wiring.unit[i]])
+        doubt[2:] |= self.std[[k + i, i]] > np.maximum(visible, [abs(abs(s) - 1.0) / SURE, abs(e) / SURE])
+        name, faults = motors.names[i], tuple(compress(FAULTS, each[0] & ~doubt))
+        partners = listed(dict.fromkeys(motors.names[j] for one in self.explanations if i in one.swap
+                                        for j in one.swap if j != i))  # fmt: skip
+        unseen = list(compress((f"swap with {partners}", "sign", "ratio", "zero"), doubt))
+        words = [f"swapped with {partners}" if fault == "swapped" else fault for fault in faults]
+        words += [f"the log does not show its {', '.join(unseen)}"] if unseen else []
         ratio = {joint: float(g / s) for joint, g in zip(motors.joint_names, motors.G[i], strict=True) if g}
-        motor = replace(motor, ratio=ratio, zero=float(motors.offset[i] - e / s))
-        if named:
+        known, zero = not doubt[:3].any(), None if doubt.any() else float(motors.offset[i] - e / s)
+        remedies = ["swap their plugs, or their names in the arm.toml"] * ("swapped" in faults)
+        if known and set(faults) - {"swapped"}:
             entries = ", ".join(f"{joint} = {value:.7g}" for joint, value in ratio.items())
-            entries = f"as wired, [actuators.{motor.name}] has ratio = {{ {entries} }}, offset = {motor.zero:.7g}"
-            plugs = "swap their plugs, or their names in the arm.toml"
-            remedies = [*[plugs] * (i in one.swap), *[entries] * (faults != ("swapped",))]
-            return replace(motor, verdict="fault", what="; ".join([*named, *hidden]), remedy="; ".join(remedies))
+            offset = "" if zero is None else f", offset = {zero:.7g}"
+            remedies.append(f"as wired, [actuators.{name}] has ratio = {{ {entries} }}{offset}")
         if unseen:
-            of_base = unseen == ("zero",) and bool(one.q[BASE].any())
-            remedy = BASE_KNOWN if of_base else self.advice(i)
-            return replace(motor, verdict="cannot tell", what="".join(hidden), remedy=remedy)
-        return motor
-
-    def joints(self, i: int) -> list[int]:
-        """The joints that motor i moves, the other motors standing still."""
-        moved = np.abs(self.wiring.motors.P[:, i])
-        return [int(j) for j in np.flatnonzero(moved > ROUNDING * moved.max())]
+            of_base = unseen == ["zero"] and self.moved[i] and best.q[BASE].any()
+            remedies.append(BASE_KNOWN if of_base else self.advice(i))
+        verdict = FAULT if faults else CANNOT_TELL if unseen else SOUND
+        what, remedy = "; ".join(words), "; ".join(remedies)
+        return MotorVerdict(name, verdict, faults, ratio if known else None, zero, what, remedy)
 
     def advice(self, i: int) -> str:
         """What to log so that motor i is seen."""
-        joints, k = ", ".join(self.wiring.motors.joint_names[j] for j in self.joints(i)), self.wiring.k
+        moved = np.abs(self.wiring.motors.P[:, i])
+        joints = ", ".join(compress(self.wiring.motors.joint_names, moved > TINY * moved.max()))
         if not self.moved[i]:
-            far = "100 mm" if self.units[i] == "m" else "30°"
-            return f"move it: log {joints} at several places, {far} apart and more"
-        if len(self.wiring.log.theta) < 2 * k:
-            return f"log more moments, {2 * k} at least, every joint moved by itself"
+            return f"move it: log {joints} at several places, 30° or 100 mm apart and more"
         if not self.wiring.problems[()].measured[0, 3]:
             return "measure the tool's orientation too, or a point of the tool beside its axis"
-        return f"log more moments in which {joints} moves by itself"
+        return f"log more moments, {2 * self.wiring.k} at least, in which {joints} moves by itself"

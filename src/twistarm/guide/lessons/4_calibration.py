@@ -293,8 +293,7 @@ guide.figure(
 #
 # `calibrate` does these steps with the exact, nonlinear equations, and gives outliers less weight. It fits base and
 # tool first, then zeros, then axes. It holds at 0 what the log does not show. It writes the corrected file only if the
-# rows left out confirm it. With `--view` the page draws each residual as a needle, enlarged. If all needles in one
-# region point the same way, there is a systematic error. Needles in all directions are noise.
+# rows left out confirm it.
 
 # %% tags=["shown"]
 found = calibrate(arm, Measurements(theta, measured), position_noise=noise)
