@@ -298,6 +298,19 @@ def test_a_free_move_to_a_target_goes_to_any_configuration_that_meets_it(tmp_pat
         plan(arm, move, start=[0.0], scene=scene, max_time=0.2)
 
 
+def test_a_goal_near_something_takes_no_clearance_from_the_way(tmp_path: Path) -> None:
+    """Over a wall, to a goal 2 mm above a block: at the wall states still keep 30 mm."""
+    pytest.importorskip("ompl")
+    arm = slider(tmp_path, SHAPES["sphere"])
+    scene = Scene(arm)
+    scene.add_box("wall", (0.2, 2.0, 1.0))
+    scene.add_box("block", (0.1, 2.0, 0.1), (0.8, 0.0, -0.152))
+    motion = plan(arm, FreeMove([0.8, 0.0]), start=[-0.8, 0.0], scene=scene, max_time=60.0, clearance=0.03)
+    way = motion(np.linspace(0.0, motion.duration, 1000))
+    at_wall = [scene.distance(theta).metres for theta in way if abs(theta[0]) < 0.3]
+    assert min(at_wall) > 0.015  # a straight way between two states 0.1 apart loses 10 mm at a corner
+
+
 def test_a_free_move_takes_a_gap_narrower_than_its_clearance(tmp_path: Path) -> None:
     """A sphere of radius 0.1 between two blocks, with 3 mm at each side."""
     pytest.importorskip("ompl")

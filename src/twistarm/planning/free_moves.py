@@ -26,6 +26,7 @@ STEPS = (0.1, 0.05, 0.02, 0.01, 0.005)
 # For the last tries: the share of the clearance that states keep, that of the time, and the distances of states.
 LAST_SHARE, LAST_TIME, LAST_STEPS = 0.05, 0.5, (0.02, 0.01, 0.005)
 UNLIMITED = np.pi  # How far joints without limits may go beyond start and goal: every direction, once.
+BESIDE = 0.3  # So near [rad, m] to start and goals states may keep less clearance, where those have less.
 REACH = 0.5  # The longest way [rad, m] that a tree grows at once.
 SHORTCUTS = 50  # Random shortcuts that are tried on a path.
 SAMPLES = 300  # States by which the length of a path is measured.
@@ -53,15 +54,13 @@ def free_path(
     began, worked = time.monotonic(), time.process_time()
     goals = np.vstack([goal, others()])
     ends = np.vstack([start, goals])
-    near = min(scene.distance(start).metres, scene.distance(goal).metres) - scene.largest_margin
     lower, upper = ends.min(axis=0), ends.max(axis=0)
     # A curve may end beyond a limit by rounding, which OMPL would refuse.
     lower = np.where(np.isfinite(limits.lower), np.minimum(limits.lower, lower), lower - UNLIMITED)
     upper = np.where(np.isfinite(limits.upper), np.maximum(limits.upper, upper), upper + UNLIMITED)
-    room = min(clearance, 0.5 * max(near, 0.0))
-    tries = (room, STEPS, 1.0 - LAST_TIME), (LAST_SHARE * room, LAST_STEPS, 1.0)
+    tries = (clearance, STEPS, 1.0 - LAST_TIME), (LAST_SHARE * clearance, LAST_STEPS, 1.0)
     for distance, steps, share in tries:
-        is_free, latest = scene.checks(distance), began + share * max_time
+        is_free, latest = roomy(scene, distance, ends), began + share * max_time
         for step in steps:
             path = _searched(is_free, start, goals, lower, upper, step, latest - time.monotonic(), seed)
             if path is None:
@@ -69,10 +68,20 @@ def free_path(
             if all(scene.is_free(before, after) for before, after in pairwise(path)):
                 return path
     to = f" to any of {len(goals)} configurations of the target" if len(goals) > 1 else ""
-    kept, last = (Quantity(distance, "m") for distance in (room, LAST_SHARE * room))
+    kept, last = (Quantity(distance, "m") for distance in (clearance, LAST_SHARE * clearance))
     more = Text(", with {room} of clearance and at last {last}", room=kept, last=last)
     spent = time.process_time() - worked
     raise no_way(f"round{to}", max_time, spent, more, {"max_time": "longer", "clearance": "smaller"})
+
+
+def roomy(scene: Scene, clearance: float, ends: Array) -> Callable[[Array], bool]:
+    """A check of states with this clearance [m]. Near the ends (k, n) half of their clearance is enough."""
+    is_free = scene.checks(clearance)
+    near = [0.5 * max(scene.distance(theta).metres - scene.largest_margin, 0.0) for theta in ends]
+    if min(near) >= clearance:
+        return is_free
+    beside = scene.checks(min(near))
+    return lambda theta: is_free(theta) or (bool((np.abs(ends - theta).max(axis=1) < BESIDE).any()) and beside(theta))
 
 
 def no_way(way: str, max_time: float, worked: float, more: str, remedies: Mapping[str, str]) -> PathError:

@@ -16,7 +16,7 @@ from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.messages import Text
 from .following import outside_limits
-from .free_moves import UNLIMITED, no_way, require_clear
+from .free_moves import UNLIMITED, no_way, require_clear, roomy
 from .keep import Constraint, Flags
 from .piecewise import JointPath
 from .segments import CLEARANCE
@@ -25,7 +25,6 @@ from .spline import interpolating
 # For one attempt after the other: the distance [rad, m] of states, the share of the tolerances that they use, and that
 # of the clearance.
 ATTEMPTS = ((0.1, 0.7, 1.0), (0.05, 0.6, 1.0), (0.025, 0.5, 0.5), (0.0125, 0.5, 0.2), (0.0125, 0.5, 0.05))
-BESIDE = 0.3  # So near [rad, m] to start and goal states may keep less clearance, where those have less.
 REACH = 1.5  # The longest way [rad, m] that a tree grows at once.
 GAP = 2.0  # Projected states may be so many times farther from each other than the states were before.
 NEW = 0.3  # A state nearer to a known one than this share of the distance of states is none.
@@ -62,7 +61,7 @@ def keeping_path(
     filled = False
     for k in count():
         step, share, room = ATTEMPTS[min(k, len(ATTEMPTS) - 1)]
-        is_free = _roomy(scene, room * clearance, np.array([start, *goals]))
+        is_free = roomy(scene, room * clearance, np.array([start, *goals]))
         search = Search(is_free, constraint, limits, step, share, ends, np.random.default_rng(seed + k))
         states = search.found(start, goals)
         if states is not None:
@@ -75,16 +74,6 @@ def keeping_path(
     what = Text("that keeps {what}", what=constraint.keep.describe())
     more = ", the search came to its end" if filled else ""
     raise no_way(what, max_time, time.process_time() - began, more, {"tol": "larger", "max_time": "longer"})
-
-
-def _roomy(scene: Scene, clearance: float, ends: Array) -> Callable[[Array], bool]:
-    """A check of states with this clearance [m]. Near the ends (k, n) half of their clearance is enough."""
-    is_free = scene.checks(clearance)
-    near = [0.5 * max(scene.distance(theta).metres - scene.largest_margin, 0.0) for theta in ends]
-    if min(near) >= clearance:
-        return is_free
-    beside = scene.checks(min(near))
-    return lambda theta: is_free(theta) or (bool((np.abs(ends - theta).max(axis=1) < BESIDE).any()) and beside(theta))
 
 
 class Tree:

@@ -91,7 +91,7 @@ def plan(
         payload: What the tool carries then, a mass [kg] or (mass, place (3,) in tool axes [m]).
         scene: A `Scene` of the arm, or None. The motion is then proven free without gaps, and a `FreeMove` goes round.
         max_time: Greatest wall time [s] for the way of one `FreeMove`. A busy computer searches less in it.
-        clearance: How far [m] states of a `FreeMove` keep from everything; less where start or goal is nearer. A
+        clearance: How far [m] states of a `FreeMove` keep from everything; less beside ends that are nearer. A
             twentieth of it in the second half of `max_time`, for narrow gaps.
         progress: Called with the fraction done, in (0, 1], or None.
 
