@@ -49,7 +49,7 @@ LONGEST = {"alpha": TURN, "theta": TURN, "lower": 4 * TURN, "upper": 4 * TURN}
 
 UNDECIDED = (
     "say the convention, standard (Paul, Spong, Siciliano) or modified (Craig): in a column `convention` of the CSV "
-    "file, as convention of [dh] in an arm.toml, or as an argument in Python"
+    "file, or as an argument in Python"
 )
 
 BOUNDS = Bounds(bytes=1_000_000, lines=1_000)
@@ -130,9 +130,7 @@ def transform_of(row: Array, convention: str) -> Array:
     return about_z @ about_x if convention == "standard" else about_x @ about_z
 
 
-def table_of_rows(
-    rows: Iterable[Mapping[str, Any]], convention: str | None = None, base: Array | None = None
-) -> DhTable:
+def table_of_rows(rows: Iterable[Mapping[str, str]], convention: str | None = None) -> DhTable:
     """The table of rows by column. Names of columns may have units. A missing number is 0.
 
     Fixed rows at the ends belong to base and tool. Raises InputError with the row, and without a convention.
@@ -161,13 +159,13 @@ def table_of_rows(
         convention=convention,
         joints=names,
         types=tuple(row.get("type", TYPES[0]) for row in joints),
-        base=reduce(np.matmul, transforms[:first], np.eye(4) if base is None else base),
+        base=reduce(np.matmul, transforms[:first], np.eye(4)),
         tool=reduce(np.matmul, transforms[end:], np.eye(4)),
         limits=dict(zip(map(str, names), limits, strict=True)),
     )
 
 
-def _read(row: Mapping[str, Any], i: int) -> dict[str, Any]:
+def _read(row: Mapping[str, str], i: int) -> dict[str, Any]:
     """The entries of row i by column, in SI."""
     read: dict[str, Any] = {}
     with inside(f"row {i}"):
@@ -184,7 +182,7 @@ def _read(row: Mapping[str, Any], i: int) -> dict[str, Any]:
                 read[name] = cell
                 continue
             quantity = PARAMETERS.get(name) or LIMITS[name][1 if kind == "prismatic" else 0]
-            value = number_in(cell, key) if isinstance(cell, str) else as_number(cell, key)
+            value = number_in(cell, key)
             if quantity == "rad" and not unit and abs(value) > LONGEST[name]:
                 raise InputError(f"{angle_hint(np.array(value))}; name the column {name}_deg, or {name} [rad]")
             with inside(key):

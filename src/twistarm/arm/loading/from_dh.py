@@ -71,7 +71,7 @@ def arm_from_dh(
     Args:
         table: Rows (n, 4), a `DhTable`, or the path of a CSV file. Its first line names columns out of joint, type,
             convention, a, alpha, d, theta, lower, upper, velocity, effort, with units as in `a [mm]`; else they are
-            SI. Rows of type fixed belong to base and tool. An arm.toml with [dh] is for `load_arm`.
+            SI. Rows of type fixed belong to base and tool.
         convention: "standard" or "modified". A `DhTable` has its own, and a file may have.
         joints: The n joint names; by default joint1, joint2 and so on.
         types: "revolute" or "prismatic" for each joint; by default revolute.

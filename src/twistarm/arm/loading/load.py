@@ -12,7 +12,8 @@ import numpy as np
 
 from ...description import catalog
 from ...description.chain import walk_chain
-from ...description.companions.arm_file import ArmSpecification, Tool, read_arm_file, read_table_file
+from ...description.companions.arm_file import ArmSpecification, Tool, read_arm_file
+from ...description.companions.data_files import unusable
 from ...description.companions.srdf import ArmGroup, arm_groups, note_names, path_from, read_srdf, srdf_beside
 from ...description.document import Reading
 from ...description.findings import Finding, Place, finding, refusal
@@ -171,12 +172,15 @@ def specify(
 
 
 def read(specification: ArmSpecification) -> Description:
-    """The description that a specification names, or that of its table."""
-    if specification.dh is not None:
-        from ...description.dh import dh_urdf  # few arms have a table
+    """The description that a specification names, or that of a DH table in a CSV file."""
+    if specification.description.suffix.lower() == ".csv":
+        from ...description.dh import dh_urdf, rows_of_csv, table_of_rows  # few arms have a table
 
         file = specification.description.resolve()
-        text = dh_urdf(specification.dh, specification.name or file.stem)
+        try:
+            text = dh_urdf(table_of_rows(rows_of_csv(file)), specification.name or file.stem)
+        except InputError as error:
+            raise unusable(file, f"as a DH table: {error}") from error
         return build_description(text, Reading(file, PackageIndex(file), show_lines=False))
     return read_description(specification.description, specification.options)
 
@@ -216,8 +220,7 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
     if is_baked(path):
         raise InputError(f"{path} is a baked arm, which has no description; give the file that it was baked from")
     if is_file(path):
-        read_file = {".toml": read_arm_file, ".csv": read_table_file}.get(path.suffix.lower())
-        return read_file(path) if read_file else ArmSpecification(path, text)
+        return read_arm_file(path) if path.suffix.lower() == ".toml" else ArmSpecification(path, text)
     own = catalog.own_arm_file(text)
     if own is not None:
         return replace(read_arm_file(own), source=text)

@@ -26,7 +26,7 @@ from ..urdf import PLAIN, ReadOptions
 from .data_files import parse_toml, unusable
 
 if TYPE_CHECKING:
-    from ..dh import DhTable
+    pass
 
 # Limits that a motor may have. Data sheets give no jerk.
 MOTOR_LIMITS = ("lower", "upper", "velocity", "acceleration", "effort")
@@ -63,7 +63,7 @@ class ArmSpecification:
     `source` is the user's name for it: the description, an arm.toml or a name of the catalogue. `other_chain` says
     that the caller chose another base or tip, so that the other data need not fit. An arm.toml may come from a
     stranger. So only the caller sets `options.env_vars`, and package folders outside the arm.toml's tree are
-    `options.mesh_dirs`, which give only meshes. A table `dh` takes the place of a description.
+    `options.mesh_dirs`, which give only meshes.
     """
 
     description: Path
@@ -80,7 +80,6 @@ class ArmSpecification:
     joint_limits: str | os.PathLike[str] | None = None
     motors: tuple[Motor, ...] = ()
     other_chain: bool = False
-    dh: DhTable | None = None
     findings: tuple[Finding, ...] = ()
 
 
@@ -101,22 +100,11 @@ def _motor_limits(value: Any, name: str) -> dict[str, float]:
 _coordinate = partial(as_number, least=-LARGEST, most=LARGEST, unit="rad or m")
 _bound = partial(as_number, least=-inf, most=inf, unit="rad or m")
 _three = partial(numbers, size=3, least=-LARGEST, most=LARGEST)
-_XYZ_RPY: dict[str, Check] = {"xyz": _three, "rpy": _three}
 _MOTOR: dict[str, Check] = {"offset": _coordinate, "unit": text, "ticks_per_turn": as_positive, "limits": _motor_limits}
 
 FORMAT: dict[str, Check] = {
     **dict.fromkeys(("name", "source", "base", "tip", "srdf", "joint_limits"), word),
-    "dh": partial(
-        fields,
-        needed={},
-        optional={
-            "table": word,
-            "rows": list_of(table_of(anything)),
-            "convention": text,
-            "base": partial(fields, needed={}, optional=_XYZ_RPY),
-        },
-    ),
-    "tool": partial(fields, needed={"name": word}, optional=_XYZ_RPY),
+    "tool": partial(fields, needed={"name": word}, optional={"xyz": _three, "rpy": _three}),
     "xacro_args": table_of(anything),
     "package_dirs": list_of(text),
     "ignore_packages": list_of(text),
@@ -137,27 +125,23 @@ def read_arm_file(path: Path) -> ArmSpecification:
 
 
 def _specification(content: Mapping[str, Any], path: Path) -> ArmSpecification:
-    if ("source" in content) == ("dh" in content):
-        what = "it has a source and a table [dh]" if "dh" in content else "it names no source"
-        raise InputError(f'{what}: write source = "my_arm.urdf" or a table [dh]')
+    if "source" not in content:
+        raise InputError('it names no source: write source = "my_arm.urdf"')
     files = {key: _beside(content[key], key, path) for key in ("source", "srdf", "joint_limits") if key in content}
-    dh = _dh(content["dh"], path) if "dh" in content else None
     folders = [_beside(folder, "package_dirs", path, os.path.isdir) for folder in content.get("package_dirs", ())]
     here = os.path.realpath(path.parent)
     # The way to a far folder leads through the home folder or one above it.
     far = tuple(folder for folder in folders if is_too_wide(Path(os.path.commonpath([os.path.realpath(folder), here]))))
     tool, doubtful = content.get("tool"), []
-    for name, table in {"tool": tool or {}, "dh.base": content.get("dh", {}).get("base", {})}.items():
-        if hint := angle_hint(np.array(table.get("rpy", ()))):
-            what, remedy = f"{name}.rpy {quote(table['rpy'])}: {hint}", "write radians: 90 degrees are 1.5707963"
-            doubtful.append(finding("unit-doubtful", Place(str(path)), what, remedy))
+    if tool and (hint := angle_hint(np.array(tool.get("rpy", ())))):
+        what, remedy = f"tool.rpy {quote(tool['rpy'])}: {hint}", "write radians: 90 degrees are 1.5707963"
+        doubtful.append(finding("unit-doubtful", Place(str(path)), what, remedy))
     return ArmSpecification(
-        description=files.get("source", path),
+        description=files["source"],
         source=str(path),
         name=content.get("name"),
-        base=content.get("base", dh and "base"),
-        tip=content.get("tip", dh and "tool"),
-        dh=dh,
+        base=content.get("base"),
+        tip=content.get("tip"),
         tool=tool and Tool(tool["name"], _pose(tool)),
         options=ReadOptions(
             package_dirs=[folder for folder in folders if folder not in far],
@@ -173,30 +157,6 @@ def _specification(content: Mapping[str, Any], path: Path) -> ArmSpecification:
         motors=tuple(Motor(name, **motor) for name, motor in content.get("actuators", {}).items()),
         findings=tuple(doubtful),
     )
-
-
-def _dh(entries: Mapping[str, Any], path: Path) -> DhTable:
-    """The table in the file, or in a CSV file that it names."""
-    from ..dh import rows_of_csv, table_of_rows  # few arms have one
-
-    rows = entries.get("rows", [])
-    try:
-        if "table" in entries:
-            rows = rows_of_csv(_beside(entries["table"], "dh.table", path))
-        return table_of_rows(rows, entries.get("convention"), _pose(entries.get("base", {})))
-    except InputError as error:
-        raise InputError(f"dh: {error}") from error
-
-
-def read_table_file(path: Path) -> ArmSpecification:
-    """Read a CSV file with a DH table as an arm. Raises DescriptionError that says what is missing."""
-    from ..dh import BASE, TOOL, rows_of_csv, table_of_rows
-
-    try:
-        table = table_of_rows(rows_of_csv(path))
-    except InputError as error:
-        raise unusable(path, f"as a DH table: {error}") from error
-    return ArmSpecification(path, str(path), base=BASE, tip=TOOL, dh=table)
 
 
 def _beside(name: str, key: str, path: Path, exists: Callable[[Path], bool] = is_file) -> Path:
