@@ -10,7 +10,6 @@ import yaml
 
 from twistarm import Arm, DescriptionError, crosscheck, load_arm
 from twistarm.description.companions.data_files import parse_yaml
-from twistarm.description.companions.joint_limits import read_joint_limits
 from urdf_text import two_joints, write
 
 MOVEIT = """
@@ -160,7 +159,7 @@ def test_files_that_are_none(tmp_path: Path) -> None:
     large = write(tmp_path, "joint_limits:\n" + "#" * 300_000, "big.yaml")
     for path, what in ((tmp_path / "no.yaml", "no.yaml"), (tmp_path, "a folder"), (large, "300,014")):
         with pytest.raises(DescriptionError, match=what):
-            read_joint_limits(path)
+            load_arm(write(tmp_path, two_joints()), limits=path)
 
 
 # -- soft limits, by the rule of MoveIt's joint model ----------------------------------------------------------------

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping
 from functools import partial
 from math import copysign, inf
 from pathlib import Path
@@ -56,61 +55,41 @@ FORMAT = (
 POSITIONS = ("lower", "upper", "soft_lower", "soft_upper")
 
 
-@dataclass(frozen=True)
-class LimitsFile:
-    """Limits of a file by joint and meaning, {"elbow": {"velocity": 1.0}}, in rad or m and their rates."""
+def with_file(
+    limits: JointLimits, names: tuple[str, ...], every: Collection[str], path: str | os.PathLike[str]
+) -> tuple[JointLimits, tuple[Finding, ...]]:
+    """The limits of these coordinates with those of a joint_limits.yaml, and findings.
 
-    path: Path
-    joints: Mapping[str, Mapping[str, float]]
-    findings: tuple[Finding, ...] = ()
+    It is `joint_limits: {joint: {has_velocity_limits: true, max_velocity: 1.0, …}}`, also inside ROS parameters
+    (`/**: ros__parameters:`). `has_…_limits: false` and a limit of 0 mean "not given". Without `has_…` a limit counts.
+    Of acceleration and deceleration the smaller holds. Soft limits narrow the positions. `!degrees` become rad.
+    `every` lists all joints of the robot.
 
-    def onto(
-        self, limits: JointLimits, names: tuple[str, ...], every: Iterable[str]
-    ) -> tuple[JointLimits, tuple[Finding, ...]]:
-        """The limits of these coordinates with those of the file, and findings. `every` lists all joints of the robot.
-
-        Soft limits narrow the positions. Raises DescriptionError if the file names none of the coordinates, or if its
-        limits are swapped or leave no room.
-        """
-        noted = [*self.findings, *self._note_others(names, set(every))]
-        ours = {joint: dict(its) for joint, its in self.joints.items() if joint in names}
+    Raises DescriptionError (file, joint, remedy) also if the file names none of the coordinates, or if its limits are
+    swapped or leave no room.
+    """
+    file = existing_file(path, "the path of a joint_limits.yaml")
+    try:
+        content = _content(file)
+        table = table_of(table_of(anything))(content["joint_limits"], "joint_limits")
+        given = {joint: _joint(joint, entries) for joint, entries in table.items()}
+        noted = list(_noted(file, content, given, names, every))
+        ours = {joint: its for joint, its in given.items() if joint in names}
         for joint, its in ours.items():
             i, soft = names.index(joint), (its.pop("soft_lower", -inf), its.pop("soft_upper", inf))
             if soft != (-inf, inf):
                 its["lower"] = max(soft[0], its.get("lower", limits.lower[i]))
                 its["upper"] = min(soft[1], its.get("upper", limits.upper[i]))
                 what = f"its soft limits are kept: [{its['lower']:g}, {its['upper']:g}]"
-                place = Place(self.path.name, None, "joint", joint)
+                place = Place(file.name, None, "joint", joint)
                 noted.append(finding("limits-adjusted", place, what, "set has_soft_limits: false for its whole range"))
-        try:
-            return limits.with_(by_field(ours), names), tuple(noted)
-        except InputError as error:
-            raise unusable(self.path, str(error)) from error
-
-    def _note_others(self, names: tuple[str, ...], every: set[str]) -> Iterator[Finding]:
-        """Findings for names of no joint, and for a file without any limit of a coordinate."""
-        place, others = Place(self.path.name), [joint for joint in self.joints if joint not in names]
-        if len(others) == len(self.joints):
-            what = f"its joints are {listed(others) or 'none'}; the arm's are {listed(names)}"
-            raise unusable(self.path, what, "is it the file of another robot?")
-        for joint in (joint for joint in others if joint not in every):
-            what = f"it has limits for {joint!r}, and no joint has that name; they are not kept"
-            yield finding("companion-doubtful", place, what, f"correct the name{closest(joint, names)}")
-        if not any(its for joint, its in self.joints.items() if joint in names):
-            what = "it gives no limit for this arm: every has_…_limits is false, or the values are 0"
-            yield finding("companion-not-used", place, what, "set has_velocity_limits: true and max_velocity")
+        return limits.with_(by_field(ours), names), tuple(noted)
+    except InputError as error:
+        raise unusable(file, str(error)) from error
 
 
-def read_joint_limits(path: str | os.PathLike[str]) -> LimitsFile:
-    """Read a joint_limits.yaml: `joint_limits: {joint: {has_velocity_limits: true, max_velocity: 1.0, …}}`.
-
-    `has_…_limits: false` and a limit of 0 mean "not given". Without `has_…` a limit counts. Of acceleration and
-    deceleration the smaller holds. The mapping may lie inside ROS parameters (`/**: ros__parameters:`). `!degrees`
-    become rad.
-
-    Raises DescriptionError (file, joint, remedy).
-    """
-    file = existing_file(path, "the path of a joint_limits.yaml")
+def _content(file: Path) -> Mapping[str, Any]:
+    """The one mapping with joint_limits."""
     content = parse_yaml(read_text(file, MAX_BYTES), file)
     found = list(_nested(content, MAX_NESTING))
     if len(found) != 1:
@@ -118,19 +97,34 @@ def read_joint_limits(path: str | os.PathLike[str]) -> LimitsFile:
         keys = listed(map(str, content), 6) if isinstance(content, dict) else "no mapping"
         remedy = "write joint_limits: {joint: {has_velocity_limits: true, max_velocity: 1.0}}, once"
         raise unusable(file, f"{there} (at the top: {keys})", remedy)
-    noted: list[Finding] = []
-    if factors := [f"{key} {value}" for key, value in found[0].items() if str(key).startswith("default_")]:
+    return found[0]
+
+
+def _noted(
+    file: Path,
+    content: Mapping[str, Any],
+    given: Mapping[str, Mapping[str, float]],
+    names: tuple[str, ...],
+    every: Collection[str],
+) -> Iterator[Finding]:
+    """Findings for what has no effect: factors, unknown entries and joints, and a file without a limit."""
+    place = Place(file.name)
+    if factors := [f"{key} {value}" for key, value in content.items() if str(key).startswith("default_")]:
         what = f"{' and '.join(factors)}: MoveIt scales its limits by this factor; twistarm does not"
-        noted.append(finding("companion-not-used", Place(file.name), what, "write the scaled limits here too"))
-    try:
-        table = table_of(table_of(anything))(found[0]["joint_limits"], "joint_limits")
-        joints = {joint: _joint(joint, entries) for joint, entries in table.items()}
-    except InputError as error:
-        raise unusable(file, str(error)) from error
-    for joint, key in ((joint, key) for joint, entries in table.items() for key in entries if key not in FORMAT):
-        what = f"its entry {key!r} is unknown and left out{closest(key, FORMAT)}"
-        noted.append(finding("companion-doubtful", Place(file.name, None, "joint", joint), what, "correct it"))
-    return LimitsFile(file, joints, tuple(noted))
+        yield finding("companion-not-used", place, what, "write the scaled limits here too")
+    for joint, entries in content["joint_limits"].items():
+        for key in (key for key in entries if key not in FORMAT):
+            what = f"its entry {key!r} is unknown and left out{closest(key, FORMAT)}"
+            yield finding("companion-doubtful", Place(file.name, None, "joint", joint), what, "correct it")
+    if not any(joint in names for joint in given):
+        what = f"its joints are {listed(given) or 'none'}; the arm's are {listed(names)}"
+        raise unusable(file, what, "is it the file of another robot?")
+    for joint in (joint for joint in given if joint not in names and joint not in every):
+        what = f"it has limits for {joint!r}, and no joint has that name; they are not kept"
+        yield finding("companion-doubtful", place, what, f"correct the name{closest(joint, names)}")
+    if not any(its for joint, its in given.items() if joint in names):
+        what = "it gives no limit for this arm: every has_…_limits is false, or the values are 0"
+        yield finding("companion-not-used", place, what, "set has_velocity_limits: true and max_velocity")
 
 
 def _nested(content: Any, depth: int) -> Iterator[Mapping[str, Any]]:
