@@ -187,7 +187,7 @@ class _Expansion:
         xacro._global_symbols = symbols = xacro.create_global_symbols()
         symbols["xacro"].update(arg=self._argument, **dict.fromkeys(QUIET, _say_nothing))
         for name in LEFT_OUT:
-            dict.pop(symbols["python"], name)
+            dict.pop(symbols["python"], name, None)
         symbols["python"]["type"] = type_of
 
     def findings(self, robot: Any) -> tuple[Finding, ...]:
