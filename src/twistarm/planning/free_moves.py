@@ -141,14 +141,18 @@ def _searched(
     if not setup.haveExactSolutionPath():
         return None
     found = setup.getSolutionPath()
-    simplifier = geometric.PathSimplifier(setup.getSpaceInformation())
-    simplifier.ropeShortcutPath(found)
-    simplifier.reduceVertices(found)
-    simplifier.partialShortcutPath(found, SHORTCUTS, SHORTCUTS)
-    simplifier.reduceVertices(found)
+    _shorten(found, geometric.PathSimplifier(setup.getSpaceInformation()))
     path = np.array([numbers(found.getState(k)) for k in range(found.getStateCount())])
     path[0], path[-1] = start, goals[np.abs(goals - path[-1]).max(axis=1).argmin()]
     return path
+
+
+def _shorten(path: Any, simplifier: Any) -> None:
+    """Shorten a path of OMPL by its simplifier."""
+    simplifier.ropeShortcutPath(path)
+    simplifier.reduceVertices(path)
+    simplifier.partialShortcutPath(path, SHORTCUTS, SHORTCUTS)
+    simplifier.reduceVertices(path)
 
 
 def _import_ompl(seed: int) -> tuple[Any, Any]:
