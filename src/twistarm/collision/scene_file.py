@@ -81,8 +81,9 @@ class Entry:
 class SceneFile:
     """The content of a scene file: the arm's name if given, obstacles, allowed pairs and the margin [m].
 
-    `matrix` tells that `allowed` are all pairs of the robot that need no check. `foreign`: names that the robot lacks
-    are left out, as MoveIt does; `absent` are these. `unread` tells what else of the file is not used.
+    matrix: whether `allowed` are all pairs of the robot that need no check, in place of those of the SRDF. foreign:
+    whether names that the robot lacks are left out, as MoveIt does. absent: these names. unread: entries of the file
+    that are not used.
     """
 
     arm: str

@@ -103,10 +103,12 @@ def plan_joint(
     would leave the position limits. Extra pieces slow or stop the joint near those waypoints. It stays C² or C⁴.
 
     Limits of the arm's motors (`arm.actuators`) hold as well. The exact extremes of the polynomials are checked, to
-    1e-9. Without `times`, a missing velocity or acceleration limit is the usual one (1 rad/s, 0.25 m/s, 3 rad/s²,
-    1 m/s²). With `times`, missing limits are not checked. Without `times`, consecutive waypoints nearer than 1e-6 are
-    merged. If one remains, the motion has duration 0. All others are met within 1e-9. `notes` tell what was assumed,
-    merged or unwrapped, and which joints swing far past their waypoints.
+    1e-9. Waypoints are met within 1e-9. `notes` tell what was assumed, merged or unwrapped, and which joints swing far
+    past their waypoints.
+
+    - Without `times`, a missing velocity or acceleration limit is the usual one (1 rad/s, 0.25 m/s, 3 rad/s², 1 m/s²).
+      Consecutive waypoints nearer than 1e-6 are merged. If one remains, the motion has duration 0.
+    - With `times`, missing limits are not checked.
 
     Source: Lynch & Park, Modern Robotics, §9.2 to §9.4.
 

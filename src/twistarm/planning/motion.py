@@ -65,9 +65,9 @@ def plan(
     """Plan a rest-to-rest motion through `segments`, inside the limits of joints and motors.
 
     Joint moves go straight in joint space. Lines, screws and arcs keep the tool within 0.1 mm and 0.05° of the ideal.
-    Wider tolerances replace these. If curves follow a joint move to a target, `plan` chooses the branch. It follows all
-    curves with the least joint motion. Between two moves the arm stops, or rounds the corner inside a ball of radius
-    `blend`. The corner shrinks until it fits. The arm also stops if that takes less time.
+    Wider tolerances replace these. If curves follow a joint move to a target, it ends in the branch from which all can
+    be followed with the least joint motion. Between two moves the arm stops, or rounds the corner inside a ball of
+    radius `blend`. The corner shrinks until it fits. The arm also stops if that takes less time.
 
     - `s_curve`, `time_optimal`: as for `plan_joint`. A joint move that stops at both ends is the shortest possible.
     - `quintic`: s(t) = 10 u³ − 15 u⁴ + 6 u⁵ along the whole stretch from stop to stop.

@@ -104,7 +104,7 @@ class ServoOutput(Brief):
 
     lost_twist (6,) [m/s, rad/s], in the command's frame: the part impossible here at any speed. The cause is a missing
     motion, a singularity, or a joint that is or stops at its end. At constant speed the tool moves by scale · (twist −
-    lost_twist). A rotation that the tool needs in order to move is in it, with opposite sign.
+    lost_twist). If the tool must turn in order to move, that rotation is in it too, with opposite sign.
 
     lost_share: ‖lost_twist‖ / ‖twist‖, with metres divided by the length.
 

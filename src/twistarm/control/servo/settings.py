@@ -63,9 +63,9 @@ class ServoSettings:
 class ServoBounds:
     """The data of an arm for a servo step.
 
-    motion: the limits of motors with limits and of joints, less the position margin. The joints are its last n rows.
-    unit (n,): the factor from a coordinate's scaled number in rad, 1 or `length` for a slide. ready (n,): the
-    configuration that shows an exactly singular arm the way out. The rest as in `ServoSettings`.
+    motion: the limits of motors with limits and then of joints (the last n rows), less the position margin. unit (n,):
+    1 for an angle, `length` for a slide: so far it moves for a scaled rad. ready (n,): the configuration that shows an
+    exactly singular arm the way out. The rest as in `ServoSettings`.
     """
 
     motion: MotionLimits
