@@ -23,7 +23,7 @@ GOOD: dict[str, Any] = {
 SPOKEN = {"R": "rotation", "Q": "quaternion|Q"}  # What an error calls some of them.
 UNCHECKED = {  # For inner loops, whose callers have checked.
     "cross", "split", "log_of", "adjoint_of", "inverse_of", "exp_along", "turn_and_slide", "columns", "products",
-    "motions", "nearest_on_line", "axis_points",
+    "motions",
 }  # fmt: skip
 
 

@@ -279,15 +279,3 @@ def test_where_many_rotations_are_equally_near_none_is_chosen(A):
         rotations.nearest(A)
     for matrix in (np.diag([2.0, 1.0, 0.0]), np.diag([1.0, 1.0, -0.5])):  # flat, and a mirror that is uneven
         close(rotations.nearest(matrix), np.eye(3), SCIPY)
-
-
-def test_the_least_turn_takes_one_direction_to_another():
-    """By the angle of the two directions; for opposite ones about some axis, for equal ones not at all."""
-    rng = np.random.default_rng(5)
-    for _ in range(50):
-        a, b = (v / np.linalg.norm(v) for v in rng.normal(size=(2, 3)))
-        turn = rotations.least_turn(a, b)
-        np.testing.assert_allclose(rotations.exp(turn) @ a, b, atol=1e-15)
-        assert np.linalg.norm(turn) == pytest.approx(np.arccos(a @ b), abs=1e-9)
-        np.testing.assert_allclose(rotations.exp(rotations.least_turn(a, -a)) @ a, -a, atol=1e-15)
-        assert not rotations.least_turn(a, a).any()

@@ -10,7 +10,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import expm
-from scipy.optimize import minimize_scalar
 
 from strategies import (
     BATCHES,
@@ -26,7 +25,7 @@ from strategies import (
     twists,
     vectors,
 )
-from twistarm import joints, screws
+from twistarm import screws
 from twistarm.support.errors import InputError
 
 ROUNDING = 8 * EPS  # A pose after a handful of operations, relative to its translation (1 for its rotation).
@@ -272,15 +271,3 @@ def test_six_twists_in_a_square_are_not_guessed_to_be_rows_or_columns():
         assert np.array_equal(convert(V[:, :5], twists="columns"), V[swapped, :5])
         with pytest.raises(InputError, match="closest: 'columns'"):
             convert(V, twists="colums")
-
-
-def test_points_of_successive_axes_are_each_nearest_to_the_one_before():
-    """By SciPy's minimum of the distance along each line; a slide repeats the point before."""
-    rng = np.random.default_rng(3)
-    axes, points, start = rng.normal(size=(3, 3)), rng.normal(size=(3, 3)), rng.normal(size=3)
-    columns = [joints.helical(axes[0], points[0], 0.3), joints.prismatic(axes[1]), joints.revolute(axes[2], points[2])]
-    first, repeated, last = screws.axis_points(np.hstack(columns), start)
-    for found, before, i in ((first, start, 0), (last, first, 2)):
-        along = minimize_scalar(lambda t, i=i, at=before: np.linalg.norm(points[i] + t * axes[i] - at)).x
-        np.testing.assert_allclose(found, points[i] + along * axes[i], atol=1e-6)
-    assert (repeated == first).all()

@@ -215,8 +215,8 @@ OBJECTS: dict[type, Any] = {
 
 UNCHECKED = {
     "Arm", "AllSolutionsBatch", "IKBatch", "Roots", "screws.Screw",
-    "rotations.cross", "rotations.least_turn", "rotations.split", "rotations.log_of", "screws.adjoint_of",
-    "screws.inverse_of", "screws.exp_along", "screws.turn_and_slide", "screws.nearest_on_line", "screws.axis_points",
+    "rotations.cross", "rotations.split", "rotations.log_of", "screws.adjoint_of",
+    "screws.inverse_of", "screws.exp_along", "screws.turn_and_slide",
     "poe.columns", "poe.motions", "poe.products",
     "Arm.joint_values", "Arm.require_core", "Arm.walked_poses",
 }  # fmt: skip

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..support.checks import Array
 from ..support.directions import angle_in_words, length_in_words
-from ..theory.lower_pairs import meeting_point
+from ..theory.lines import meeting_point
 
 EXACT_ANGLE, EXACT_DISTANCE = 1e-9, 1e-9  # [rad], [m]: closer than this counts as exact.
 ALMOST_ANGLE, ALMOST_DISTANCE = math.radians(0.5), 2e-3  # [rad], [m]: more is intended.

@@ -17,9 +17,9 @@ import numpy as np
 from ..description.tree import Description, Pair, sorted_pair
 from ..support.checks import Array
 from ..theory import poe
+from ..theory.lines import axis_points
 from ..theory.manipulability import scaled_jacobian
 from ..theory.rotations import cross
-from ..theory.screws import axis_points
 from .bodies import Body, Shapes, adjacent_pairs
 from .checker import Checker
 from .pinocchio_model import PinocchioModel, import_pinocchio

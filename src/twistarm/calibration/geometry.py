@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from ..arm.arm import Arm
 from ..support.checks import Array
 from ..theory.joints import plane_axes
+from ..theory.lines import axis_points
 from ..theory.poe import columns, motions
 from ..theory.rotations import skew
-from ..theory.screws import adjoint_of, axis_points, exp, inverse_of, to_screw
+from ..theory.screws import adjoint_of, exp, inverse_of, to_screw
 
 # The parameters of base and tool, and the first one of the joints.
 BASE, TOOL, JOINTS = slice(0, 6), slice(6, 12), 12

@@ -17,10 +17,10 @@ from ..limits.joint_limits import RATES, JointLimits
 from ..support.checks import Array, pose_of
 from ..support.errors import ComparisonError, InputError
 from ..support.files import as_path, write_whole
+from ..theory.lines import least_turn, nearest_on_line
 from ..theory.rotations import exp as rotation_exp
-from ..theory.rotations import least_turn
 from ..theory.rotations import log as rotation_log
-from ..theory.screws import adjoint, inverse, nearest_on_line, to_screw
+from ..theory.screws import adjoint, inverse, to_screw
 
 GOLDEN = Kind("twistarm golden", "golden file", "twistarm freeze ARM -o FILE")
 

@@ -16,6 +16,7 @@ from ..support.checks import Array
 from ..support.errors import InputError, UnknownNameError
 from ..support.messages import joined
 from ..theory import rotations, screws
+from ..theory.lines import least_turn
 from .curves import Curve, MovingTarget, arc, line
 from .segments import CONSTRAINED, ArcMove, Constrained, JointMove, LineMove, ScrewMove
 from .waypoints import as_tolerances, solved
@@ -83,7 +84,7 @@ class Goals:
             return [target], _with_position(g0, target.p)
         if isinstance(target, Approach):
             g1 = _with_position(g0, target.p)
-            g1[:3, :3] = rotations.exp(rotations.least_turn(g0[:3, :3] @ target.axis, target.direction)) @ g0[:3, :3]
+            g1[:3, :3] = rotations.exp(least_turn(g0[:3, :3] @ target.axis, target.direction)) @ g0[:3, :3]
             return [target], g1
         return [target], target.g
 

@@ -19,7 +19,8 @@ from ..support.display import Brief
 from ..support.errors import InputError, quote
 from ..support.messages import Quantity, Text, joined
 from ..theory import rotations
-from ..theory.screws import axis_points, to_screw
+from ..theory.lines import axis_points, least_turn
+from ..theory.screws import to_screw
 from .configurations import shortest
 from .piecewise import bernstein, shifted
 
@@ -144,7 +145,7 @@ class Keep(Brief):
             return Approach(target.p, np.asarray(self.direction), np.asarray(self.tool_axis))
         R = np.asarray(self.orientation)
         if self.direction is not None:
-            turn = rotations.least_turn(R @ np.asarray(self.tool_axis), np.asarray(self.direction))
+            turn = least_turn(R @ np.asarray(self.tool_axis), np.asarray(self.direction))
             if np.linalg.norm(turn) > self.tol:  # only rotations between the two keep both
                 R = rotations.exp(0.5 * turn) @ R
         return Pose(pose_of(R, target.p))

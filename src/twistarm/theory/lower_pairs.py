@@ -55,18 +55,6 @@ def lower_pairs(screws: Array, A: Array) -> tuple[LowerPair, ...]:
     return tuple(pairs)
 
 
-def meeting_point(axes: Array, points: Array) -> tuple[Array, float]:
-    """The point (3,) with the least squared distances to lines, and the greatest of the distances [m].
-
-    The lines have unit `axes` (k, 3) and go through `points` (k, 3). For parallel axes it is the one nearest to 0.
-    """
-    across = np.eye(3) - axes[:, :, None] * axes[:, None, :]
-    target = np.einsum("kij,kj->i", across, points)
-    centre = np.linalg.lstsq(across.sum(axis=0), target, rcond=1e-9)[0]
-    off = np.linalg.norm(np.einsum("kij,kj->ki", across, centre - points), axis=1)
-    return centre, float(off.max())
-
-
 def _planar(screw: Screw, A: Array, i: int) -> LowerPair | None:
     rows = (i, i + 1, i + 2)
     if not (_independent(A, rows) and _slides(screw, i) and _slides(screw, i + 1) and _turns(screw, i + 2)):

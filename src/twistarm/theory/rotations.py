@@ -23,9 +23,6 @@ GIMBAL_LOCK_TOL = 1e-14
 INDEFINITE = 1e-12
 """Where σ₂ ± σ₃ of a matrix scaled to 1 is no more than this, rounding alone decides which rotation is nearest."""
 
-OPPOSITE = 1e-12
-"""Two unit vectors whose cross product is shorter than this leave the axis between them to rounding."""
-
 TINY = 1e-200
 """A vector shorter than this has no direction: its quotients would lose digits to underflow."""
 
@@ -106,18 +103,6 @@ def angle_between(R1: ArrayLike, R2: ArrayLike) -> Array:
     R1, R2 = as_rotation(R1, "R1"), as_rotation(R2, "R2")
     require_broadcast(R1=R1.shape[:-2], R2=R2.shape[:-2])
     return _axis_angle(np.swapaxes(R1, -1, -2) @ R2)[1]
-
-
-def least_turn(a: Array, b: Array) -> Array:
-    """The rotation vector (3,) of the least turn from a unit vector a to b (3,), about some axis if opposite.
-
-    The vectors are not checked.
-    """
-    axis, cosine = np.cross(a, b), float(a @ b)
-    sine = float(np.linalg.norm(axis))
-    if sine < OPPOSITE and cosine < 0.0:
-        axis = np.cross(a, np.eye(3)[int(np.abs(a).argmin())])
-    return axis * (np.arctan2(sine, cosine) / max(float(np.linalg.norm(axis)), TINY))
 
 
 def split(w: Array) -> tuple[Array, Array]:

@@ -27,8 +27,6 @@ Twists = Literal["rows", "columns"]
 TRANSLATION_TOL = 1e-15
 """A twist with less rotation than this, in rad per metre, is a translation: the rest is rounding."""
 
-NO_LINE = 1e9  # m/rad. The axis of a twist with a larger pitch is far off: a slide that other machines round otherwise.
-
 
 # se(3) ------------------------------------------------------------------------------------------------
 
@@ -299,19 +297,3 @@ def to_screw(xi: ArrayLike) -> Screw:
     point = np.where(pure[..., None], 0.0, cross(w_axis, per_radian))
     pitch = np.where(pure, np.inf, np.sum(w_axis * per_radian, axis=-1))
     return Screw(np.where(pure[..., None], v_axis, w_axis), point, pitch, np.where(pure, speed, rate))
-
-
-def nearest_on_line(axis: Array, point: Array, to: Array) -> Array:
-    """The point (3,) nearest to `to` (3,) on the line through `point` along the unit vector `axis`."""
-    return np.asarray(point + axis * (axis @ (to - point)))
-
-
-def axis_points(screws: Array, start: Array) -> Array:
-    """A point (m, 3) on the axis of each twist (6, m), nearest to the one before, the first to `start` (3,).
-
-    A translation, which has no line, repeats the point before. A pitch beyond `NO_LINE` is one with rounding.
-    """
-    all_of_them, points = to_screw(screws.T), [start]
-    for axis, point, pitch in zip(all_of_them.axis, all_of_them.point, all_of_them.pitch, strict=True):
-        points.append(nearest_on_line(axis, point, points[-1]) if abs(pitch) < NO_LINE else points[-1])
-    return np.reshape(points[1:], (-1, 3))

@@ -24,8 +24,9 @@ from ...support.checks import Array, as_floats, as_number, as_pose, as_positive,
 from ...support.errors import InputError, quote
 from ...support.fields import fields, inside
 from ...theory import joints
+from ...theory.lines import NO_LINE, axis_points
 from ...theory.lower_pairs import lower_pairs
-from ...theory.screws import NO_LINE, axis_points, inverse, to_screw
+from ...theory.screws import inverse, to_screw
 from ..arm import Arm
 from ..arm_data import Coupling
 from .load import assemble, proven

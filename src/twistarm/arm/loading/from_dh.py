@@ -33,8 +33,9 @@ from ...support.csv_lines import csv_text
 from ...support.errors import InputError, quote
 from ...support.messages import Argument, Text
 from ...theory.joints import plane_axes
+from ...theory.lines import nearest_on_line
 from ...theory.rotations import to_euler
-from ...theory.screws import inverse, nearest_on_line, to_screw
+from ...theory.screws import inverse, to_screw
 from ..arm import Arm, require_arm
 from .arm_builder import UNIT, ArmBuilder, arm_of_urdf
 

@@ -23,7 +23,7 @@ import numpy as np
 from ...arm.arm import Arm
 from ...support.checks import Array
 from ...support.directions import angle_in_words, length_in_words
-from ...theory.lower_pairs import meeting_point
+from ...theory.lines import meeting_point
 from .chain import JointAxis, Plane, Point, product
 
 PARALLEL = 1e-6  # Sines below this are those of parallel axes: their distance is measured across them.

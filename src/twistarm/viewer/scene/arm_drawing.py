@@ -15,7 +15,8 @@ from ...limits.joint_limits import slides
 from ...support.checks import Array
 from ...support.files import stamp
 from ...theory import poe
-from ...theory.screws import axis_points, to_screw
+from ...theory.lines import axis_points
+from ...theory.screws import to_screw
 from . import drawing
 from .drawing import STICK, Colour, link_path, rod_path, screw_path
 from .links import MeshDrawing, Read, count_meshes, draw_meshes, draw_plain, missing_meshes
