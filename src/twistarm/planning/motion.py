@@ -161,9 +161,8 @@ def _from_collision(error: PathError, start: str) -> PathError:
 
 def came_nearer(nearest: Distance, clearance: float) -> list[str]:
     """The note of a motion that comes nearer than its `clearance` [m], which only states of its search keep."""
-    asked = Argument("clearance", Quantity(clearance, "m"))
     what = "comes nearer than {clearance}: {nearest}; a scene's margin is kept everywhere"
-    note = Text(what, clearance=asked, nearest=nearest)
+    note = Text(what, clearance=Argument("clearance", Quantity(clearance, "m")), nearest=nearest)
     return [note] if nearest.metres < clearance else []
 
 

@@ -25,7 +25,7 @@ from ...limits.actuators import Actuators
 from ...planning.motion_file import draft_motion_file
 from ...support.directions import direction_in_words, length_in_words
 from ...support.errors import InputError, without_places
-from ...support.messages import Argument
+from ...support.messages import Argument, plural
 from ..numbers import argument, switch
 from ..options import ARM, Answer, Json, Source, answers
 from ..output import STDOUT, Outputs, entries, say
@@ -70,8 +70,7 @@ def show_arm(out: Outputs, arm: Arm) -> None:
         "all_configurations": report,
         "findings": arm.findings,
     }
-    freedom = "1 degree" if arm.n == 1 else f"{arm.n} degrees"
-    head = f"{arm.name}: {freedom} of freedom from {arm.base} to {arm.tip}, links of {arm.reach:.3f} m ({arm.source})"
+    head = f"{arm.name}: {plural(arm.n, 'degree')} of freedom from {arm.base} to {arm.tip} ({arm.source})"
     axis = direction_in_words(arm.tool_axis, "tool").replace("its", "the tool's")
     turning = [pair for pair in zip(arm.moving_names, arm.body_screws.T, strict=True) if pair[1][3:].any()]
     for name, xi in turning[-1:]:
@@ -83,12 +82,11 @@ def show_arm(out: Outputs, arm: Arm) -> None:
         f"proof at load: screws and Pinocchio agree within {arm.proof.pose_error:.1e} (pose) and "
         f"{arm.proof.jacobian_error:.1e} (Jacobian) at {arm.proof.samples} random configurations"
     )
-    article = "an" if report.target[0] in "AEIO" else "a"
     parts = [
-        head, f"--direction points {axis}; --axis names another", "", joints_table(arm), "",
-        _configurations(arm), "", proof,
+        head, f"links of {arm.reach:.3f} m in all; --direction points {axis}, unless --axis names another", "",
+        joints_table(arm), "", _configurations(arm), "", proof,
         f"engine: {engine_of(arm)}" + (f"; no compiled core: {why_not}" if why_not else ""),
-        f"all configurations of {article} {report.target} (ik --all): {report}",
+        f"all configurations for the target {report.target} (ik --all): {report}",
         *([] if arm.actuators is None else _motors(arm, arm.actuators)),
         *(finding.text for finding in arm.findings),
     ]  # fmt: skip

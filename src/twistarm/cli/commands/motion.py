@@ -219,8 +219,7 @@ def plan(
     # A start that nobody typed is told, because the arm may stand elsewhere.
     origin = asked.start if start is None else start.text
     if origin is None:
-        name = arm.ready_name
-        which = "computed" if name is None else f"the one named {name!r}"
+        which = "computed" if arm.ready_name is None else f"the one named {arm.ready_name!r}"
         note(f'starts at ready ({which}): --from "{theta_values(arm, arm.ready, out.radians)}"')
     nearest = None if scene is None else scene.clearance(found)
     if nearest is not None and any(isinstance(move, planning.FreeMove) for move in segments):
