@@ -248,6 +248,8 @@ def test_assert_free_names_time_and_pair(tmp_path: Path) -> None:
             else:
                 with pytest.raises(AssertionError, match=r"slider: it collides .* hand and wall"):
                     assert_free(arm, given, tmp_path / "scene.toml")
+    with pytest.raises(AssertionError, match="it collides 0.00 s after the start"):
+        assert_free(arm, plan_joint(arm, [[0.15, 0.0]]), tmp_path / "scene.toml")
 
 
 def test_unwrap_chooses_the_goal_of_a_free_move_by_whole_turns() -> None:

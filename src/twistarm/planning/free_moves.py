@@ -16,7 +16,6 @@ from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.errors import missing_extra
 from ..support.messages import Argument, Quantity, Remedies, Text
-from ..theory import rotations
 from .refusal import PathError
 from .segments import CLEARANCE
 from .trajectory import Trajectory
@@ -197,18 +196,14 @@ def first_collision(scene: Scene, motion: Trajectory) -> Hit | None:
 def _share_before(time: float, arm: Arm, motion: Trajectory, leg: int) -> float:
     """The part of the tool's path from waypoint `leg` to the next that lies before a time [s].
 
-    If the tool's origin stays, its rotation counts; if that stays too, the joints.
+    If the tool's origin stays, the path of the joints counts.
     """
-    lengths = []
-    for begin, end in pairwise((motion.times[leg], time, motion.times[leg + 1])):
-        theta = motion(np.linspace(begin, end, SAMPLES))
-        g = arm.fk(theta)
-        turns = rotations.log(np.swapaxes(g[:-1, :3, :3], 1, 2) @ g[1:, :3, :3])
-        steps = np.diff(g[:, :3, 3], axis=0), turns, np.diff(theta, axis=0)
-        lengths.append([float(np.linalg.norm(step, axis=1).sum()) for step in steps])
-    for before, after in zip(*lengths, strict=True):
-        if before + after > STILL:
-            return before / (before + after)
+    begin, end = motion.times[[leg, min(leg + 1, len(motion.times) - 1)]]
+    theta = motion(np.concatenate([np.linspace(begin, time, SAMPLES), np.linspace(time, end, SAMPLES)]))
+    for states in (arm.fk(theta)[:, :3, 3], theta):
+        steps = np.linalg.norm(np.diff(states, axis=0), axis=1)
+        if steps.sum() > STILL:
+            return float(steps[:SAMPLES].sum() / steps.sum())
     return 0.0
 
 
