@@ -93,8 +93,8 @@ def test_a_pose_that_says_too_little_of_another_chain_is_left_out(tmp_path: Path
     write(tmp_path, robot(*parts, links=("base_link", "upper", "left", "right")))
     path = write(tmp_path, 'source = "arm.urdf"\ntip = "left"\n[poses.ready]\na = 0.1\nb = 0.2', "arm.toml")
     arm = load_arm(path, tip="right")
-    assert codes(arm) == ["companion-doubtful"]
-    assert "it gives no value for 'c'" in arm.findings[0].what
+    assert codes(arm) == ["companion-not-used"]
+    assert "no value for joint 'c'" in arm.findings[0].what
     assert load_arm(path).ready.tolist() == [0.1, 0.2]
 
 
@@ -166,7 +166,7 @@ def test_states_that_give_every_coordinate_are_named_states(tmp_path: Path) -> N
     }  # fmt: skip
     assert arm.ready.tolist() == [0.3, -0.4]
     said = {finding.code: str(finding) for finding in arm.findings}
-    assert "group_state 'half': it gives no value for 'b'; it is left out" in said["companion-not-used"]
+    assert "group_state 'half': no value for joint 'b'; it is left out" in said["companion-not-used"]
     assert "group_state 'beyond': b = 1.2 lies outside its limits [-1, 1]; it is left" in said["outside-limits"]
     assert said["outside-limits"].startswith("warning: ")
     assert "gives 2 named configurations" in said["srdf-found"]

@@ -378,11 +378,10 @@ def _outer_links(end: Body) -> list[str]:
             del left[link]
 
 
-def _leaves(description: Description, found: Sequence[Body]) -> dict[str, Body]:
+def _leaves(description: Description, found: Sequence[Body]) -> list[str]:
     """The leaves of the tree, those with the most joints first."""
     outer = set(description.leaves)
-    leaves = {link: body for body in found for link in body.links if link in outer}
-    return dict(sorted(leaves.items(), key=lambda leaf: -leaf[1].depth))
+    return [link for body in sorted(found, key=lambda body: -body.depth) for link in body.links if link in outer]
 
 
 def _unclear(
@@ -392,9 +391,8 @@ def _unclear(
         return refusal("no-chain", description.place(), "no joint moves", "is it the description of an arm?")
     likely = {link: end for end in ends for link in _tips(description, end)[1]}
     if len(likely) < 2:
-        what = f"it has no arm, only {'too short a chain' if ends else 'wheels, legs or heads'}"
-        moved = (link for link, body in _leaves(description, found).items() if body.joint and body.part != "locomotion")
-        remedy = Text("to use one of its chains anyway, pass {tip}", tip=Argument("tip", *[*likely, *moved][:1]))
+        what, some = "it has no arm, only wheels, legs, heads or a short chain", [*likely, *_leaves(description, found)]
+        remedy = Text("to use one of its chains anyway, pass {tip}", tip=Argument("tip", *some[:1]))
         return refusal("no-tip", description.place(), what, remedy)
     candidates = [f"{listed([link])} ({plural(end.depth, 'joint')})" for link, end in likely.items()]
     what = f"several links could be the tip: {first_of(candidates, SHOWN)}"

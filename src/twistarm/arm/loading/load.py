@@ -317,25 +317,24 @@ def _with_srdf(arm: Arm, specification: ArmSpecification, semantics: Semantics |
 
     A finding names the `ready` pose, unless the arm.toml has a pose `ready`.
     """
-    poses, posing = fitted_poses(arm, specification)
+    poses, noted = fitted_poses(arm, specification, semantics, group.name if group else "")
     actuators, driving = fitted_actuators(arm, specification)
-    arm = replace(arm, named_states=poses, actuators=actuators, findings=(*arm.findings, *posing, *driving))
+    arm = replace(arm, named_states=poses, actuators=actuators, findings=(*arm.findings, *driving))
     if semantics is not None and arm.description is not None:
-        states, stating = fitted_states(arm, semantics, group.name if group else "", specification.locked_joints)
-        pairs = semantics.disabled_collisions(arm.description.links)
+        pairs, states = semantics.disabled_collisions(arm.description.links), len(set(poses) - set(specification.poses))
         used = [f"the tip {group.tip!r} (group {group.name!r})"] if group and not specification.tip else []
-        used += [plural(len(states), "named configuration")] if states else []
+        used += [plural(states, "named configuration")] if states else []
         used += [f"{plural(len(pairs), 'pair')} of links that need no collision check"] if pairs else []
         what = f"{path_from(arm.description, semantics.path)} gives {', '.join(used) or 'nothing that the arm uses'}"
         given = {name: Argument(name, None) for name in ("tip", "srdf")}
         remedy = Text("{tip}, an arm.toml or another {srdf} overrides it", **given)
-        found = finding("srdf-found", Place(semantics.path.name), what, remedy)
+        noted.insert(0, finding("srdf-found", Place(semantics.path.name), what, remedy))
         if passive := [name for name in arm.joint_names if name in semantics.passive_joints]:
             what = f"passive joints, which no motor drives, count as driven: {listed(passive)}"
             remedy = Text("pass {locked}, or couple them by <mimic>", locked=Argument("locked_joints", None))
-            stating = [*stating, finding("companion-doubtful", Place(semantics.path.name), what, remedy)]
-        findings = (*arm.findings, found, *stating)
-        arm = replace(arm, named_states={**states, **poses}, disabled_collisions=pairs, findings=findings)
+            noted.append(finding("companion-doubtful", Place(semantics.path.name), what, remedy))
+        arm = replace(arm, disabled_collisions=pairs)
+    arm = replace(arm, findings=(*arm.findings, *noted))
     name = arm.ready_name
     own = name in specification.poses
     if name is None or (own and name == "ready"):
@@ -344,8 +343,8 @@ def _with_srdf(arm: Arm, specification: ArmSpecification, semantics: Semantics |
     if not own and semantics is not None:
         place = Place(semantics.path.name, None, "group_state", name)
     what = f"the ready configuration, where programs start, is the one named {name!r}"
-    noted = finding("ready-named", place, what, "[poses.ready] in an arm.toml overrides it")
-    return replace(arm, findings=(*arm.findings, noted))
+    named = finding("ready-named", place, what, "[poses.ready] in an arm.toml overrides it")
+    return replace(arm, findings=(*arm.findings, named))
 
 
 def fitted_limits(
@@ -388,51 +387,38 @@ def _in_the_arm_file(specification: ArmSpecification, entry: str = "") -> Iterat
         raise refusal("companion-unusable", Place(specification.source), what) from error
 
 
-def fitted_poses(arm: Arm, specification: ArmSpecification) -> tuple[dict[str, Array], list[Finding]]:
-    """The arm.toml's poses, complete and inside the limits; DescriptionError otherwise.
-
-    A pose that contradicts locked joints, or is incomplete for another chain, is left out.
-    """
-    poses: dict[str, Array] = {}
-    noted: list[Finding] = []
-    skipped = set(specification.locked_joints)
-    if specification.other_chain and arm.description is not None:
-        skipped |= set(arm.description.joints) - set(arm.joint_names)
-    for name, values in specification.poses.items():
-        code, reason = _unfit(arm, values, specification.locked_joints, 0.0)
-        if code == "companion-doubtful" or (code == "companion-not-used" and specification.other_chain):
-            place = Place(specification.source, None, "pose", name)
-            noted.append(finding("companion-doubtful", place, f"{reason}; it is left out", "nothing, if that is meant"))
-            continue
-        with _in_the_arm_file(specification, f"poses.{name}"):
-            poses[name] = arm.theta_from({joint: value for joint, value in values.items() if joint not in skipped})
-        if reason:
-            what, remedy = f"poses.{name}: {reason}", "correct it or the limits"
-            raise refusal("companion-unusable", Place(specification.source), what, remedy)
-    return poses, noted
-
-
-def fitted_states(
-    arm: Arm, semantics: Semantics, group: str, locked_joints: Mapping[str, float]
+def fitted_poses(
+    arm: Arm, specification: ArmSpecification, semantics: Semantics | None, group: str
 ) -> tuple[dict[str, Array], list[Finding]]:
-    """The SRDF's states that give every coordinate; of several with one name that of `group`, else the first.
+    """The configurations of the arm.toml, then those of the SRDF, with findings; of one name the first, or `group`'s.
 
-    Incomplete states and those outside the limits are left out with a finding. Values rounded beyond a limit are moved
-    onto it.
+    One that is incomplete, outside the limits or against a locked joint is left out. In an arm.toml it is a
+    DescriptionError, unless it moves a locked joint or lacks one of another chain. Values of the SRDF that are rounded
+    beyond a limit are moved onto it.
     """
-    states: dict[str, Array] = {}
-    noted: list[Finding] = []
-    for state in sorted(semantics.states, key=lambda state: state.group != group):
-        if state.name in states or not any(name in state.values for name in arm.joint_names):
+    poses, noted, file = dict[str, Array](), list[Finding](), semantics.path.name if semantics else ""
+    given = [(Place(specification.source, None, "pose", name), its) for name, its in specification.poses.items()]
+    states = sorted(semantics.states if semantics else (), key=lambda state: state.group != group)
+    states = [state for state in states if any(name in state.values for name in arm.joint_names)]
+    given += [(Place(file, None, "group_state", state.name), state.values) for state in states]
+    elsewhere = arm.description.joints if specification.other_chain and arm.description else ()
+    known = {*arm.joint_names, *specification.locked_joints, *elsewhere}
+    for place, values in given:
+        own, name = place.element == "pose", place.name
+        if name in poses:
             continue
-        code, reason = _unfit(arm, state.values, locked_joints, STATE_TOL)
+        code, reason = _unfit(arm, values, specification.locked_joints, 0.0 if own else STATE_TOL)
+        unknown = [joint for joint in values if own and joint not in known]
+        if unknown or (own and (code == "outside-limits" or (code == "companion-not-used" and not elsewhere))):
+            why = reason or f"no joint {unknown[0]!r} in {arm.name}{closest(unknown[0], arm.joint_names)}"
+            what = f"poses.{name}: {why}"
+            raise refusal("companion-unusable", Place(specification.source), what, "correct it or the limits")
         if reason:
-            place = Place(semantics.path.name, None, "group_state", state.name)
             noted.append(finding(code, place, f"{reason}; it is left out", "correct it, where the arm needs it"))
         else:
-            theta = np.array([state.values[name] for name in arm.joint_names])
-            states[state.name] = np.clip(theta, arm.limits.lower, arm.limits.upper)
-    return states, noted
+            theta = arm.theta_from({joint: values[joint] for joint in arm.joint_names}, name=name)
+            poses[name] = np.clip(theta, arm.limits.lower, arm.limits.upper)
+    return poses, noted
 
 
 def _unfit(arm: Arm, values: Mapping[str, float], locked_joints: Mapping[str, float], tol: float) -> tuple[str, str]:
@@ -441,7 +427,7 @@ def _unfit(arm: Arm, values: Mapping[str, float], locked_joints: Mapping[str, fl
         if abs(values.get(joint, value) - value) > LOCK_TOL:
             return "companion-doubtful", f"it moves the locked joint {joint}"
     if missing := [name for name in arm.joint_names if name not in values]:
-        return "companion-not-used", f"it gives no value for {listed(missing)}"
+        return "companion-not-used", f"no value for joint {listed(missing)}"
     theta, lower, upper = np.array([values[name] for name in arm.joint_names]), arm.limits.lower, arm.limits.upper
     beyond = np.maximum(lower - theta, theta - upper)
     worst = int(beyond.argmax())
