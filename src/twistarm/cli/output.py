@@ -54,6 +54,13 @@ def note(message: str, *, radians: bool = False) -> None:
     say(f"note: {words(message, radians=radians)}", file=sys.stderr)
 
 
+def refuse(wrong: Mapping[str, object]) -> None:
+    """Raise InputError with the first of the sentences that is true of the typed options."""
+    for sentence, is_so in wrong.items():
+        if is_so:
+            raise InputError(sentence)
+
+
 def print_json(content: Any) -> None:
     """Print one JSON document. Characters that are not printable are escaped, as JSON allows."""
     # No NaN: JSON has none, and most parsers refuse it. `plain` has made null of it.

@@ -24,7 +24,7 @@ from ...support.checks import Progress
 from ...support.errors import InputError
 from ..numbers import JointValues, OfJoints, argument, joint_values, of_joints, option, quantity, switch
 from ..options import ArmArgument, Avoid, Offset, answers, avoided
-from ..output import STDOUT, Contents, Outputs, entries, note, progress_bar
+from ..output import STDOUT, Contents, Outputs, entries, note, progress_bar, refuse
 from ..rows import OrientationTol, PositionTol, TargetOptions
 from ..tables import Column, Table, number, theta_values
 
@@ -244,7 +244,7 @@ def _require_fitting(
 ) -> None:  # fmt: skip
     """Raise InputError for an option that has no effect beside the others."""
     by_joints = bool(to) and not (line or avoid)
-    wrong = {
+    refuse({
         f"give configurations by --to, positions by --xyz, or a motion.toml{f'; got {motion!r} too' if motion else ''}":
             bool(motion) + bool(to) + bool(xyz) != 1,
         "--smooth is about configurations on the way: it goes with --to alone": smooth is not None and not by_joints,
@@ -258,10 +258,7 @@ def _require_fitting(
             blend is not None and len(to or xyz) < 2,
         "--kind quintic is for moves of the tool; through --to: s_curve or time_optimal":
             kind == "quintic" and by_joints,
-    }  # fmt: skip
-    for words, is_so in wrong.items():
-        if is_so:
-            raise InputError(words)
+    })  # fmt: skip
 
 
 def _kept(keep: str | None, tol: float | None, free: bool) -> Keep | None:

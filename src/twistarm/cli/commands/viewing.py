@@ -26,7 +26,7 @@ from ...viewer.site import site_of, write_site
 from ..command import Shared
 from ..numbers import JointValues, argument, option, switch, whole
 from ..options import ArmArgument, SceneFile, Source, Theta, answers
-from ..output import Outputs, say, warn
+from ..output import Outputs, refuse, say, warn
 from ..rows import TypedTargets
 from .arms import info
 from .checking import check
@@ -106,29 +106,23 @@ def view(
     size: Size = None,
 ) -> None:
     """Show the arm in the browser: move, drag, jog, record poses, see its screws. Serves until Ctrl-C."""
-    if size is not None and "png" not in {kind for kind, _ in out.files}:
-        raise InputError("--size goes with -o FILE.png")
-    if out.json and not out.files:
-        raise InputError("--json goes with -o FILE")
     kinds, others = {kind for kind, _ in out.files}, more or []
-    served = {"--scene": scene, "--reach": reach, "--watch": watch or None}
-    for name, given in served.items():
-        if out.files and given is not None:
-            raise InputError(f"{name} is for a page that is served: it does not go with -o FILE")
+    site, served = "site" in kinds, {"--scene": scene, "--reach": reach, "--watch": watch or None}
+    refuse({
+        "--size goes with -o FILE.png": size is not None and "png" not in kinds,
+        "--json goes with -o FILE": out.json and not out.files,
+        **{f"{name} is for a page that is served: it does not go with -o FILE": out.files and given is not None
+           for name, given in served.items()},
+        "-o FOLDER/ is a site: it goes with no other -o": site and len(out.files) > 1,
+        "--theta and --play are for a page of one arm: they do not go with -o FOLDER/": site and (theta or play),
+        "a second ARM goes with -o FOLDER/ alone, which makes a site of all": others and out.files and not site,
+        "a page has at most two ARM; -o FOLDER/ makes a site of more": len(others) > 1 and not site,
+        "--watch is for one arm: leave out the second ARM": others and watch,
+    })  # fmt: skip
     # A site is of many arms, and the rest of this function of one, perhaps with another beside it.
-    if "site" in kinds:
-        if len(out.files) > 1:
-            raise InputError("-o FOLDER/ is a site: it goes with no other -o")
-        if theta is not None or play is not None:
-            raise InputError("--theta and --play are for a page of one arm: they do not go with -o FOLDER/")
+    if site:
         _write_site([source, *others], out)
         return
-    if others and out.files:
-        raise InputError("a second ARM goes with -o FOLDER/ alone, which makes a site of all")
-    if len(others) > 1:
-        raise InputError("a page has at most two ARM; -o FOLDER/ makes a site of more")
-    if others and watch:
-        raise InputError("--watch is for one arm: leave out the second ARM")
     sides = re.fullmatch(r"\s*(\d{1,6})\s*[xX×]\s*(\d{1,6})\s*", size or "1280x720")
     if sides is None:
         raise InputError(f"--size takes width and height in pixels, as in --size 1280x720; got {size!r}")
