@@ -1,10 +1,10 @@
 # %% [markdown]
-# # How many ways are there?
+# # How many configurations are there?
 #
 # The gripper is where it should be, but the forearm touches the camera mast. Is there another configuration with
 # exactly the same pose of the gripper? For two links in a plane the answer was the flip. An arm of six turning joints
-# usually has several such configurations, at most sixteen. We call them *ways*. This lesson splits the question into
-# three subproblems. It combines them for an arm with a wrist, and then counts the ways of your own arm.
+# usually has several such configurations, at most sixteen. This lesson splits the question into three subproblems. It
+# combines them for an arm with a wrist, and then counts the configurations of your own arm.
 
 # %%
 import numpy as np
@@ -277,19 +277,19 @@ def draw_all(arm, configurations, words):
             for i, (_, same) in enumerate(group):
                 shade = SHADES[(first + j + i) % 4]
                 guide.plot_arm(ax, arm, same[0], shade, 1.0 if i == 0 else 0.45, tool=i == 0)
-            ax.set_title(f"{ways[j]} way{'s' * (ways[j] > 1)}")
+            ax.set_title(f"{ways[j]} configuration{'s' * (ways[j] > 1)}")
         guide.figure(
             fig,
             f"{arm.name} with its tool at one and the same place, in {sum(ways)} of its configurations, on "
             f"{len(row)} panel{'s' * (len(row) > 1)}",
-            words if first == 0 else "The other ways.",
+            words if first == 0 else "The other configurations.",
         )
 
 
 draw_all(
     elbow_arm,
     eight,
-    "All eight ways of the elbow arm. The four of a panel look alike, because their links lie in the same "
+    "All eight configurations of the elbow arm. The four of a panel look alike, because their links lie in the same "
     "places: the shoulder may turn round and bend backwards, and the wrist may be flipped.",
 )
 
@@ -299,7 +299,7 @@ draw_all(
 # The number of joints decides which targets an arm can reach. Six joints reach a **pose**. Five joints cannot reach
 # every pose. Ask them for an **approach**: the position of the tool and the direction in which it points. These are
 # five numbers; the roll about the direction is free. Fewer joints reach only few poses. So take a configuration of your
-# arm, compute the pose of its tool, and ask for all ways to reach it.
+# arm, compute the pose of its tool, and ask for all configurations that reach it.
 
 # %%
 own = guide.arm()
@@ -321,7 +321,7 @@ if free:
     rows = (np.eye(6) - np.outer(roll, roll)) / np.repeat([own.reach, 1.0], 3)
     rank = int(np.linalg.matrix_rank(rows @ own.body_jacobian(theta), tol=1e-6))
     guide.say(
-        f"`{own.name}` has infinitely many ways, which form curves: "
+        f"`{own.name}` has infinitely many configurations there, which form curves: "
         + " and ".join(f"`{name}`" for name in free)
         + " may move while the tool stays at the target. "
         + (
@@ -330,13 +330,13 @@ if free:
             if own.n == 5 and rank < 5
             else ""
         )
-        + "If you hold this joint, the number of ways is finite again."
+        + "If you hold this joint, their number is finite again."
     )
     found = solve_ik_all(own, target, theta, fixed_joints={free[0]: float(theta[k])})
 goal_words = "the position and direction of its tool" if own.n == 5 else "the pose of its tool"
 total = len(found) + len(found.outside)
 guide.predict(
-    f"`{own.name}` has {own.n} joints. In how many ways does it reach {goal_words}"
+    f"`{own.name}` has {own.n} joints. In how many configurations does it reach {goal_words}"
     + (", with that joint held" if free else "")
     + "? And in how many without joint limits?",
     f"In {len(found)} inside its limits and in {total} without them{held}"
@@ -347,46 +347,46 @@ guide.predict(
 # %%
 labelled = [(way, "yes") for way in found] + [(way, "no") for way in found.outside]
 guide.table(
-    ["way", *(f"`{name}`" for name in own.joint_names), "inside the limits"],
+    ["", *(f"`{name}`" for name in own.joint_names), "inside the limits"],
     [
         [str(i), *(in_words(v, u) for v, u in zip(way, own.units, strict=True)), inside]
         for i, (way, inside) in enumerate(labelled[:16], start=1)
     ],
-    f"The ways of `{own.name}`, the nearest to the present configuration first.",
+    f"The configurations of `{own.name}`, the nearest to the present configuration first.",
 )
-draw_all(own, [way for way, _ in labelled[:16]], f"`{own.name}`, every way from the table.")
+draw_all(own, [way for way, _ in labelled[:16]], f"`{own.name}`, every configuration from the table.")
 guide.scene(
     elbow_arm,
     meant,
-    caption="The elbow arm. The other ways to the same pose are drawn faintly. Step through them with N and P.",
+    caption="The elbow arm. The other configurations with the same pose are drawn faintly. Step through them with N and P.",
     quantity="configurations",
 )
 guide.say("The solver's own explanation:\n\n```text\n" + found.explain() + "\n```")
 
 # %% [markdown]
 # The solver says *which* group of axes it used. Axes that meet in a point do not move this point. Parallel axes do not
-# move the planes at right angles to them. In both cases three unknowns drop out at once. So a UR5 has its eight ways
-# without a wrist with intersecting axes. Six turning joints with neither need the eigenvalues of a matrix, and may have
-# sixteen ways (MLS, section 3.3.4).
+# move the planes at right angles to them. In both cases three unknowns drop out at once. So a UR5 has its eight
+# configurations without a wrist with intersecting axes. Six turning joints with neither need the eigenvalues of a
+# matrix, and may have sixteen configurations (MLS, section 3.3.4).
 #
 # The bundled rover arm is another case. It has a slide, three parallel pitch joints and a roll, and its target is an
 # approach. The slide alone sets the position across the plane of the pitch joints. The roll turns the tool about the
 # direction in which it points, which an approach leaves free. Three parallel joints in a plane remain, for a point and
-# a direction. They are the two-link arm with a third link whose direction is given. So there are two ways: the elbow
-# bends to either side, and the three pitch angles have the same sum.
+# a direction. They are the two-link arm with a third link whose direction is given. So there are two configurations:
+# the elbow bends to either side, and the three pitch angles have the same sum.
 #
 # ## What goes wrong in practice
 #
-# - **Whole turns counted as ways.** 190° and −170° are the same pose of a link. Wrap angles before you compare them.
+# - **Whole turns counted twice.** 190° and −170° are the same pose of a link. Wrap angles before you compare them.
 #   For a cable they differ: `solve_ik_all(…, include_turns=True)` lists both.
 # - **The first of the list, every time.** Along a path, take the answer nearest to the last one. Otherwise the elbow
 #   flips on the way.
 # - **Limits forgotten.** A closed form ignores limits. All its answers may be outside them.
 # - **A wrist that does not quite meet.** The closed form assumes that three axes meet in a point. If one of them is a
 #   few millimetres beside it, the tool is off by about as much. No error appears.
-# - **Infinitely many ways.** If two wrist axes lie on one line, one joint may turn forward and the other back. If the
-#   wrist point lies on the axis of the base joint, that joint may have any angle. The answer then lists these joints as
-#   `free`.
+# - **Infinitely many configurations.** If two wrist axes lie on one line, one joint may turn forward and the other
+#   back. If the wrist point lies on the axis of the base joint, that joint may have any angle. The answer then lists
+#   these joints as `free`.
 
 # %%
 bracket = 0.003  # [m]
@@ -411,7 +411,11 @@ guide.table(
             f"the elbow arm's tool is {1000 * off:.1f} mm off",
         ],
         *(
-            [words, "infinitely many ways; these may move: " + ", ".join(f"`{name}`" for name in names)]
+            [
+                words,
+                "infinitely many configurations; these may move: "
+                + ", ".join(f"`{name}`" for name in names),
+            ]
             for words, names in zip(
                 ("first and last wrist axis on one line", "wrist point on the axis of the base joint"),
                 free_at,
