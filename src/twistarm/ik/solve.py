@@ -56,9 +56,10 @@ def solve_ik(
 
     A redundant arm moves in the null space toward `posture`, to a minimum of ‖θ − posture‖².
 
-    With a `scene` an answer that reaches the target collides with nothing. It is the nearest such one found. `stop` is
-    IN_COLLISION if every configuration found collides, and `contacts` are the pairs. If the first answer collides,
-    more searches follow, from starts of one seed. `posture`, `rng` and `restarts` count for the first answer alone.
+    With a `scene` an answer that reaches the target collides with nothing. If the first answer collides, more searches
+    follow, from starts of one seed. The nearest free configuration that they find is the answer. If every one collides,
+    `stop` is IN_COLLISION, and `contacts` are the pairs. `posture`, `rng` and `restarts` count for the first answer
+    alone.
 
     A target that cannot be reached is no error. The solution is then the nearest configuration. It has the least
     position error inside the limits, then the least rotation error. `stop` and `explain()` say why.

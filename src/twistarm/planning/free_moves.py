@@ -66,7 +66,7 @@ def free_path(
                 break
             if all(scene.is_free(before, after) for before, after in pairwise(path)):
                 return path
-    to = f" to any of {len(goals)} configurations of the target" if len(goals) > 1 else ""
+    to = " to any configuration of the target" if len(goals) > 1 else ""
     kept, last = (Quantity(distance, "m") for distance in (clearance, LAST_SHARE * clearance))
     more = Text(", with {room} of clearance and at last {last}", room=kept, last=last)
     spent = time.process_time() - worked

@@ -16,7 +16,7 @@ from ..ik.task_space import Tolerances
 from ..support.checks import Array
 from ..support.errors import NotConvergedError, TwistarmError
 from ..support.messages import Argument, Remedies, Text
-from .configurations import DISTINCT, branches
+from .configurations import branches
 from .curves import MovingTarget
 from .following import Blocked, Node, climb, efforts, follow, way
 from .goals import CURVED, Goals
@@ -34,7 +34,7 @@ FreePath = Callable[[Array, Array, Callable[[], Array]], Array]
 # A path that keeps something too, from a start (n,) to one of some goals (k, n), with a share of the time.
 KeepingPath = Callable[[Constraint, Array, Array, float], JointPath]
 GOAL_SHARE = 0.6  # Share of the kept angle that a goal may use up: the way to it needs the rest.
-MOST_GOALS = 4  # Configurations that meet the target of a free move that keeps something, and are tried.
+MOST_GOALS = 5  # Configurations that meet the target of a free move that keeps something, the nearest twice.
 NEAREST = 8  # How many of the nearest start configurations of a run of curves are tried before all others.
 FOLLOWED = 4  # How many ways through a ladder, least joint motion first, are tried.
 # Radius of a corner on a free way: greatest share of the way to the nearer neighbour, and of the arm's reach.
@@ -126,7 +126,7 @@ class Router:
             return self._run(range(i, after), theta[None], theta)[1]
         end = self._unwrapped_goal(i, segment, theta)  # says why, where nothing meets the target
         if isinstance(segment.to, KINDS):
-            starts = branches(self.arm, target_for(self.arm, segment.to), theta, self.goals.tolerances(segment))
+            starts = self._meeting(segment.to, theta, self.goals.tolerances(segment))
             if len(starts):
                 start, parts = self._run(range(i + 1, after), starts, theta)
                 return [self._straight(i, theta, start), *parts]
@@ -144,7 +144,7 @@ class Router:
         if isinstance(segment.to, KINDS):
             tolerances = self.goals.tolerances(segment)
             goal = solved(self.arm, segment.to, theta, self._place(i), scene=self.scene, **tolerances.keywords)
-            others = partial(self._other_goals, segment.to, goal, theta, tolerances)
+            others = partial(self._meeting, segment.to, theta, tolerances)
         else:
             goal = self._unwrapped_goal(i, segment, theta)
             others = partial(np.empty, (0, self.arm.n))
@@ -214,7 +214,6 @@ class Router:
         """
         if not isinstance(segment.to, KINDS):
             return self._unwrapped_goal(i, segment, theta)[None]
-        assert self.scene is not None
         tolerances, target = self.goals.tolerances(segment), constraint.keep.constrain(segment.to)
         solve = partial(solved, self.arm, target, theta, self._place(i), scene=self.scene)
         try:
@@ -225,19 +224,14 @@ class Router:
             # The rotation comes from what is kept, within its tol.
             tolerances = replace(tolerances, orientation=GOAL_SHARE * constraint.keep.tol)
             nearest = solve(**tolerances.keywords)
-        found = [nearest, *self._other_goals(target, nearest, theta, tolerances)]
+        found = [nearest, *self._meeting(target, theta, tolerances)]
         good = [end for end in found if not constraint.fault(end)][:MOST_GOALS]
         return np.array(good or [nearest])
 
-    def _other_goals(self, target: AnyTarget, known: Array, theta: Array, tolerances: Tolerances) -> Array:
-        """Free configurations (k, n) that meet the target of a free move from theta (n,), nearest first.
-
-        The `known` one (n,) is left out.
-        """
-        assert self.scene is not None
+    def _meeting(self, target: AnyTarget, theta: Array, tolerances: Tolerances) -> Array:
+        """Configurations (k, n) that meet a target, nearest to theta (n,) first. In a scene those that are free."""
         found = branches(self.arm, target_for(self.arm, target), theta, tolerances)
-        found = found[np.abs(found - known).max(axis=1) > DISTINCT]
-        return found[~self.scene.collides(found)]
+        return found if self.scene is None else found[~self.scene.collides(found)]
 
     def _straight(self, i: int, start: Array, end: Array) -> PathPart:
         return self._part(i, end, JointPath.straight(start, end) if np.abs(end - start).any() else None)

@@ -90,7 +90,7 @@ class JointMove(Move):
     """A move of every joint to the goal, straight in joint space.
 
     To a target the arm takes the nearest configuration, with the least ‖θ − θ₀‖, of all that the closed form or the
-    searches find. Where curves follow, it takes one from which it can follow them.
+    searches find. In a scene it is the nearest free one. Where curves follow, it is one from which it can follow them.
 
     Raises InputError for an unusable goal, blend, speed or label.
     """
