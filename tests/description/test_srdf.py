@@ -148,7 +148,25 @@ CHOICE = {
         {"arm": (None, "flange")},
     ),
     "a chain has a base": (CHAIN, {"chain": ("upper", "flange")}),
-    "a chain wins over a list": (ARM + CHAIN, {"chain": ("upper", "flange")}),
+    "a part of another group is none, also as a chain": (ARM + CHAIN, {"arm": (None, "wrist")}),
+    "a chain wins over a list of its joints": (
+        '<group name="g"><chain base_link="base_link" tip_link="flange"/></group>' + ARM,
+        {"g": ("base_link", "flange")},
+    ),
+    "a hand that lists the arm's last joint is none": (
+        '<group name="hand"><joint name="c"/><joint name="left"/></group>' + ARM,
+        {"arm": (None, "wrist")},
+    ),
+    "nor is the arm with its hand": (
+        ARM + '<group name="hand"><joint name="left"/></group><group name="all"><joint name="a"/><joint name="b"/>'
+        '<joint name="c"/><joint name="left"/></group>' + EFFECTOR.format("wrist", "hand"),
+        {"arm": (None, "wrist")},
+    ),
+    "two arms, by a list and by a chain": (
+        '<group name="one"><joint name="left"/></group><group name="two"><chain base_link="flange" '
+        'tip_link="right_finger"/></group>',
+        {"one": (None, "left_finger"), "two": ("flange", "right_finger")},
+    ),
     "an end effector's group is no arm": (
         ARM + '<group name="hand"><joint name="left"/></group>' + EFFECTOR.format("wrist", "hand"),
         {"arm": (None, "wrist")},
@@ -158,17 +176,22 @@ CHOICE = {
         {"arm": (None, "wrist")},
     ),
     "several that could be": (
-        '<group name="low"><joint name="a"/></group>' + ARM,
-        {"low": (None, "upper"), "arm": (None, "wrist")},
+        ARM + '<group name="hand"><joint name="left"/></group>',
+        {"arm": (None, "wrist"), "hand": (None, "left_finger")},
+    ),
+    "an arm and a hand that also make up a group": (
+        ARM + '<group name="hand"><joint name="left"/></group><group name="all"><group name="arm"/><group name="hand"/>'
+        "</group>",
+        {"arm": (None, "wrist"), "hand": (None, "left_finger")},
     ),
     "groups that hold each other": (
         '<group name="x"><group name="y"/></group><group name="y"><group name="x"/><joint name="a"/></group>',
         {"y": (None, "upper")},
     ),
     "nothing that moves": ('<group name="g"><joint name="flange_joint"/></group>', {}),
-    "unless it does not hang on what it should": (
+    "an end effector that hangs on itself does not count": (
         ARM + '<group name="hand"><joint name="left"/></group>' + EFFECTOR.format("left_finger", "hand"),
-        {"hand": (None, "left_finger")},
+        {"arm": (None, "wrist"), "hand": (None, "left_finger")},
     ),
     "a chain the wrong way": ('<group name="g"><chain base_link="flange" tip_link="upper"/></group>', {}),
     "a chain to nowhere": ('<group name="g"><chain base_link="base_link" tip_link="tool9"/></group>', {}),

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -198,18 +198,26 @@ class ArmGroup:
 def arm_groups(semantics: Semantics, description: Description) -> tuple[ArmGroup, ...]:
     """The groups that could be the arm. A single one is the arm.
 
-    Chains win over lists of joints, then groups with an end effector over others.
+    Groups win over those made of other groups, then groups with an end effector over others. Of groups that share
+    joints the one with most joints wins, of equal ones a chain over a list.
     """
     members = _members(semantics, description)
-    paths = (_path(group, members[name], description) for name, group in semantics.groups.items())
-    groups = list({(group.base, group.tip): group for group in paths if group is not None}.values())
+    paths = [_path(group, members[name], description) for name, group in semantics.groups.items()]
+    groups = [group for group in paths if group is not None]
     preferences: tuple[Callable[[ArmGroup], bool], ...] = (
-        lambda group: group.base is not None,
-        lambda group: any(_hangs_on(effector, group, description) for effector in semantics.end_effectors),
+        lambda group: not semantics.groups[group.name].subgroups,
+        lambda group: any(_hangs_on(effector, group, members, description) for effector in semantics.end_effectors),
     )
     for better in preferences:
         groups = [group for group in groups if better(group)] or groups
-    return tuple(groups)
+    different = {(group.base, group.tip): group for group in groups}.values()
+    return tuple(group for group in different if not any(_part_of(group, other) for other in different))
+
+
+def _part_of(group: ArmGroup, other: ArmGroup) -> bool:
+    """Whether they share joints, and the other has more, or as many and is a chain."""
+    less = (len(group.joints), group.base is not None) < (len(other.joints), other.base is not None)
+    return less and not set(group.joints).isdisjoint(other.joints)
 
 
 def _members(semantics: Semantics, description: Description) -> dict[str, list[Joint]]:
@@ -240,9 +248,13 @@ def _path(group: Group, members: Sequence[Joint], description: Description) -> A
     return ArmGroup(group.name, group.chains[0][0] if alone else None, members[-1].child, moving)
 
 
-def _hangs_on(effector: EndEffector, group: ArmGroup, description: Description) -> bool:
-    """Whether the end effector's parent link is one that the group moves."""
+def _hangs_on(
+    effector: EndEffector, group: ArmGroup, members: Mapping[str, Sequence[Joint]], description: Description
+) -> bool:
+    """Whether the end effector's parent link is one that the group moves, and its own joints are not in the group."""
     if effector.parent_group:
         return effector.parent_group == group.name
+    if not {joint.name for joint in members.get(effector.group, ())}.isdisjoint(group.joints):
+        return False
     first = description.joints[group.joints[0]].child
     return first in description.inward(effector.parent_link) and effector.parent_link in description.inward(group.tip)
