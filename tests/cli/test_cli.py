@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import shlex
-import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -247,7 +246,6 @@ BAD = (
     ("guide print rotation", "closest: '2_1_1_rotation_matrices', '2_1_2_exponential_rotations' ("),
     (PLAN + "--avoid none.toml", "error: none.toml: no such file"),
     ("plan rover_arm --to '0.7 0 0 0 0'", "slide"),
-    ("plan rr_planar --to zero --counts -o m.csv", "[actuators.NAME]"),
     (PLAN + "x", "'x'"),
     ("plan rover_arm motion.toml --line --stop", "--line, --stop"),
     ("plan rover_arm motion.toml --direction '0 0 1'", "--xyz"),
@@ -287,15 +285,6 @@ def test_planning_without_limits_assumes_the_usual_ones_and_says_so(capsys: Capt
     given = answer(capsys, "plan", str(path), "--from", "zero", "--to", "10 10", "--acceleration", "2")
     assert given["assumed"] is None
     assert np.isclose(max(given["peak_acceleration"]), 2.0)
-
-
-@pytest.mark.parametrize("command", [["view", "rr_planar"], ["servo", "scara"]])
-def test_a_port_in_use(command: list[str], capsys: Capture) -> None:
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        taken.listen()
-        port = str(taken.getsockname()[1])
-        assert port in error_of(capsys, *command, "--port", port, "--no-browser")
 
 
 def test_without_a_stdout_or_with_one_that_is_full(tmp_path: Path) -> None:

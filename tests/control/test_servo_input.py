@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import pickle
 import tracemalloc
 from dataclasses import replace
 
@@ -150,15 +149,6 @@ def test_lists_and_other_floats_serve_as_well():
     ):
         listed, _ = servo_step(arm, replace(state, **other), PUSH, dt)
         np.testing.assert_allclose(plain.theta, listed.theta, atol=1e-8)
-
-
-def test_states_commands_and_outputs_travel_between_processes():
-    arm = load("rover_arm")
-    state, output = servo_step(arm, moving(arm), TwistCommand([0.05, 0, 0, 0, 0, 0], "base", "orientation"), DT)
-    for value in (state, output, MOVING, PoseCommand(np.eye(4)), JogCommand(np.zeros(5))):
-        again = pickle.loads(pickle.dumps(value))
-        assert type(again) is type(value)
-    assert np.array_equal(pickle.loads(pickle.dumps(state)).theta, state.theta)
 
 
 @pytest.mark.parametrize("steps", [10_000, pytest.param(1_000_000, marks=pytest.mark.slow)])
