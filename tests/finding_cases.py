@@ -212,12 +212,6 @@ CASES: dict[str, Case] = {
     "companion-doubtful: ros2_control": urdf(controlled('<param name="max">0.5</param>')),
     "companion-doubtful: ros2_control, unresolved": urdf(controlled('<param name="max">${limit}</param>')),
     "companion-doubtful: ros2_control, off": urdf(controlled('<limits enable="false"/>')),
-    "off-the-chain: limits": beside(
-        "limits.yaml",
-        "joint_limits: {a: {max_velocity: 1.0}, b: {max_velocity: 1.0}}",
-        limits="limits.yaml",
-        tip="upper",
-    ),
     # what hangs on the links
     "mesh-missing": with_mesh(None),
     "bad-geometry": urdf(

@@ -51,7 +51,7 @@ CODES: dict[str, Code] = {
     "no-tip": Code("error", "it is not clear which link is the tool"),
     "several-tips": Code("info", "no tip was given; the most likely link was chosen"),
     "no-chain": Code("error", "no joint moves between base and tip, or a floating one does"),
-    "off-the-chain": Code("info", "joints, or their limits and motors, that are not between base and tip"),
+    "off-the-chain": Code("info", "joints, or their motors, that are not between base and tip"),
     "ready-named": Code("info", "the configuration to start from is one that the description names"),
     # companion files
     "companion-unusable": Code("error", "an entry of an arm.toml, DH table, SRDF or file of limits cannot be used"),

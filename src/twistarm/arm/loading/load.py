@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ...description import catalog
-from ...description.chain import Affine, walk_chain
+from ...description.chain import coupling_matrix, walk_chain
 from ...description.companions.arm_file import ArmSpecification, Motor, Tool, read_arm_file
 from ...description.companions.data_files import unusable
 from ...description.companions.joint_limits import with_file
@@ -445,8 +445,9 @@ def fitted_actuators(arm: Arm, specification: ArmSpecification) -> tuple[Actuato
     """
     noted: list[Finding] = []
     motors: list[Motor] = []
+    here = {joint for joint, affine in arm.couplings.items() if affine.master in (None, *arm.joint_names)}
     for motor in specification.motors:
-        beyond = [joint for joint in motor.ratio if _affine(joint, arm) is None]
+        beyond = [joint for joint in motor.ratio if joint not in here]
         if not beyond:
             motors.append(motor)
         elif specification.other_chain and set(beyond) <= set(arm.couplings):
@@ -460,35 +461,17 @@ def fitted_actuators(arm: Arm, specification: ArmSpecification) -> tuple[Actuato
             raise refusal("companion-unusable", Place(specification.source), what, remedy)
     if not motors:
         return None, noted
-    rows, names = [_row(motor, arm) for motor in motors], tuple(motor.name for motor in motors)
+    names, driven = tuple(motor.name for motor in motors), sorted({joint for motor in motors for joint in motor.ratio})
+    ratios = np.array([[motor.ratio.get(joint, 0.0) for joint in driven] for motor in motors])
+    A, b = coupling_matrix(arm.couplings, driven, arm.joint_names)
     with _in_the_arm_file(specification):
         actuators = Actuators(
             names=names,
             joint_names=arm.joint_names,
-            G=np.array([row for row, _ in rows]),
-            offset=np.array([offset for _, offset in rows]),
+            G=ratios @ A,
+            offset=np.array([motor.offset for motor in motors]) + ratios @ b,
             units=tuple(motor.unit for motor in motors),
             ticks_per_turn=np.array([np.nan if m.ticks_per_turn is None else m.ticks_per_turn for m in motors]),
             limits=JointLimits.unbounded(len(motors)).with_(by_field({m.name: m.limits for m in motors}), names),
         )
     return actuators, noted
-
-
-def _affine(joint: str, arm: Arm) -> Affine | None:
-    """The joint's value as a function of one coordinate, or fixed; None for a joint off the chain."""
-    if joint in arm.joint_names:
-        return Affine(joint, 1.0, 0.0)
-    affine = arm.couplings.get(joint)
-    return affine if affine and (affine.master is None or affine.master in arm.joint_names) else None
-
-
-def _row(motor: Motor, arm: Arm) -> tuple[Array, float]:
-    """G's row and the motor's offset: the sum of ratio · (multiplier · theta_master + offset) over its joints."""
-    row, offset = np.zeros(arm.n), motor.offset
-    for joint, ratio in motor.ratio.items():
-        affine = _affine(joint, arm)
-        assert affine is not None, "fitted_actuators has seen it"
-        offset += ratio * affine.offset
-        if affine.master is not None:
-            row[arm.joint_names.index(affine.master)] += ratio * affine.multiplier
-    return row, offset

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -33,21 +33,12 @@ def files_beside(file: Path, pattern: str) -> tuple[Path, ...]:
 
     Links are left out, because their files lie elsewhere.
     """
-
-    def matching(folder: Path, wanted: str) -> list[Path]:
-        try:
-            return sorted(folder.glob(wanted))
-        except OSError:
-            return []
-
-    def folders(here: Path) -> Iterator[Path]:
-        yield here
-        for parent in (here, here.parent):
-            yield from (parent / name for name in FOLDERS)
-        for workspace in (here.parent, here.parent.parent):
-            yield from (package / name for package in matching(workspace, MOVEIT) for name in FOLDERS)
-
-    found = (path for folder in folders(file.resolve().parent) for path in matching(folder, pattern))
+    here = file.resolve().parent
+    packages = (
+        package for workspace in (here.parent, here.parent.parent) for package in sorted(workspace.glob(MOVEIT))
+    )
+    folders = [here, *(folder / name for folder in (here, here.parent, *packages) for name in FOLDERS)]
+    found = (path for folder in folders for path in sorted(folder.glob(pattern)))
     return tuple(path for path in dict.fromkeys(found) if is_file(path) and path.resolve() == path)
 
 
