@@ -26,7 +26,7 @@ from twistarm.cli.application import app
 from twistarm.cli.wording import OPTIONS as OPTION_TABLE
 from twistarm.cli.wording import words
 from twistarm.support.errors import LONGEST, DescriptionError, MissingExtraError, TwistarmError, listed, one_line
-from twistarm.support.messages import Argument, Posture, Quantity, Remedies, Text, joined, package_folder, plural
+from twistarm.support.messages import Argument, Posture, Quantity, Remedies, Text, joined, package_folder
 from twistarm.viewer.messages import page_words
 
 OPTIONS = [
@@ -83,11 +83,6 @@ def test_values_survive_errors_nesting_and_pickles() -> None:
         assert str(error) == "arm.urdf: joint 'elbow' at 0.5 rad"
         assert words(error.message) == "arm.urdf: joint 'elbow' at 28.648°"
     assert pickle.loads(pickle.dumps(DescriptionError("a", ("finding",)))).findings == ("finding",)
-
-
-def test_counted_nouns() -> None:
-    assert [plural(n, "joint") for n in (0, 1, 2)] == ["0 joints", "1 joint", "2 joints"]
-    assert plural(2, "axis", "axes") == "2 axes"
 
 
 def test_every_option_that_messages_name_exists() -> None:

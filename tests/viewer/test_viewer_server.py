@@ -171,14 +171,6 @@ def test_without_meshcat_the_error_says_what_to_install(
             view()
 
 
-def test_importing_the_viewer_imports_no_extra() -> None:
-    program = (
-        "import sys, twistarm.viewer; print(sorted({'meshcat', 'tornado', 'trimesh', 'umsgpack'} & set(sys.modules)))"
-    )
-    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=True)
-    assert result.stdout == "[]\n"
-
-
 def test_a_missing_browser_is_no_error(
     arm: Arm, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
