@@ -6,7 +6,7 @@ Limits, named poses and actuators come from companions of the description. The c
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -352,7 +352,7 @@ def fitted_limits(
     names: tuple[str, ...],
     specification: ArmSpecification,
     changes: Changes,
-    joints: Iterable[str],
+    joints: Collection[str],
 ) -> tuple[JointLimits, tuple[Finding, ...]]:
     """The description's limits, then the arm.toml's file and entries by joint, then the caller's.
 
@@ -360,7 +360,6 @@ def fitted_limits(
     and of those off a requested chain are left out.
     """
     noted: tuple[Finding, ...] = ()
-    joints = tuple(joints)
     left_out = {*specification.locked_joints, *(set(joints).difference(names) if specification.other_chain else ())}
     own = {joint: its for joint, its in specification.limits.items() if joint not in left_out}
     if specification.joint_limits is not None:
@@ -378,13 +377,12 @@ def fitted_limits(
 
 
 @contextmanager
-def _in_the_arm_file(specification: ArmSpecification, entry: str = "") -> Iterator[None]:
-    """Errors about names and values as those of the arm.toml, and of its `entry`."""
+def _in_the_arm_file(specification: ArmSpecification) -> Iterator[None]:
+    """Errors about names and values as those of the arm.toml."""
     try:
         yield
     except (ValueError, LookupError) as error:
-        what = f"{entry}: {error}" if entry else str(error)
-        raise refusal("companion-unusable", Place(specification.source), what) from error
+        raise refusal("companion-unusable", Place(specification.source), str(error)) from error
 
 
 def fitted_poses(
