@@ -295,7 +295,7 @@ def test_a_free_move_without_a_way_ends_in_time(tmp_path: Path) -> None:
     arm = slider(tmp_path, SHAPES["sphere"])
     scene = Scene(arm)
     scene.add_box("wall", (0.2, 2.0, 9.0))  # higher than the slide can go
-    with pytest.raises(PathError, match="no way round was found in 0.5 s"):
+    with pytest.raises(PathError, match="no free path was found in 0.5 s"):
         plan(arm, FreeMove([1.0, 0.0]), start=[-1.0, 0.0], scene=scene, max_time=0.5)
     with pytest.raises(InputError, match="scene="):
         plan(arm, FreeMove([1.0, 0.0]), start=[-1.0, 0.0])
@@ -313,7 +313,7 @@ def test_a_free_move_to_a_target_goes_to_any_configuration_that_meets_it(tmp_pat
     assert motion.waypoints[-1] == pytest.approx([2.0 - 2.0 * np.pi])
     assert motion(np.linspace(0.0, motion.duration, 1000)).max() < 0.9  # the hand's radius is 0.1
     scene.add_box("other post", (0.1, 0.1, 0.1), (np.cos(1.0), -np.sin(1.0), 0.0))
-    with pytest.raises(PathError, match="no way round to any configuration of the target was found in 0.2 s"):
+    with pytest.raises(PathError, match="no free path to any configuration of the target was found in 0.2 s"):
         plan(arm, move, start=[0.0], scene=scene, max_time=0.2)
 
 

@@ -209,7 +209,7 @@ def test_a_corner_rounded_before_it_keeps_too() -> None:
 def test_a_start_that_collides_is_named_where_no_way_is_found() -> None:
     scene = Scene(ARM)
     scene.add_box("wall", (2.0, 0.02, 4.0), (0.0, 0.05, 0.0))
-    with pytest.raises(PathError, match=r"no way.*the start collides: .*wall.*away first"):
+    with pytest.raises(PathError, match=r"no path.*the start collides: .*wall.*away first"):
         plan(ARM, FreeMove(GOAL, keep=Keep(direction=DOWN, tol=TOL)), start=START, scene=scene, max_time=0.3)
 
 

@@ -317,7 +317,7 @@ class Scene(Checkers):
         return times, pieces
 
     def is_free(self, start: ArrayLike, end: ArrayLike) -> bool:
-        """Whether the straight way in joint space from one configuration (n,) to another collides with nothing.
+        """Whether the straight path in joint space from one configuration (n,) to another collides with nothing.
 
         Args:
             start: A configuration (n,), or the name of one.

@@ -26,7 +26,7 @@ STEPS = (0.1, 0.05, 0.02, 0.01, 0.005)
 LAST_SHARE, LAST_TIME, LAST_STEPS = 0.05, 0.5, (0.02, 0.01, 0.005)
 UNLIMITED = np.pi  # How far joints without limits may go beyond start and goal: every direction, once.
 BESIDE = 0.3  # So near [rad, m] to start and goals states may keep less clearance, where those have less.
-REACH = 0.5  # The longest way [rad, m] that a tree grows at once.
+REACH = 0.5  # The longest path [rad, m] that a tree grows at once.
 SHORTCUTS = 50  # Random shortcuts that are tried on a path.
 SAMPLES = 300  # States by which the length of a path is measured.
 STILL = 1e-9  # A path shorter than this [m, rad] is none.
@@ -44,7 +44,7 @@ def free_path(
     steps. Half of the time is kept for last tries with a twentieth of the clearance.
 
     Raises:
-        PathError: Start or goal collides, or no way was found in `max_time` [s] of wall time.
+        PathError: Start or goal collides, or no path was found in `max_time` [s] of wall time.
         MissingExtraError: OMPL is not installed.
     """
     require_clear(scene, start, goal)
@@ -70,7 +70,7 @@ def free_path(
     kept, last = (Quantity(distance, "m") for distance in (clearance, LAST_SHARE * clearance))
     more = Text(", with {room} of clearance and at last {last}", room=kept, last=last)
     spent = time.process_time() - worked
-    raise no_way(f"round{to}", max_time, spent, more, {"max_time": "longer", "clearance": "smaller"})
+    raise no_path(f"free path{to}", max_time, spent, more, {"max_time": "longer", "clearance": "smaller"})
 
 
 def roomy(scene: Scene, clearance: float, ends: Array) -> Callable[[Array], bool]:
@@ -83,12 +83,12 @@ def roomy(scene: Scene, clearance: float, ends: Array) -> Callable[[Array], bool
     return lambda theta: is_free(theta) or (bool((np.abs(ends - theta).max(axis=1) < BESIDE).any()) and beside(theta))
 
 
-def no_way(way: str, max_time: float, worked: float, more: str, remedies: Mapping[str, str]) -> PathError:
+def no_path(path: str, max_time: float, worked: float, more: str, remedies: Mapping[str, str]) -> PathError:
     """The error of a search in vain. `worked`: the processor's time [s]. `remedies`: arguments, and what to give."""
     less = (Text(f"a {how} {{{name}}}", **{name: Argument(name)}) for name, how in remedies.items())
-    what = "no way {way} was found in {time:g} s of wall time ({worked:.2g} s of the processor{more}); give {remedies}"
+    what = "no {path} was found in {time:g} s of wall time ({worked:.2g} s of the processor{more}); give {remedies}"
     given = Remedies(("another goal", *less))
-    return PathError(Text(what, way=way, time=max_time, worked=worked, more=more, remedies=given))
+    return PathError(Text(what, path=path, time=max_time, worked=worked, more=more, remedies=given))
 
 
 def require_clear(scene: Scene, start: Array, goal: Array) -> None:

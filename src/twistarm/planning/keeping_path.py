@@ -16,7 +16,7 @@ from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.messages import Text
 from .following import outside_limits
-from .free_moves import UNLIMITED, no_way, require_clear, roomy
+from .free_moves import UNLIMITED, no_path, require_clear, roomy
 from .keep import Constraint, Flags
 from .piecewise import JointPath
 from .segments import CLEARANCE
@@ -50,7 +50,7 @@ def keeping_path(
     collides, the search begins anew with smaller steps and distances.
 
     Raises:
-        PathError: Start or goal collides, or no way is found in this part of `max_time` [s].
+        PathError: Start or goal collides, or no path is found in this part of `max_time` [s].
     """
     require_clear(scene, start, goals[0])
     ends, began = time.monotonic() + part * max_time, time.process_time()
@@ -71,9 +71,9 @@ def keeping_path(
         filled = states is None and not search.late
         if search.late or (filled and k + 1 >= len(ATTEMPTS)):
             break
-    what = Text("that keeps {what}", what=constraint.keep.describe())
+    what = Text("path that keeps {what}", what=constraint.keep.describe())
     more = ", the search came to its end" if filled else ""
-    raise no_way(what, max_time, time.process_time() - began, more, {"tol": "larger", "max_time": "longer"})
+    raise no_path(what, max_time, time.process_time() - began, more, {"tol": "larger", "max_time": "longer"})
 
 
 class Tree:

@@ -90,7 +90,7 @@ def plan(
         torques: Whether the efforts of joints and motors limit the motion too, by the masses of the arm.
         payload: What the tool carries then, a mass [kg] or (mass, place (3,) in tool axes [m]).
         scene: A `Scene` of the arm, or None. The motion is then proven free without gaps, and a `FreeMove` goes round.
-        max_time: Greatest wall time [s] for the way of one `FreeMove`. A busy computer searches less in it.
+        max_time: Greatest wall time [s] for the path of one `FreeMove`. A busy computer searches less in it.
         clearance: How far [m] states of a `FreeMove` keep from everything; less beside ends that are nearer. A
             twentieth of it in the second half of `max_time`, for narrow gaps.
         progress: Called with the fraction done, in (0, 1], or None.
@@ -102,7 +102,7 @@ def plan(
 
     Raises:
         PathError: A curve cannot be followed. The message says where it stops, why, and what would help. Or the motion
-            collides, or no way round was found.
+            collides, or no free path was found.
         LimitError: A goal lies outside the position limits. Or the efforts do not hold arm and payload at rest.
         NotConvergedError: The target of a joint move cannot be met; the message says why.
         InputError: An argument does not fit the arm.

@@ -34,7 +34,7 @@ class PathError(TwistarmError):
     """A path that the arm cannot follow to its end.
 
     `share`: the part of the segment that it can follow, in [0, 1); of a curve that of the tool's path, also to a
-    collision. It is 0 if no way round was found. `theta` (n,): the configuration there. `reason`: "limit",
+    collision. It is 0 if no free path was found. `theta` (n,): the configuration there. `reason`: "limit",
     "leap" (to another configuration), "singular", "out of reach" or "impossible direction". In a scene it may be
     "collision", or "not kept" if start or goal does not meet a `Keep`. `joint`: the joint at its limit, or None.
     `start` (n,): another configuration from which the whole path can be followed, or None. `segment`: the index of the

@@ -22,8 +22,8 @@ Constrained = Literal["pose", "approach", "position"]
 CONSTRAINED: tuple[Constrained, ...] = ("pose", "approach", "position")
 
 LABEL_LENGTH = 200
-# How far [m] states of a free move keep from everything, so that the ways between them do too; less where start or goal
-# is nearer.
+# How far [m] states of a free move keep from everything, so that the paths between them do too; less where start or
+# goal is nearer.
 CLEARANCE = 0.004
 
 OPTIONAL = {
@@ -104,9 +104,9 @@ class JointMove(Move):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FreeMove(JointMove):
-    """A move to the goal on any way that collides with nothing. `plan` needs a scene for it.
+    """A move to the goal on any path that collides with nothing. `plan` needs a scene for it.
 
-    The straight way in joint space is taken if it is free. For a target that is the way to the configuration that
+    The straight path in joint space is taken if it is free. For a target that is the path to the configuration that
     `solve_ik` finds in the scene. Otherwise the search ends at any free configuration that meets the target.
 
     keep: what the tool keeps all along, such as `Keep.level()`, or None. Start and goal must keep it too.
