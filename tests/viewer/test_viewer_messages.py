@@ -32,13 +32,13 @@ BAD_MESSAGES: list[tuple[Any, str]] = [
     (b"\x00\xff", "bytes"),
     ('{"type": "explode"}', "'explode'"),
     ('{"type": "theta", "theta": [NaN, 0, 0]}', "NaN"),
-    (f'{{"type": "theta", "theta": [1{"0" * 5000}, 0, 0]}}', "5,001 digits"),
+    (f'{{"type": "theta", "theta": [1{"0" * 5000}, 0, 0]}}', "digits"),
     ('{"type": "theta", "theta": [0, 0]}', "yaw, pitch, slide; got (2,)"),
     ('{"type": "theta", "theta": [0, 2, 0]}', "pitch = 114.592°"),
     ('{"type": "joint", "name": "finger", "value": 1}', "0.01 … 0.04"),
     ('{"type": "joint", "name": "pich", "value": 0}', "closest: 'pitch'"),
     ('{"type": "pose", "name": "redy", "ease": true}', "closest: 'ready'"),
-    ('{"type": "pose", "name": "\\ud800", "ease": true}', "no pose"),
+    ('{"type": "pose", "name": "\\ud800", "ease": true}', "no configuration"),
     ('{"type": "play"}', "play"),
 ]
 

@@ -12,6 +12,7 @@ from typing import Annotated, Any, TextIO
 
 import numpy as np
 
+from ...arm import engine
 from ...arm.arm import Arm
 from ...collision import Scene
 from ...design import ReachMap
@@ -191,9 +192,11 @@ def demo(page: PageOptions, show: Show = True) -> None:
     say("", "4. Inverse kinematics, the tool forwards: ik --xyz 0.7 0.1 0.6 --direction 1 0 0", "")
     p, towards = np.array([0.7, 0.1, 0.6]), np.array([1.0, 0.0, 0.0])
     ik(rover, out, TypedTargets([p], direction=[towards]))
-    say("", "5. A motion through three configurations: plan --to stowed --to reach -o demo.csv", "")
+    stop = engine.core() is None  # which times every motion that does not stop at each configuration
+    how = " --stop" if stop else ""
+    say("", f"5. A motion through three configurations: plan --to stowed --to reach{how} -o demo.csv", "")
     to = [JointValues(name, "--to", radians=False) for name in ("stowed", "reach")]
-    plan(rover, Outputs(kinds=MOTION_KINDS, force=True).named(str(motion)), TypedTargets(), to=to)
+    plan(rover, Outputs(kinds=MOTION_KINDS, force=True).named(str(motion)), TypedTargets(), to=to, stop=stop)
     watched = show and sys.stdout.isatty()
     say("", f"6. The arm that plays it: view --play demo.csv{'' if watched else ' -o demo.html'}", "")
     view(rover, page, out if watched else Outputs(kinds=VIEW_KINDS, force=True).named("demo.html"), play=motion)
