@@ -214,7 +214,7 @@ def _stop(arm: Arm, error: PathError, scene: Scene | None) -> dict[str, Any] | N
     why = f"{error.joint} at its limit" if error.joint else WHY.get(error.reason, error.reason)
     words = f"stops at {100.0 * error.share:.0f} %: {why}" if error.reason != "not kept" else "not kept here"
     if error.reason == "collision":
-        words = "collides" if scene is not None and scene.collides(error.theta) else "no free way from here"
+        words = "collides" if scene is not None and scene.collides(error.theta) else "no free path from here"
     return {"position": position, "words": words, "arm": error.theta.tolist()}
 
 
