@@ -130,7 +130,7 @@ def test_a_scene_toml_is_read(tmp_path: Path) -> None:
     assert scene.collides([-1.9, 0.105])  # nearer than the margin to the ground
 
 
-@pytest.mark.parametrize(("name", "text"), [("scene.yaml", YAML), ("a.scene", TEXT)])
+@pytest.mark.parametrize(("name", "text"), [("scene.yaml", YAML + "---\n"), ("a.scene", TEXT)])
 def test_moveit_scenes_are_read(tmp_path: Path, name: str, text: str) -> None:
     arm = slider(tmp_path, SHAPES["sphere"])
     (tmp_path / name).write_text(text)

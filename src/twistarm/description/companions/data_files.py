@@ -60,6 +60,8 @@ _EXPONENT = re.compile(r"[-+]?[0-9][0-9_]*[eE][-+]?[0-9]+")
 def parse_yaml(text: str, file: Path) -> Any:
     """Mappings, lists, texts and numbers of one YAML document, in which no mapping has a key twice.
 
+    It may end with the separator of a next document, as what `ros2 topic echo` prints does.
+
     DescriptionError `companion-unusable`, with the line, for anything else.
     """
     import yaml
@@ -83,7 +85,7 @@ def parse_yaml(text: str, file: Path) -> Any:
     Loader.add_multi_constructor("!", with_unit)
     Loader.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, list("-+0123456789"))
     try:
-        return yaml.load(text, Loader=Loader)
+        return yaml.load(text.rstrip().removesuffix("\n---"), Loader=Loader)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         what = " ".join(str(getattr(error, "problem", None) or error).split())

@@ -64,9 +64,8 @@ def read_message(arm: Arm, file: Path) -> Points:
     except (OSError, ValueError) as error:
         raise InputError(f"{file}: {why_no_file(file, error)}") from error
     try:
-        # An echoed message ends with the separator of a next document, which does not follow.
         is_json = file.suffix.lower() == ".json"
-        message = parsed(text) if is_json else parse_yaml(text.rstrip().removesuffix("\n---"), file)
+        message = parsed(text) if is_json else parse_yaml(text, file)
     except (ValueError, DescriptionError) as error:
         raise InputError(f"{file} is no JSON: {error}" if is_json else str(error)) from error
     return points_in(arm, message, str(file))
