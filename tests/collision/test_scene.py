@@ -161,17 +161,20 @@ def test_allowed_pairs_and_their_reasons_are_those_of_the_setup_assistant(tmp_pa
         ("inside", "near"): "Never",
     }
     file = tmp_path / "written.srdf"
-    known = frozenset(scene.allowed)
+    known = dict(scene.allowed)
     scene.add_sphere("stone", 0.1)
     scene.allow("stone", "base", "File")  # no link of the robot
     file.write_text(srdf_text(scene))
     assert read_srdf(file).disabled == known
 
 
-def test_an_srdf_beside_the_description_is_taken_as_it_is(tmp_path: Path) -> None:
-    srdf = '<robot name="slider"><disable_collisions link1="hand" link2="base" reason="User"/></robot>'
-    (tmp_path / "slider.srdf").write_text(srdf)
-    assert Scene(slider(tmp_path, SHAPES["sphere"])).allowed == {("base", "hand"): "SRDF"}
+def test_an_srdf_beside_the_description_is_taken_and_written_as_it_is(tmp_path: Path) -> None:
+    pair = '<disable_collisions link1="{}" link2="{}" reason="{}"/>'
+    rows = pair.format("base", "hand", "Never"), pair.format("base", "carriage", "Adjacent")
+    (tmp_path / "slider.srdf").write_text(f'<robot name="slider">{"".join(rows)}</robot>')
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
+    assert scene.allowed == {("base", "carriage"): "SRDF", ("base", "hand"): "SRDF"}
+    assert all(row in srdf_text(scene) for row in rows)
 
 
 def test_what_the_hand_holds_moves_with_it_until_it_is_put_down(tmp_path: Path) -> None:

@@ -154,6 +154,18 @@ def test_meshes_and_planes_of_moveit_scenes_are_read_and_saved(
         assert (near.metres, above.metres) == (pytest.approx(0.4, abs=1e-6), pytest.approx(0.9, abs=1e-6))
 
 
+def test_the_frame_of_the_virtual_joint_is_that_of_the_root(tmp_path: Path) -> None:
+    """MoveIt's planning frame is the parent_frame of the virtual joint that carries the root."""
+    joints = '<virtual_joint name="v" type="fixed" parent_frame="odom" child_link="{}"/>'
+    (tmp_path / "slider.srdf").write_text(f'<robot name="slider">{joints.format("base")}</robot>')
+    arm = slider(tmp_path, SHAPES["sphere"])
+    (tmp_path / "scene.yaml").write_text(YAML.replace("id: Can", "id: Can\n      header: {frame_id: odom}"))
+    assert Scene.load(arm, tmp_path / "scene.yaml").distance([0.0, 0.0]).metres == pytest.approx(0.8, abs=1e-6)
+    (tmp_path / "slider.srdf").write_text(f'<robot name="slider">{joints.format("hand")}</robot>')
+    with pytest.raises(InputError, match="frame_id='odom'"):
+        Scene.load(load_arm(tmp_path / "slider.urdf"), tmp_path / "scene.yaml")
+
+
 @pytest.mark.parametrize(
     ("name", "text", "culprit"),
     [

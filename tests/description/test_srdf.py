@@ -44,7 +44,8 @@ def test_what_it_says(tmp_path: Path) -> None:
     (state,) = semantics.states
     assert (state.name, state.group, state.values) == ("home", "arm", {"a": 0.5})
     assert semantics.passive_joints == ("spring",)
-    assert semantics.virtual_joints == ("world_joint",)
+    assert semantics.virtual_joints == {"world_joint": ("world", "base_link")}
+    assert semantics.disabled == {("base_link", "upper"): "Adjacent"}
 
 
 def test_pairs_that_need_no_check(tmp_path: Path) -> None:
@@ -303,11 +304,11 @@ def test_what_is_no_file_is_refused(urdf: Path) -> None:
 
 def test_names_that_are_not_there_are_one_warning(urdf: Path) -> None:
     text = (
-        '<robot name="tiny"><virtual_joint name="v" child_link="base_link"/>'
+        '<robot name="tiny"><virtual_joint name="v" parent_frame="odom" child_link="root"/>'
         '<group name="g"><joint name="v"/><joint name="a"/><joint name="elbow"/></group>'
         '<disable_collisions link1="upper" link2="hand"/><disable_collisions link1="upper" link2="base_link"/></robot>'
     )
     arm = load_arm(urdf, srdf=write(urdf.parent, text, "arm.srdf"))
     assert arm.disabled_collisions == {("base_link", "upper")}
     (finding,) = [finding for finding in arm.findings if finding.code == "companion-doubtful"]
-    assert "'elbow', 'hand'" in finding.what
+    assert "'elbow', 'root', 'hand'" in finding.what

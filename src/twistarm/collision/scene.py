@@ -371,14 +371,15 @@ class Scene(Checkers):
         self._loaded = replace(content, entries=(), foreign=False, absent=tuple(dict.fromkeys(absent)))
 
     def _fixed(self, frame: str | None) -> str:
-        """The link of a pose's frame in a file: the base for None, the root for "" and "world"."""
+        """The link of a pose's frame in a file: the base for None, the root for "", "world" and what it is fixed to."""
         if frame is None:
             return self.arm.base
-        if frame in ("", "world"):
-            return self._description.root
+        root, semantics = self._description.root, self._description.semantics
+        if frame in ("", "world") or (semantics and (frame, root) in semantics.virtual_joints.values()):
+            return root
         link = self._description.require_link(frame, "frame_id")
         if self._joint_of(link):
-            raise InputError(f"frame_id {frame!r} moves with the arm; give the pose in {self._description.root!r}")
+            raise InputError(f"frame_id {frame!r} moves with the arm; give the pose in {root!r}")
         return link
 
     def _prepare(self) -> None:

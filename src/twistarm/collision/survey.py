@@ -67,13 +67,16 @@ def collision_shares(scene: Scene, thetas: Sequence[Array] | Array) -> dict[Pair
 def srdf_text(scene: Scene) -> str:
     """An SRDF with the allowed pairs of the scene's robot, as MoveIt's setup assistant writes them.
 
-    Other reasons than its own are "User", as it reads them. Pairs with an obstacle are left out.
+    A pair of an SRDF keeps its reason. Other reasons than those of the assistant are "User", as it reads them. Pairs
+    with an obstacle are left out.
     """
     assert scene.arm.description is not None
+    semantics = scene.arm.description.semantics
+    reasons = {**scene.allowed, **(semantics.disabled if semantics else {})}
     rows = [
         f"    <disable_collisions link1={quoteattr(a)} link2={quoteattr(b)} "
-        f"reason={quoteattr(reason if reason in REASONS else 'User')}/>"
-        for (a, b), reason in sorted(scene.allowed.items())
+        f"reason={quoteattr(reasons[a, b] if reasons[a, b] in REASONS else 'User')}/>"
+        for a, b in sorted(scene.allowed)
         if not {a, b} & scene.obstacles.keys()
     ]
     name = quoteattr(scene.arm.description.name)

@@ -59,9 +59,9 @@ class GroupState:
 
 @dataclass(frozen=True)
 class Semantics:
-    """An SRDF as read, or what an MJCF says of that. Pairs of links are sorted, virtual joints kept by name only.
+    """An SRDF as read, or what an MJCF says of that. Pairs of links are sorted, `disabled` with their reasons.
 
-    `silent_links` by default collide with nothing except in the `checked_pairs`.
+    `silent_links` by default collide with nothing except in the `checked_pairs`. Virtual joints are (frame, link).
     """
 
     path: Path
@@ -69,18 +69,18 @@ class Semantics:
     groups: Mapping[str, Group] = field(default_factory=dict)
     end_effectors: tuple[EndEffector, ...] = ()
     states: tuple[GroupState, ...] = ()
-    disabled: frozenset[Pair] = frozenset()
+    disabled: Mapping[Pair, str] = field(default_factory=dict)
     silent_links: tuple[str, ...] = ()
     checked_pairs: frozenset[Pair] = frozenset()
     passive_joints: tuple[str, ...] = ()
-    virtual_joints: tuple[str, ...] = ()
+    virtual_joints: Mapping[str, Pair] = field(default_factory=dict)
     findings: tuple[Finding, ...] = ()
 
     def disabled_collisions(self, links: Iterable[str]) -> frozenset[Pair]:
         """The pairs of `links`, each sorted, that are not to be checked for collisions."""
         known = set(links)
         default = {sorted_pair(a, b) for a in self.silent_links for b in known if a in known and a != b}
-        named = (default - self.checked_pairs) | self.disabled
+        named = (default - self.checked_pairs) | self.disabled.keys()
         return frozenset(two for two in named if known.issuperset(two))
 
 
@@ -174,8 +174,8 @@ class Description:
     """Links and joints after all repairs, with the findings of the reading.
 
     `text` is the expanded description as written, for the engines of the crosscheck. `repaired` is the kinematic part
-    of it with all repairs, for Pinocchio. An MJCF says more, in `semantics` and in `gravity`: the acceleration of free
-    fall (3,) [m/s²] in axes of the root.
+    of it with all repairs, for Pinocchio. `semantics` come from an SRDF or an MJCF, `gravity` from an MJCF: the
+    acceleration of free fall (3,) [m/s²] in axes of the root.
     """
 
     name: str

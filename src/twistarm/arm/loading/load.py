@@ -256,6 +256,7 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
 def assemble(description: Description, specification: ArmSpecification, changes: Changes) -> Arm:
     """The arm of a description and its specification, before the proof. `changes` are the caller's limits."""
     semantics, noted = _semantics(description, specification)
+    description = replace(description, semantics=semantics)
     base, tip, group, chosen = _ends(description, specification, semantics)
     tool = specification.tool or Tool(tip, np.eye(4))
     if specification.tool and tool.name in description.links:

@@ -101,7 +101,8 @@ def note_names(semantics: Semantics, description: Description) -> tuple[Finding,
     joints += [name for state in semantics.states for name in state.values]
     links = [name for group in groups for name in (*group.links, *(end for chain in group.chains for end in chain))]
     links += [*(effector.parent_link for effector in semantics.end_effectors), *semantics.silent_links]
-    links += [link for both in sorted(semantics.disabled | semantics.checked_pairs) for link in both]
+    links += [link for _, link in semantics.virtual_joints.values() if link]
+    links += [link for both in sorted({*semantics.disabled, *semantics.checked_pairs}) for link in both]
     known = {part for joint in description.joints.values() for part in (joint.name, joint.part_of)}
     missing = [name for name in joints if name not in known and name not in semantics.virtual_joints]
     missing += [name for name in links if name not in description.links]
@@ -136,17 +137,20 @@ def _semantics(text: str, reading: Reading) -> Semantics:
         own = {key: _attribute(element, key, reading) for key in ("name", "parent_link", "group")}
         effectors.append(EndEffector(**own, parent_group=element.get("parent_group", "")))
     states = [_state(element, reading) for element in robot.findall("group_state")]
+    disabled = pairs(robot, "disable_collisions", "link1", "link2")
+    reasons = [element.get("reason", "") for element in robot.findall("disable_collisions")]
+    fixed = [(one.get("parent_frame", ""), one.get("child_link", "")) for one in robot.findall("virtual_joint")]
     return Semantics(
         path=reading.path,
         name=_attribute(robot, "name", reading),
         groups=groups,
         end_effectors=tuple(effectors),
         states=tuple(state for state in states if state is not None),
-        disabled=frozenset(sorted_pair(*both) for both in pairs(robot, "disable_collisions", "link1", "link2")),
+        disabled={sorted_pair(*both): why for both, why in zip(disabled, reasons, strict=True)},
         silent_links=names(robot, "disable_default_collisions", "link"),
         checked_pairs=frozenset(sorted_pair(*both) for both in pairs(robot, "enable_collisions", "link1", "link2")),
         passive_joints=names(robot, "passive_joint"),
-        virtual_joints=names(robot, "virtual_joint"),
+        virtual_joints=dict(zip(names(robot, "virtual_joint"), fixed, strict=True)),
         findings=tuple(reading.findings),
     )
 

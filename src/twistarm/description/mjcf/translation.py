@@ -292,7 +292,8 @@ class _Writer:
                 states.append(GroupState(name or free_name(f"key{i}", names_used), "", values))
         if not states and not self.pairs:
             return None
-        return Semantics(reading.path, self.robot.get("name", ""), states=tuple(states), disabled=frozenset(self.pairs))
+        disabled = dict.fromkeys(self.pairs, "")
+        return Semantics(reading.path, self.robot.get("name", ""), states=tuple(states), disabled=disabled)
 
     def gravity(self) -> tuple[float, float, float]:
         """The acceleration of free fall in the world's axes, with a note unless it is the usual one."""
