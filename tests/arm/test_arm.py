@@ -246,6 +246,7 @@ BY_NAME = {
     "fk": lambda arm, theta: arm.fk(theta),
     "pose": lambda arm, theta: arm.pose(theta, "forearm"),
     "poses": lambda arm, theta: arm.poses(theta)["forearm"],
+    "joint_values": lambda arm, theta: list(arm.joint_values(theta).values()),
     "manipulability": lambda arm, theta: arm.manipulability(theta).singular_values,
     "solve_ik(theta0=)": lambda arm, theta: twistarm.solve_ik(arm, THERE, theta).theta,
     "ServoState.at": lambda arm, theta: twistarm.ServoState.at(arm, theta).theta,

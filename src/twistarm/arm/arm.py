@@ -169,15 +169,16 @@ class Arm(ArmData):
         back = inverse(poses[self.base])
         return {link: np.array(np.broadcast_to(back @ g, (len(theta), 4, 4))) for link, g in poses.items()}
 
-    def joint_values(self, theta: Array, others: Mapping[str, float] = NOTHING) -> dict[str, Array]:
-        """The value (N,) of each moving joint, couplings included.
+    def joint_values(self, theta: ArrayLike, others: Mapping[str, float] = NOTHING) -> dict[str, Array]:
+        """The value (...) of each moving joint, couplings included.
 
         Args:
-            theta: Configurations (N, n) [rad, m].
+            theta: Configurations (..., n) [rad, m].
             others: Values of joints outside the chain. The rest are at 0.
         """
-        columns = dict(zip(self.joint_names, theta.T, strict=True)) | {k: np.array(x) for k, x in others.items()}
-        zero = np.zeros(len(theta))
+        x = np.moveaxis(self._asked_at(theta), -1, 0)
+        columns = dict(zip(self.joint_names, x, strict=True)) | {k: np.array(value) for k, value in others.items()}
+        zero = np.zeros(x.shape[1:])
         return {
             name: affine.multiplier * columns.get(affine.master or "", zero) + affine.offset + zero
             for name, affine in self.couplings.items()

@@ -325,13 +325,13 @@ class Scene(Checkers):
         """
         return self._sweep.straight(self._configuration(start), self._configuration(end))
 
-    def leaving(self, theta: Array) -> Scene:
+    def leaving(self, theta: ArrayLike) -> Scene:
         """The scene for a motion from theta (n,). A pair that collides there may stay, but not come 0.5 mm nearer.
 
         It is the same scene if nothing collides there. Triangles of `exact=True` and voxels of a cloud overlap without
         a depth. A motion cannot leave them.
         """
-        q, checker = self._model.q(theta), self._checker
+        q, checker = self._model.q(self._configuration(theta)), self._checker
         hit = checker.overlapping(q)
         if not hit:
             return self
