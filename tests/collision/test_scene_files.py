@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from test_scene import SHAPES, slider
+from test_scene import SHAPES, joint, link, slider
 from twistarm import DescriptionError, InputError, load_arm
 from twistarm.collision import Scene
 from twistarm.theory.rotations import from_rpy
@@ -269,6 +269,8 @@ world:
     - {id: ball, primitives: [{type: 2, dimensions: [0.1]}]}
 robot_state:
   attached_collision_objects: [{link_name: hand, object: {id: cup}}]
+  joint_state: {name: [x, left, right], position: [0.5, 0.3, 0.0]}
+is_diff: true
 allowed_collision_matrix:
   entry_names: [hand, stone]
   entry_values: [[0, 0], [0, 0]]
@@ -279,12 +281,16 @@ allowed_collision_matrix:
 
 def test_a_planning_scene_takes_its_defaults_and_tells_what_it_does_not_use(tmp_path: Path) -> None:
     (tmp_path / "scene.yaml").write_text(DEFAULTS)
-    scene = Scene.load(slider(tmp_path, SHAPES["sphere"]), tmp_path / "scene.yaml")
-    assert set(scene.allowed) == {("base", "stone"), ("carriage", "stone")}
+    turns = ((name, joint(name, "revolute", "hand", f"{name} finger", "0 0 1")) for name in ("left", "right"))
+    parts = (part for name, turn in turns for part in (link(f"{name} finger"), turn))
+    scene = Scene.load(slider(tmp_path, SHAPES["sphere"], *parts), tmp_path / "scene.yaml")
+    assert set(scene.allowed) == {(name, "stone") for name in ("base", "carriage", "left finger", "right finger")}
     (found,) = (finding for finding in scene.findings if finding.code == "scene-names")
-    for culprit in ("'link_padding of hand'", "'colision_objects of the world'", "'cup, "):
+    for culprit in ("'link_padding of hand'", "'colision_objects of the world'", "'cup, ", "'joint_state of left'"):
         assert culprit in found.what
-    assert "base" not in found.what
+    assert "is_diff" in found.what
+    for unsaid in ("base", "of x", "of right"):
+        assert unsaid not in found.what
     assert "link_scale" not in found.what
 
 

@@ -83,7 +83,7 @@ class SceneFile:
 
     matrix: whether `allowed` are all pairs of the robot that need no check, in place of those of the SRDF. foreign:
     whether names that the robot lacks are left out, as MoveIt does. absent: these names. unread: entries of the file
-    that are not used.
+    that are not used. state: the values of joints [rad, m], which are not used either.
     """
 
     arm: str
@@ -94,6 +94,7 @@ class SceneFile:
     foreign: bool = False
     absent: tuple[str, ...] = ()
     unread: tuple[str, ...] = ()
+    state: tuple[tuple[str, float], ...] = ()
 
 
 def read_scene(path: Path, links: Iterable[str] = ()) -> SceneFile:
@@ -265,6 +266,9 @@ def _planning_scene(path: Path, links: Iterable[str]) -> SceneFile:
         world, state, matrix = (scene.get(name) or {} for name in ("world", "robot_state", "allowed_collision_matrix"))
         unread = [*_unread("planning scene", scene), *_unread("world", world), *_unread("robot_state", state)]
         unread += _unread("allowed_collision_matrix", matrix)
+        unread += ["is_diff, as if this were the whole scene"] if scene.get("is_diff") else []
+        joints = state.get("joint_state") or {}
+        values = tuple(zip(joints.get("name") or (), map(float, joints.get("position") or ()), strict=False))
         free = [
             ({"object": item}, f"collision object {i + 1}")
             for i, item in enumerate(world.get("collision_objects") or ())
@@ -293,7 +297,8 @@ def _planning_scene(path: Path, links: Iterable[str]) -> SceneFile:
     with _at(path, "allowed_collision_matrix"):
         pairs = tuple(_matrix_pairs(matrix, parts, links))
     named = bool(matrix.get("entry_names"))  # a matrix without names leaves the robot's own pairs
-    return SceneFile("", tuple(entries), pairs, matrix=named, foreign=True, unread=tuple(dict.fromkeys(unread)))
+    told = tuple(dict.fromkeys(unread))
+    return SceneFile("", tuple(entries), pairs, matrix=named, foreign=True, unread=told, state=values)
 
 
 OCTOMAP = "<octomap>"
