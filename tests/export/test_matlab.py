@@ -99,7 +99,9 @@ def test_limits_are_read_back_as_they_are(here: Path) -> None:
     assert list(written) == list(arm.joint_names)
     assert written["elbow"]["max_jerk"] == 1e-5
     assert written["slide"]["has_jerk_limits"] is False
+    Path("joint_limits.yaml").write_text("joint_limits: {}  # a team's own\n")
     assert run(["bake", "rover_arm", "-o", "joint_limits.yaml"]) == 2
+    assert Path("joint_limits.yaml").read_text().startswith("joint_limits: {}")
     assert run(["bake", "rover_arm", "-o", "joint_limits.yaml", "--force"]) == 0
     assert load_arm("rover_arm", limits="joint_limits.yaml").limits.jerk.min() == np.inf
 

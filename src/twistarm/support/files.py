@@ -229,7 +229,7 @@ def writable(path: str | os.PathLike[str], *, over_description: bool = False, fo
     elif exists and not target.is_file():
         why = "it is a folder" if target.is_dir() else "it is not a regular file and cannot be replaced as a whole"
     elif exists and not over_description and _is_description(target):
-        why = "it is a description and would be lost; give another name"
+        why = f"no output replaces a *{target.suffix} that twistarm did not write; give another name, or delete it"
     if why:
         raise InputError(f"cannot write {target}: {why}")
     return target

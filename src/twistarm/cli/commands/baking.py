@@ -27,7 +27,10 @@ KINDS = {
 Written = Annotated[
     Outputs,
     answers(
-        "output form force json", KINDS, output="*.json, *.hpp, *.m, *.yaml or *.urdf, by default ARM.json; repeat it."
+        "output form force json",
+        KINDS,
+        over_description=True,
+        output="*.json, *.hpp, *.m, *.yaml or *.urdf, by default ARM.json; repeat it.",
     ),
 ]
 
