@@ -27,7 +27,6 @@ from .scene_file import Entry, SceneFile, read_scene, scene_text, with_points_in
 from .swept import FINE, shifted
 
 FAR = 2.0  # A cloud whose nearest point is so many times the arm's reach away is in another unit or frame.
-STANDS = 1e-3  # A joint outside the chain stands where a file says if it is so near [rad, m].
 SLACK = 1e-3, 0.05  # How much less than the clearance found a motion may have: so much [m], or this part of it.
 
 
@@ -217,10 +216,9 @@ class Scene(Checkers):
             found.append(finding("scene-names", Place(str(self.file or "")), what, remedy))
         driven = {name for name, affine in self.arm.couplings.items() if affine.master in self.arm.joint_names}
         stands = {name: float(x) for name, x in self.arm.joint_values(self.arm.ready).items() if name not in driven}
-        moved = [name for name, x in self._loaded.state if abs(x - stands.get(name, x)) > STANDS]
-        if unread := [*self._loaded.unread, *(f"joint_state of {name}" for name in moved)]:
-            what = "write objects with shapes, a padding as margin, a joint outside the chain as {locked}"
-            remedy = Text(what, locked=Argument("locked_joints", None))
+        moved = [f"joint_state of {name}" for name, x in self._loaded.state if abs(x - stands.get(name, x)) > FINE]
+        if unread := dict.fromkeys([*self._loaded.unread, *moved]):
+            remedy = Text("write shapes, padding as margin, joints as {locked}", locked=Argument("locked_joints", None))
             found.append(finding("scene-names", Place(str(self.file or "")), f"not used: {listed(unread)}", remedy))
         return tuple(found)
 

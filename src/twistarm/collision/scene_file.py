@@ -297,8 +297,7 @@ def _planning_scene(path: Path, links: Iterable[str]) -> SceneFile:
     with _at(path, "allowed_collision_matrix"):
         pairs = tuple(_matrix_pairs(matrix, parts, links))
     named = bool(matrix.get("entry_names"))  # a matrix without names leaves the robot's own pairs
-    told = tuple(dict.fromkeys(unread))
-    return SceneFile("", tuple(entries), pairs, matrix=named, foreign=True, unread=told, state=values)
+    return SceneFile("", tuple(entries), pairs, matrix=named, foreign=True, unread=tuple(unread), state=values)
 
 
 OCTOMAP = "<octomap>"

@@ -67,8 +67,7 @@ def collision_shares(scene: Scene, thetas: Sequence[Array] | Array) -> dict[Pair
 def srdf_text(scene: Scene) -> str:
     """An SRDF with the allowed pairs of the scene's robot, as MoveIt's setup assistant writes them.
 
-    A pair of an SRDF keeps its reason. Other reasons than those of the assistant are "User", as it reads them. Pairs
-    with an obstacle are left out.
+    Pairs of an SRDF keep their reasons. Unknown ones are "User", as it reads them. Pairs with an obstacle are left out.
     """
     assert scene.arm.description is not None
     semantics = scene.arm.description.semantics

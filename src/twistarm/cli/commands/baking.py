@@ -27,10 +27,7 @@ KINDS = {
 Written = Annotated[
     Outputs,
     answers(
-        "output form force json",
-        KINDS,
-        over_description=True,
-        output="*.json, *.hpp, *.m, *.yaml or *.urdf, by default ARM.json; repeat it.",
+        "output form force json", KINDS, True, output="*.json, *.hpp, *.m, *.yaml, *.urdf; default ARM.json; repeat it."
     ),
 ]
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -199,12 +199,9 @@ def arm_groups(semantics: Semantics, description: Description) -> tuple[ArmGroup
     members = _members(semantics, description)
     paths = [_path(group, members[name], description) for name, group in semantics.groups.items()]
     groups = [group for group in paths if group is not None]
-    preferences: tuple[Callable[[ArmGroup], bool], ...] = (
-        lambda group: not semantics.groups[group.name].subgroups,
-        lambda group: any(_hangs_on(effector, group, members, description) for effector in semantics.end_effectors),
-    )
-    for better in preferences:
-        groups = [group for group in groups if better(group)] or groups
+    groups = [group for group in groups if not semantics.groups[group.name].subgroups] or groups
+    hands = [(effector, members.get(effector.group, ())) for effector in semantics.end_effectors]
+    groups = [group for group in groups if any(_hangs_on(*hand, group, description) for hand in hands)] or groups
     different = {(group.base, group.tip): group for group in groups}.values()
     return tuple(group for group in different if not any(_part_of(group, other) for other in different))
 
@@ -243,13 +240,11 @@ def _path(group: Group, members: Sequence[Joint], description: Description) -> A
     return ArmGroup(group.name, group.chains[0][0] if alone else None, members[-1].child, moving)
 
 
-def _hangs_on(
-    effector: EndEffector, group: ArmGroup, members: Mapping[str, Sequence[Joint]], description: Description
-) -> bool:
+def _hangs_on(effector: EndEffector, hand: Sequence[Joint], group: ArmGroup, description: Description) -> bool:
     """Whether the end effector's parent link is one that the group moves, and its own joints are not in the group."""
     if effector.parent_group:
         return effector.parent_group == group.name
-    if not {joint.name for joint in members.get(effector.group, ())}.isdisjoint(group.joints):
+    if not {joint.name for joint in hand}.isdisjoint(group.joints):
         return False
     first = description.joints[group.joints[0]].child
     return first in description.inward(effector.parent_link) and effector.parent_link in description.inward(group.tip)

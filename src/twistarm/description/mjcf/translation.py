@@ -81,7 +81,7 @@ class _Writer:
         self.efforts = self._efforts()
         self.moving: dict[int, Moving] = {}
         self.masters: dict[int, int] = {}
-        self.pairs: set[tuple[str, str]] = set()
+        self.pairs: dict[tuple[str, str], str] = {}
         for i, name in enumerate(self._names("TENDON", self.model.ntendon)):
             mjcf.note("mjcf-scenery-left-out", f"the tendon {name or i}")
 
@@ -160,7 +160,7 @@ class _Writer:
         for j in joints:
             link, g = self._joint(j, link, g, name if j == joints[-1] else "")
         if link not in (parent, name):  # MuJoCo lets a body and its parent overlap
-            self.pairs.add(sorted_pair(parent, name))
+            self.pairs[sorted_pair(parent, name)] = ""
         if link != name:
             self._fixed(name, link, g)
 
@@ -283,7 +283,7 @@ class _Writer:
         """The keyframes as named configurations, and the pairs of `contact/exclude`; None if there are none."""
         model = self.model
         for signature in model.exclude_signature:
-            self.pairs.add(sorted_pair(self.bodies[signature >> 16], self.bodies[signature & 0xFFFF]))
+            self.pairs[sorted_pair(self.bodies[signature >> 16], self.bodies[signature & 0xFFFF])] = ""
         names = self._names("KEY", model.nkey)
         names_used, states = {*names}, []
         for i, (name, qpos) in enumerate(zip(names, model.key_qpos, strict=True)):
@@ -292,8 +292,7 @@ class _Writer:
                 states.append(GroupState(name or free_name(f"key{i}", names_used), "", values))
         if not states and not self.pairs:
             return None
-        disabled = dict.fromkeys(self.pairs, "")
-        return Semantics(reading.path, self.robot.get("name", ""), states=tuple(states), disabled=disabled)
+        return Semantics(reading.path, self.robot.get("name", ""), states=tuple(states), disabled=self.pairs)
 
     def gravity(self) -> tuple[float, float, float]:
         """The acceleration of free fall in the world's axes, with a note unless it is the usual one."""
