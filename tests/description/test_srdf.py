@@ -221,6 +221,14 @@ def test_base_and_tip_come_from_the_group_where_nobody_says_otherwise(tmp_path: 
     assert (load_arm(toml).base, load_arm(toml).tip) == ("base_link", "wrist")
 
 
+def test_states_of_a_gripper_are_named_as_left_out(tmp_path: Path) -> None:
+    state = '<group_state name="open" group="hand"><joint name="left" value="0.1"/></group_state>'
+    arm = load_arm(write(tmp_path, ROBOT), srdf=write(tmp_path, tiny(ARM + HAND + state), "arm.srdf"))
+    assert dict(arm.named_states) == {}
+    (noted,) = (finding for finding in arm.findings if finding.code == "companion-not-used")
+    assert "'open'" in noted.what
+
+
 STATE = '<group_state name="{}" group="g"><joint name="a" value="0.1"/><joint name="b" value="0.2"/></group_state>'
 
 

@@ -397,8 +397,12 @@ def fitted_poses(
     """
     poses, noted, file = dict[str, Array](), list[Finding](), semantics.path.name if semantics else ""
     given = [(Place(specification.source, None, "pose", name), its) for name, its in specification.poses.items()]
-    states = sorted(semantics.states if semantics else (), key=lambda state: state.group != group)
-    states = [state for state in states if any(name in state.values for name in arm.joint_names)]
+    every = sorted(semantics.states if semantics else (), key=lambda state: state.group != group)
+    states = [state for state in every if any(name in state.values for name in arm.joint_names)]
+    if beside := {state.name for state in every} - {state.name for state in states}:
+        what = f"states of joints outside the arm are left out: {listed(sorted(beside))}"
+        remedy = Text("hold such a joint by {locked}", locked=Argument("locked_joints", None))
+        noted.append(finding("companion-not-used", Place(file), what, remedy))
     given += [(Place(file, None, "group_state", state.name), state.values) for state in states]
     elsewhere = arm.description.joints if specification.other_chain and arm.description else ()
     known = {*arm.joint_names, *specification.locked_joints, *elsewhere}
