@@ -126,6 +126,9 @@ def _read_again(arm: Arm, path: Path, packages: Mapping[str, Path], arguments: M
     tool = table.get("tool", {})
     g_tip_tool = reader.placed(tool.get("xyz", np.zeros(3)), tool.get("rpy", np.zeros(3)))
     problems = [] if table or "limits" in arguments else _other_bounds(arm, robot)
+    wanted = reader.coordinates(robot, arm.base, arm.tip_link) - set(table.get("locked_joints", {}))
+    if set(arm.joint_names) != wanted:
+        problems.append(f"coordinates {sorted(arm.joint_names)} instead of {sorted(wanted)}")
     problems += _other_torques(arm, robot, table.get("locked_joints", {}))
     for theta in arm.random_theta(np.random.default_rng(2), 3):
         values = {**arm.theta_to_dict(theta), **table.get("locked_joints", {})}
@@ -145,10 +148,9 @@ def _other_torques(arm: Arm, robot: ET.Element, locked: Mapping[str, float]) -> 
     if arm.description is None or arm.base != arm.description.root or widest > WIDEST:
         return []
     theta, direction = np.random.default_rng(3).normal(size=(2, arm.n))
-    massless = [finding.place.name for finding in arm.findings if finding.code == "inertial-unusable"]
     step = STEP / widest
     ahead, behind = (
-        reader.potential_energy(robot, {**arm.theta_to_dict(theta + h * direction), **locked}, arm.base, massless)
+        reader.potential_energy(robot, {**arm.theta_to_dict(theta + h * direction), **locked}, arm.base)
         for h in (step, -step)
     )
     with warnings.catch_warnings():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import codecs
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Container, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,11 +20,25 @@ def parsed(data: bytes) -> ET.Element:
     )
 
 
+# How a text begins in each encoding, by XML 1.0, appendix F: a mark, or a first character of ASCII.
+STARTS = (
+    (codecs.BOM_UTF32_LE, "utf-32"),
+    (codecs.BOM_UTF32_BE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+    (b"[^\0]\0\0\0", "utf-32-le"),
+    (b"\0\0\0[^\0]", "utf-32-be"),
+    (b"[^\0]\0[^\0]", "utf-16-le"),
+    (b"\0[^\0]\0", "utf-16-be"),
+    (b"", "utf-8-sig"),
+)
+
+
 def decoded(data: bytes) -> str:
-    """UTF-16 by its mark, UTF-8, else Latin-1."""
-    wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    """By how it begins; Latin-1 what is not of that encoding."""
+    encoding = next(encoding for start, encoding in STARTS if re.match(start, data, re.DOTALL))
     try:
-        return data.decode("utf-16" if wide else "utf-8-sig")
+        return data.decode(encoding)
     except UnicodeDecodeError:
         return data.decode("latin-1")
 
@@ -88,14 +102,42 @@ def joint_value(name: str, value: Mapping[str, float], joints: Mapping[str, ET.E
 
 def pose(robot: ET.Element, value: Mapping[str, float], base: str, tip: str) -> np.ndarray:
     """The tip seen from the base, (4, 4)."""
-    joints = {joint.get("name", ""): joint for joint in robot.findall("joint")}
-    above = {joint.find("child").get("link"): joint for joint in joints.values()}  # type: ignore[union-attr]
-    g, link = np.eye(4), tip
-    while link != base:
-        joint = above[link]
+    joints = named_joints(robot)
+    g = np.eye(4)
+    for joint in path(robot, base, tip):
         g = origin(joint) @ motion(joint, value, joints) @ g
-        link = joint.find("parent").get("link", "")  # type: ignore[union-attr]
     return g
+
+
+def named_joints(robot: ET.Element) -> dict[str, ET.Element]:
+    return {joint.get("name", ""): joint for joint in robot.findall("joint")}
+
+
+def path(robot: ET.Element, base: str, tip: str) -> list[ET.Element]:
+    """The joints between, from the tip on."""
+    above = {joint.find("child").get("link"): joint for joint in named_joints(robot).values()}  # type: ignore[union-attr]
+    joints: list[ET.Element] = []
+    while tip != base:
+        joints.append(above[tip])
+        tip = joints[-1].find("parent").get("link", "")  # type: ignore[union-attr]
+    return joints
+
+
+def coordinates(robot: ET.Element, base: str, tip: str) -> set[str]:
+    """The names of the independent coordinates between base and tip: those of masters, not of followers."""
+    joints, names = named_joints(robot), set()
+    for joint in path(robot, base, tip):
+        name = joint.get("name", "")
+        if joint.get("type") == "planar":
+            names |= {f"{name}_x", f"{name}_y", f"{name}_rz"}
+            continue
+        while (mimic := joint.find("mimic")) is not None and joint.get("type") != "fixed":
+            (multiplier,) = numbers(mimic, "multiplier", "1")
+            name = mimic.get("joint", "") if multiplier else ""
+            joint = joints.get(name, ET.Element("joint"))
+        if joint.get("type") in ("revolute", "continuous", "prismatic"):
+            names.add(name)
+    return names
 
 
 def bounds(robot: ET.Element) -> dict[str, tuple[float, float]]:
@@ -122,12 +164,33 @@ def _softened(joint: ET.Element, lower: float, upper: float) -> tuple[float, flo
     return narrow if least != most and narrow[0] < narrow[1] else (lower, upper)
 
 
-def potential_energy(robot: ET.Element, value: Mapping[str, float], base: str, massless: Container[str]) -> float:
-    """Σ m · 9.81 m/s² · height of the centre, of the links beyond `base` that are not known to be massless."""
+def potential_energy(robot: ET.Element, value: Mapping[str, float], base: str) -> float:
+    """Σ m · 9.81 m/s² · height of the centre, of the links beyond `base`."""
     energy = 0.0
     for link in robot.findall("link"):
-        inertial, name = link.find("inertial"), link.get("name", "")
-        if inertial is not None and name not in massless:
-            (mass,) = numbers(inertial.find("mass"), "value", "0")
-            energy += mass * 9.81 * (pose(robot, value, base, name) @ origin(inertial))[2, 3]
+        inertial = link.find("inertial")
+        if inertial is not None and (mass := mass_of(inertial)) > 0.0:
+            energy += mass * 9.81 * (pose(robot, value, base, link.get("name", "")) @ origin(inertial))[2, 3]
     return float(energy)
+
+
+def mass_of(inertial: ET.Element) -> float:
+    """The mass of a link; 0 without `<mass>` or `<inertia>`, and if a number of the `<inertial>` is none.
+
+    Torques alone need it, so a robot may lack it. An entry that `<inertia>` lacks is 0.
+    """
+    mass, inertia, place = (inertial.find(tag) for tag in ("mass", "inertia", "origin"))
+    if mass is None or inertia is None:
+        return 0.0
+    value = mass.get("value", "")
+    single = [value, *(inertia.get(f"i{axes}", "0") for axes in ("xx", "xy", "xz", "yy", "yz", "zz"))]
+    triple = [] if place is None else [place.get("xyz", "0 0 0"), place.get("rpy", "0 0 0")]
+    usable = all(is_numbers(text, 1) for text in single) and all(is_numbers(text, 3) for text in triple)
+    return float(value) if usable else 0.0
+
+
+def is_numbers(text: str, count: int) -> bool:
+    """Whether the text has so many decimal numbers, none of which is larger or longer than any of a robot."""
+    words = text.split()
+    decimal = all(re.fullmatch(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?", word) for word in words)
+    return len(words) == count and decimal and all(abs(float(word)) <= 1e9 and len(word) <= 400 for word in words)

@@ -80,6 +80,7 @@ REFUSED = {
     "source_of_itself.toml": "xml-malformed",
     "two_of_everything.urdf": "xml-malformed",
     "unit_after_a_limit.yaml": "companion-unusable",
+    "utf_16_with_half_characters.urdf": "xml-malformed",
     "value_of_a_module.xacro": "xacro-expression-refused",
     "zero_bytes.urdf": "xml-malformed",
 }
@@ -95,6 +96,7 @@ LOADED = {
     "fast_follower_with_limits.urdf": ("limits-adjusted",),
     "follows_itself_by_nothing.urdf": (),
     "half_a_character.urdf": (),
+    "inertia_without_an_entry.urdf": ("inertial-unusable",),
     "latin_1.toml": (),
     "latin_1.xacro": (),
     "leaf_far_away.urdf": (),
@@ -110,7 +112,9 @@ LOADED = {
     "tab_in_an_origin.urdf": (),
     "tags_with_colons.urdf": (),
     "utf_16.xacro": (),
+    "utf_16_with_umlauts.urdf": (),
     "utf_16_without_mark.urdf": (),
+    "utf_32.urdf": (),
     "visual_at_infinity.urdf": ("bad-geometry",),
 }
 """The codes of what was noticed."""

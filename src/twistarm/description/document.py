@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import codecs
 import errno
+import json
 import os
 import xml.etree.ElementTree as ET
 from collections.abc import Generator, Iterator
@@ -131,10 +131,9 @@ def read_text(path: Path, most: int = MAX_BYTES) -> str:
 
 
 def decoded(data: bytes) -> str:
-    """Decode bytes: UTF-16 with a byte-order mark, UTF-8, else Latin-1."""
-    wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    """Decode bytes: UTF-8, UTF-16 or UTF-32, each with or without a byte-order mark, else Latin-1."""
     try:
-        return data.decode("utf-16" if wide else "utf-8-sig")
+        return data.decode(json.detect_encoding(data))
     except UnicodeDecodeError:
         return data.decode("latin-1")
 
@@ -172,7 +171,8 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
     parser.CharacterDataHandler = builder.data
     parser.StartDoctypeDeclHandler = refuse
     try:
-        parser.Parse(text.encode("utf-8", "surrogatepass"), True)
+        # With the mark: without it expat takes a text with a null character for UTF-16, and swallows parts of it.
+        parser.Parse(text.encode("utf-8-sig", "surrogatepass"), True)
     except expat.ExpatError as error:
         what = f"not well-formed XML: {expat.ErrorString(error.code)}" if text.strip() else "the file is empty"
         place = replace(reading.whole, line=error.lineno if reading.show_lines else None)
