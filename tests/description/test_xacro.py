@@ -126,7 +126,7 @@ def test_an_expression_means_what_it_means_in_xacro(expression: str, tmp_path: P
     assert canonicalize(expanded(path)) == canonicalize(by_the_program(path))
 
 
-@pytest.mark.parametrize("encoding", ["latin-1", "utf-8", "utf-8-sig", "utf-16"])
+@pytest.mark.parametrize("encoding", ["latin-1", "utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-32-be"])
 @pytest.mark.parametrize("declared", ["", ' encoding="iso-8859-1"', ' encoding="utf-8"'])
 def test_files_of_any_origin(encoding: str, declared: str, tmp_path: Path) -> None:
     part = f'<?xml version="1.0"{declared}?>\r\n<robot {XMLNS}><!-- für Möbel -->\r\n<link name="stück"/></robot>'
@@ -137,6 +137,15 @@ def test_files_of_any_origin(encoding: str, declared: str, tmp_path: Path) -> No
     (tmp_path / "a.yaml").write_bytes("größe: 3\r\n".encode(encoding))
     assert 'name="stück"' in expanded(tmp_path / "arm.xacro")
     assert 'b="3"' in expanded(tmp_path / "arm.xacro")
+
+
+def test_a_file_that_includes_itself_is_named_at_its_include(tmp_path: Path) -> None:
+    write(tmp_path, f'<robot {XMLNS}>\n<xacro:include filename="arm.xacro"/></robot>', "part.xacro")
+    with pytest.raises(DescriptionError) as refused:
+        expanded(robot(tmp_path, '<xacro:include filename="part.xacro"/>'))
+    (finding,) = refused.value.findings
+    assert (finding.code, finding.place.element) == ("xacro-failed", "xacro:include")
+    assert "part.xacro > arm.xacro" in finding.what
 
 
 @pytest.mark.parametrize("name", [r"..\parts\a.xacro", "$(find parts)//a.xacro", r"$(find parts)\a.xacro"])

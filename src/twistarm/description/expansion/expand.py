@@ -54,6 +54,8 @@ REMEDIES = {
 }
 """Remedies by words of xacro's sentence."""
 
+MAX_INCLUDES = 20  # Files inside one another; a robot has some five. xacro's own recursion ends after ten seconds.
+
 _PLACE = "place"  # The key of an element's `Place` among its data.
 
 
@@ -314,6 +316,10 @@ class _Expansion:
 
     def _parse(self, _: Any, filename: str) -> Any:
         """The document in a file that may be read."""
+        if len(self.xacro.filestack) > MAX_INCLUDES:
+            last = " > ".join(map(os.path.basename, self.xacro.filestack[-3:]))
+            what = f"files include files more than {MAX_INCLUDES} deep, at last {last}"
+            raise Refused("xacro-failed", what, "leave out the include by which a file includes itself")
         try:
             path, text = read_inside(filename, self._packages)
         except OSError as error:
