@@ -227,6 +227,10 @@ CASES: dict[str, Case] = {
     "word-unread: two of one": Case({"arm.urdf": with_body().files["arm.urdf"].replace("<mass", "<mass/><mass")}),
     "word-unread: a material": urdf(coloured("", "1 0 0 1")),
     "word-unread: no prefix": xacro('<xacro:macro name="hand"><gazebo/></xacro:macro><hand/>'),
+    "word-unread: no prefix in a link": xacro(
+        '<xacro:macro name="heavy"><mass value="1"/></xacro:macro><link name="floor"><heavy/></link>'
+        + joint("f", "floor", "base_link", kind="fixed")
+    ),
     # packages and xacro
     "package-not-found": xacro('<gazebo file="$(find nowhere)/x"/>'),
     "package-without-manifest": xacro('<gazebo file="$(find copied)/x"/>', files={"copied/urdf/x.urdf": ""}),

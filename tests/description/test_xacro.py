@@ -189,7 +189,13 @@ def test_a_raw_error_becomes_a_line_with_the_file_and_the_culprit(inside: str, t
     assert [one.code for one in caught.value.findings] == [code]
     assert culprit in str(caught.value)
     assert "\n" not in str(caught.value)
+    assert "\\n" not in str(caught.value)
     assert "arm.urdf.xacro" in str(caught.value)
+
+
+def test_wildcards_match_in_a_folder_with_brackets(tmp_path: Path) -> None:
+    lay(tmp_path, {"arm [2]/part.xacro": f'<robot {XMLNS}><link name="part"/></robot>'})
+    assert "part" in expanded(robot(tmp_path / "arm [2]", '<xacro:include filename="p*.xacro"/>'))
 
 
 def test_a_file_of_macros_alone_is_no_robot(tmp_path: Path) -> None:

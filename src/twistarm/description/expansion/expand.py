@@ -26,6 +26,7 @@ from ...support.wheels import Wheel, load
 from ..document import Reading, Refused, parse_xml, read_inside, read_text
 from ..findings import Finding, Place, finding, refusal
 from ..packages import PackageIndex
+from ..structure import ATTRIBUTES, CONTENTS
 from .expressions import LEFT_OUT, evaluate, type_of
 
 # ROS 2's is the same code and serves; ROS 1's lacks what is replaced here.
@@ -45,7 +46,7 @@ QUIET = ("message", "warning", "error", "print_location")  # Functions of xacro 
 # Words of xacro that mean nothing without their prefix.
 BARE = ("arg", "call", "if", "include", "insert_block", "macro", "property", "unless")
 # Elements of a robot that are no calls of macros of these names.
-URDF = ("link", "joint", "material", "transmission", "sensor", "gazebo", "ros2_control")
+URDF = {*CONTENTS, *ATTRIBUTES, "geometry", "material", "transmission", "sensor", "gazebo", "ros2_control"}
 
 REMEDIES = {
     "Invalid parameter": "add it to the params= of the macro, or leave it out of the call",
@@ -194,7 +195,8 @@ class _Expansion:
 
     def findings(self, robot: Any) -> tuple[Finding, ...]:
         """Packages that no opened file needed, hidden variables, parts left out, and words without xacro's prefix."""
-        for child in robot.childNodes:
+        parts = [robot, *(part for tag in CONTENTS for part in robot.getElementsByTagName(tag))]
+        for child in (child for part in parts for child in part.childNodes):
             tag = getattr(child, "tagName", "")
             if tag.rpartition(".")[2] in self._macros and tag not in URDF:
                 at: Place = child.getUserData(_PLACE)
@@ -211,7 +213,7 @@ class _Expansion:
                 node = node.parentNode
             if hasattr(node, "getUserData"):
                 place = node.getUserData(_PLACE)
-        text = str(error)
+        text = " ".join(str(error).split())
         cause: BaseException | None = error
         while cause is not None:
             if isinstance(cause, DescriptionError):
@@ -337,8 +339,9 @@ class _Expansion:
         written = str(self.xacro.eval_text(pattern, symbols))
         if self._is_ignored(written):
             self._leave_out(f"the include of {os.path.basename(written)!r} is left out")
-        elif re.search(r"[*?[]", written):
-            yield from sorted(glob.glob(self._file(written)))
+        elif wild := re.search(r"[*?[]", written):
+            before = self._file(written[: wild.start()])  # a folder of the user may have such signs in its name
+            yield from sorted(glob.glob(glob.escape(before) + written[wild.start() :]))
         else:
             yield self._file(written)
 
