@@ -11,6 +11,7 @@ import typer
 from catalogue import load
 from twistarm import (
     Arm,
+    JointLimits,
     Pose,
     Position,
     ServoState,
@@ -141,6 +142,7 @@ def test_numbers_have_four_digits() -> None:
     assert repr(Position([1.23456789, 1e-17, -2])) == "Position(p=[1.235, 0, -2])"
     assert "pitch=0," in repr(screws.to_screw([0.4, 0, 4.6e-23, 0, 0, 1])), "a number alone, as those in a row"
     g = screws.exp([0.5, 0, 0, 0, 0, 0]) @ screws.exp([0, 0, 0, 0, 0, np.pi / 3])
+    assert "lower=[-inf, -0.5]" in repr(JointLimits.unbounded(2).with_({"lower": {"b": -0.5}}, ("a", "b")))
     assert repr(Pose(g)) == "Pose(g=at [0.5, 0, 0] turned 60°)"
 
 

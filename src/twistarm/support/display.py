@@ -49,7 +49,7 @@ def _array(array: np.ndarray[Any, Any]) -> str:
         return f"at {_array(array[:3, 3])} turned {angle:.4g}°"
     if array.ndim == 1 and len(array) <= LONGEST_ROW and array.dtype.kind in "iuf":
         # What is far below the four digits of the largest is the rounding of a zero too.
-        zero = max(ZERO, 1e-6 * float(np.abs(array).max(initial=0.0)))
+        zero = max(ZERO, 1e-6 * float(np.abs(array[np.isfinite(array)]).max(initial=0.0)))
         return f"[{', '.join(_number(value, zero) for value in array.tolist())}]"
     return f"array of shape {array.shape}"
 
