@@ -131,6 +131,7 @@ def test_bad_logs_of_a_camera_are_refused_with_the_reason():
     spun[:, 5] += np.linspace(-1, 1, 24)
     for log, match in (
         ((theta, rvec, 1e3 * tvec), r"tx \[mm\]"),
+        ((theta, np.degrees(rvec), tvec), r"rx \[deg\]"),
         ((theta, rvec, -tvec), "behind the camera"),
         ((theta, R.inv().as_rotvec(), np.abs(R.inv().apply(tvec))), "inverse"),
         ((still, rvec, tvec), "one axis at most"),

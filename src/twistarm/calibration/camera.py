@@ -106,7 +106,11 @@ def refuse_unusable_views(log: Measurements, arm: Arm) -> None:
     """InputError for rows that solvePnP does not return: other units or kinds, a tag behind the camera."""
     if not log.sighted.all() or np.isfinite(log.noise).any():
         raise InputError("all rows of a camera's log hold rvec and tvec, and no noise: fit other measurements alone")
-    far = log.tvec[:, 2]
+    turn, far = np.linalg.norm(log.rvec, axis=1), log.tvec[:, 2]
+    if turn.max() > 2 * np.pi:
+        raise InputError(
+            f"{log.label[turn.argmax()]}: rvec has length {turn.max():.4g} rad: name the unit, as rx [deg]"
+        )
     if (size := float(np.median(np.abs(far)))) > 20.0 * arm.reach:
         raise InputError(
             f"the tag is {size:.4g} m from the camera, and the arm reaches {arm.reach:.3g} m: name the unit, as tx [mm]"
