@@ -59,12 +59,14 @@ def test_an_arm_inside_a_rover_starts_at_its_base(tmp_path: Path) -> None:
     assert np.allclose(arm.spatial_jacobian([0.4])[:, 0], [0, 0, 0, 0, 0, 1])
 
 
-def test_an_unknown_name_offers_the_catalogue() -> None:
+def test_an_unknown_name_offers_the_catalogue(tmp_path: Path) -> None:
     with pytest.raises(
         UnknownNameError, match="no arm 'rover_amr' in the catalogue, nor a file .*closest: 'rover_arm'"
     ):
         load_arm("rover_amr")
-    for path, why in (("nowhere/arm.urdf", "no such file"), ("/", "a folder")):
+    write(tmp_path, "<package/>", "package.xml")
+    mjcf = write(tmp_path, "<mujoco/>", "arm.xml")
+    for path, why in (("nowhere/arm.urdf", "no such file"), ("/", "a folder"), (tmp_path, f"in it: '{mjcf.name}'$")):
         with pytest.raises(DescriptionError, match=why):
             load_arm(path)
 
@@ -90,10 +92,12 @@ BAD_TOML = {
     "not TOML": ("name = ", "not valid TOML"),
     "no source": ('name = "x"', "it names no source: write source ="),
     "a source that is not there": ('source = "other.urdf"', "source 'other.urdf' does not exist beside"),
+    "a source that is a folder": ('source = "."', "source '.' is a folder"),
     "an unknown entry": ('source = "arm.urdf"\nbsae = "x"', "unknown entry 'bsae'; closest: 'base'"),
     "an unknown limit": ('source = "arm.urdf"\n[limits.a]\nspeed = 1', "unknown entry 'speed' in limits.a"),
     "a limit of an unknown joint": ('source = "arm.urdf"\n[limits.c]\nvelocity = 1', "no joint 'c' in limits"),
     "a pose without a joint": ('source = "arm.urdf"\n[poses.p]\na = 0.0', "poses.p: no value for joint 'b'"),
+    "a pose of an unknown joint": ('source = "arm.urdf"\n[poses.p]\na = 0.0\nbb = 0.0', "no joint 'bb' in tiny"),
     "a pose outside the limits": (
         'source = "arm.urdf"\n[poses.p]\na = 3.0\nb = 0.0',
         "poses.p: a = 3 lies outside its limits [-1, 1]",

@@ -5,6 +5,7 @@ Limits, named poses and actuators come from companions of the description. The c
 
 from __future__ import annotations
 
+import glob
 import os
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -37,7 +38,7 @@ from ..arm_data import Coupling, Proof
 from ..baking import BAKED, SUFFIX, fields_of, unsealed
 from ..pinocchio_model import why_no_pinocchio
 
-DESCRIPTIONS = (".urdf", ".xacro", "arm.toml")  # How the names of files end that a folder is given for.
+DESCRIPTIONS = (".urdf", ".xacro", ".xml", "arm.toml")  # How the names of files end that a folder is given for.
 
 PROOF_SAMPLES = 5
 PROOF_TOL = 1e-9  # Largest difference of the two double precision accounts, relative to the arm's size.
@@ -243,8 +244,9 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
     if what != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
         remedy = "give a URDF, xacro or MJCF file, a DH table, an arm.toml or an arm of the catalogue"
         if what == FOLDER:
-            inside = (file for levels in ("*", "*/*", "*/*/*") for file in sorted(path.glob(levels)))
-            files = listed(str(file.relative_to(path)) for file in inside if file.name.endswith(DESCRIPTIONS))
+            # Path.glob would raise for a folder that goes meanwhile.
+            inside = (name for levels in ("*", "*/*", "*/*/*") for name in sorted(glob.glob(levels, root_dir=path)))
+            files = listed(one for one in inside if one.endswith(DESCRIPTIONS) and not one.endswith("package.xml"))
             remedy = f"give a file in it: {files}" if files else "no description is in it: give another folder's file"
         raise refusal("file-unreadable", Place(text[:200]), why_no_file(path), remedy)
     names = available_arms()
@@ -413,7 +415,7 @@ def fitted_poses(
         code, reason = _unfit(arm, values, specification.locked_joints, 0.0 if own else STATE_TOL)
         unknown = [joint for joint in values if own and joint not in known]
         if unknown or (own and (code == "outside-limits" or (code == "companion-not-used" and not elsewhere))):
-            why = reason or f"no joint {unknown[0]!r} in {arm.name}{closest(unknown[0], arm.joint_names)}"
+            why = f"no joint {unknown[0]!r} in {arm.name}{closest(unknown[0], known)}" if unknown else reason
             what = f"poses.{name}: {why}"
             raise refusal("companion-unusable", Place(specification.source), what, "correct it or the limits")
         if reason:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from ...limits.joint_limits import FIELDS, RATES
 from ...support.checks import Array, as_number, as_positive, frozen, pose_of
 from ...support.errors import InputError, quote
 from ...support.fields import Check, anything, fields, list_of, numbers, table_of, text, word
-from ...support.files import as_path, closest_beside, is_file
+from ...support.files import NO_SUCH_FILE, as_path, closest_beside, is_file, what_is_at
 from ...support.units import angle_hint
 from ...theory.rotations import from_rpy
 from ..document import LARGEST
@@ -24,9 +24,6 @@ from ..findings import Finding, Place, finding, refusal
 from ..packages import is_too_wide
 from ..urdf import PLAIN, ReadOptions
 from .data_files import parse_toml, unusable
-
-if TYPE_CHECKING:
-    pass
 
 # Limits that a motor may have. Data sheets give no jerk.
 MOTOR_LIMITS = ("lower", "upper", "velocity", "acceleration", "effort")
@@ -163,8 +160,9 @@ def _beside(name: str, key: str, path: Path, exists: Callable[[Path], bool] = is
     """A file, or a folder, that the arm.toml names, beside it."""
     file = path.parent / as_path(name)
     if not exists(file):
-        what = f"{key} {name!r} does not exist beside it{closest_beside(file)}"
-        raise refusal("file-unreadable", Place(str(path)), what, "correct the path")
+        there = what_is_at(file) or "a file"
+        why = f"does not exist beside it{closest_beside(file)}" if there == NO_SUCH_FILE else f"is {there}"
+        raise refusal("file-unreadable", Place(str(path)), f"{key} {name!r} {why}", "correct the path")
     return file
 
 
