@@ -38,8 +38,8 @@ def decoded(text: str | bytes) -> dict[str, Any]:
 def parsed(text: str) -> Any:
     """The value of a JSON text.
 
-    Raises ValueError, in one line, for text that is no JSON. So it does for a name that is twice in an object, a
-    number beyond the floats, and too deep nesting.
+    Raises ValueError, in one line, for text that is no JSON. So it does for a name that is twice in an object, NaN,
+    Infinity, and too deep nesting. A number beyond the floats is left to the reader of fields.
     """
     try:
         return json.loads(text, parse_constant=_no_constant, object_pairs_hook=_once)
