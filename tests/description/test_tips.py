@@ -136,6 +136,17 @@ def test_what_is_equal_is_asked(case: str, tmp_path: Path) -> None:
     assert not equal or repr(equal[0]) in asked.remedy
 
 
+def test_what_does_not_turn_against_each_other_is_no_pair_of_fingers(tmp_path: Path) -> None:
+    """Two short branches beyond a wrist are fingers only if their axes are parallel."""
+    text = skeleton(f"{SIX} [R> l7 | R> l8]")
+    assert choose_ends(read_description(write(tmp_path, text))).tip == "l6"
+    before, joint, after = text.partition('<joint name="to l8"')
+    path = write(tmp_path, before + joint + after.replace('axis xyz="0 0 1"', 'axis xyz="1 0 0"', 1))
+    with pytest.raises(DescriptionError) as caught:
+        choose_ends(read_description(path))
+    assert "'l7'" in caught.value.findings[0].remedy
+
+
 def test_with_a_base_the_tip_is_looked_for_beyond_it(tmp_path: Path) -> None:
     description = described("torso [-> l0 R> l1 R> l2 -> l_tcp | -> r0 R> r1 R> r2 -> r_tcp]", tmp_path)
     assert choose_ends(description, "r0").tip == "r_tcp"
