@@ -246,7 +246,7 @@ class ArmData:
         """
         overlapping = None
         if self.description is not None and not why_no_pinocchio():
-            places = self.pinocchio, self.description, self.base, self.reach
+            places = self.pinocchio, self.description, self.base, self.moving_names[0], self.reach
             overlapping = overlapping_links(*places, self.disabled_collisions)
         return frozen(round_configuration(self._mechanism, self.sampling_bounds, overlapping))
 
