@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from catalogue import load
 from twistarm import Actuators, Arm
@@ -17,17 +18,19 @@ from twistarm.support.checks import Array
 from twistarm.theory.rotations import exp
 
 FAULTS = ("none", "flipped sign", "zero offset", "wrong ratio", "swapped")
+NOISE, BASE_NOISE = (0.002, np.radians(1.0)), (0.01, np.radians(2.0))
+"""The log's and the base's, of position [m] and orientation [rad], that the check assumes."""
 
 
 @dataclass(frozen=True)
 class Planted:
-    """A log, the motors (none of a sound arm) and the fault that it holds, and how far the tool seems off by it."""
+    """A log, the motors (none of a sound arm) and the fault that it holds, and how well it shows that [σ]."""
 
     arm: Arm
     log: Measurements
     fault: str
     motors: tuple[str, ...]
-    miss: float
+    shown: float
     words: str
 
 
@@ -55,22 +58,16 @@ def planted(names: Sequence[str], seed: int, *, fault: str, poses: bool, base: t
     counts = true.to_counts(true.to_motor(theta))[:, order]
     if rng.random() < 0.5:
         counts = np.round(counts, 3)
-    g = arm.by_pinocchio(theta)[0].copy()
     position, angle = rng.uniform(0.001, 0.005), np.radians(rng.uniform(0.3, 1.5))
-    seen = _base(rng, base) @ g
+    exact = _base(rng, base) @ arm.by_pinocchio(theta)[0]
+    seen = exact.copy()
     seen[:, :3, 3] += rng.normal(scale=position, size=(len(theta), 3))
     seen[:, :3, :3] = seen[:, :3, :3] @ exp(rng.normal(scale=angle, size=(len(theta), 3)))
-    computed = arm.fk(motors.to_theta(motors.from_counts(counts)))
-    off = computed[:, :3, 3] - g[:, :3, 3]
-    if any(base) and not poses:
-        off = without_base(computed[:, :3, 3], g[:, :3, 3])
-    miss = float(np.sqrt((off**2).sum(axis=-1).mean())) / 0.002
-    if poses:
-        turned = ((computed - g)[:, :3, :3] ** 2).sum(axis=(1, 2)).mean()
-        miss += float(np.sqrt(turned / 2)) / np.radians(1.0)
+    noise = max(position, NOISE[0]), max(angle, NOISE[1]) if poses else np.inf
+    away = 0.0 if fault == "none" else how_clear(arm, counts, exact, fault, i, noise)
     blamed = {"none": (), "swapped": (motors.names[i], motors.names[j])}.get(fault, (motors.names[i],))
     words = f"{arm.name} {fault} {blamed} rows {len(theta)} noise {1000 * position:.1f} mm"
-    return Planted(arm, measured(counts, seen, poses), fault, blamed, miss, words)
+    return Planted(arm, measured(counts, seen, poses), fault, blamed, away, words)
 
 
 def measured(counts: Array, g: Array, poses: bool) -> Measurements:
@@ -78,13 +75,30 @@ def measured(counts: Array, g: Array, poses: bool) -> Measurements:
     return Measurements(counts, g[:, :3, 3], g[:, :3, :3] if poses else np.empty(0))
 
 
-def without_base(points: Array, measured: Array) -> Array:
-    """What is left of points − measured (K, 3) when the base may stand anywhere: the best rigid fit (Kabsch 1976)."""
-    a, b = points - points.mean(axis=0), measured - measured.mean(axis=0)
-    U, _, Vt = np.linalg.svd(a.T @ b)
-    turn = U @ np.diag([1.0, 1.0, np.sign(np.linalg.det(U @ Vt))]) @ Vt
-    rest: Array = a @ turn - b
-    return rest
+def how_clear(arm: Arm, counts: Array, exact: Array, fault: str, i: int, noise: tuple[float, float]) -> float:
+    """How far exact poses (K, 4, 4) are from the nearest that an arm without the fault could have [σ].
+
+    Its zeros and ratios are what they may be, but for the faulty one of motor i. Signs and plugs are as configured, and
+    the base stands about where it was measured.
+    """
+    motors = arm.actuators
+    assert motors is not None
+    k, turn = len(motors.names), 1.0 / np.abs(np.linalg.inv(motors.G)).max(axis=0)
+    readings = motors.from_counts(counts) - motors.offset
+    free = np.ones(6 + 2 * k, dtype=bool)
+    free[{"zero offset": [6 + i], "wrong ratio": [6 + k + i]}.get(fault, [])] = False
+
+    def residual(some: Array) -> Array:
+        x = np.zeros(len(free))
+        x[free] = some
+        stands = np.eye(4)
+        stands[:3, :3], stands[:3, 3] = exp(BASE_NOISE[1] * x[3:6]), BASE_NOISE[0] * x[:3]
+        motor = readings * np.exp(x[6 + k :]) + turn * x[6 : 6 + k]  # no sign changes
+        off = (stands @ arm.fk(motors.to_theta(motor + motors.offset)) - exact)[:, :3]
+        return np.r_[(off[..., 3] / noise[0]).ravel(), (off[..., :3] / noise[1] / np.sqrt(2.0)).ravel(), x[:6]]
+
+    fit = least_squares(residual, np.zeros(free.sum()), x_scale="jac", max_nfev=100)
+    return float(np.sqrt(2.0 * fit.cost))
 
 
 def geared(arm: Arm, rng: np.random.Generator) -> Arm:

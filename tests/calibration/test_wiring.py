@@ -20,7 +20,9 @@ from twistarm.theory.rotations import to_xyzw
 from wiring_logs import FAULTS, faults, logged, outcome, planted
 
 ARMS = ("rover_arm", "rover_arm_6dof", "elbow", "scara", "stanford", "ur5", "panda", "so101")
-FAR = 8.0  # A fault that moves the tool by fewer standard deviations may stay hidden.
+# A fault that the log shows by fewer standard deviations may stay hidden: a ratio or zero takes 6.1, √(1.5 · 25), and
+# noise hides up to two.
+CLEAR = 8.0
 
 MOTORS = Actuators(
     ("rail", "shoulder", "elbow", "left", "right"),
@@ -91,7 +93,7 @@ def counted(seeds: range, poses: bool, base: tuple[float, float]) -> Counter[str
         case = planted(ARMS, seed, fault=FAULTS[seed % len(FAULTS)], poses=poses, base=base)
         told = outcome(case, check_wiring(case.arm, case.log))
         assert told != "accused", case.words
-        outcomes[f"hidden {told}" if case.miss < FAR else told] += 1
+        outcomes[f"hidden {told}" if case.shown < CLEAR else told] += 1
     return outcomes
 
 
@@ -106,6 +108,7 @@ def test_the_shares_of_four_hundred_logs(poses: bool, base: float) -> None:
     outcomes = counted(range(20_000, 20_400), poses, (base, 0.0))
     clear = sum(count for told, count in outcomes.items() if not told.startswith("hidden"))
     assert outcomes["named"] >= 0.95 * clear
+    assert clear >= 200  # of 320 faults; positions on the axis of a roll do not tell the motors of a differential apart
 
 
 def exchanged(log: Measurements, i: int, j: int) -> Measurements:

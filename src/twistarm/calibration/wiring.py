@@ -133,7 +133,8 @@ class Wiring:
 
     def explains(self, one: Explanation) -> bool:
         """Whether what is left is no more than noise."""
-        return one.total <= UNEXPLAINED * self.freedom
+        fitted = sum(kind.zero + kind.scale for kind in one.kinds)
+        return one.total <= UNEXPLAINED * max(self.problems[()].numbers - fitted, 1)
 
     def free(self, one: Explanation) -> Bools:
         """The unknowns (Q,) that an explanation fits."""
@@ -189,8 +190,11 @@ class Found(NamedTuple):
         return one.total / self.variance + CLEAR * one.claims
 
 
-def explained(wiring: Wiring) -> Found:
-    """The explanation with the fewest faults: from the sound arm, else from the likeliest pattern of signs."""
+def explained(wiring: Wiring) -> tuple[Wiring, Found]:
+    """The explanation with the fewest faults, and the problem with its noise: as stated, or as found if that is more.
+
+    The search starts from the sound arm, else from the likeliest pattern of signs.
+    """
     k = wiring.k
     sound = wiring.fit(Explanation((SOUND,) * k, (), np.zeros(wiring.problems[()].P)))
     found = _climbed(wiring, sound, MOST_CLAIMS)
@@ -204,10 +208,14 @@ def explained(wiring: Wiring) -> Found:
         signs = wiring.fit(replace(sound, kinds=tuple(REVERSED if i in likeliest else SOUND for i in range(k))))
         other = _climbed(wiring, signs, MOST_CLAIMS + signs.claims)
         found = other if wiring.explains(other.best) else found
+    louder = float(np.sqrt(found.variance))
+    if louder > 1.0 and wiring.explains(found.best):  # more noise does not make the base less certain
+        wiring = replace(wiring, noise=(wiring.noise[0] * louder, wiring.noise[1] * louder))
+        found = _climbed(wiring, wiring.fit(found.best), MOST_CLAIMS)
     for i in np.flatnonzero([kind.claims for kind in found.best.kinds]):  # another motor may be to blame
         other = _climbed(wiring, wiring.fit(found.best.with_kind(int(i), SOUND)), found.best.claims)
         found = min([found, other], key=lambda each: found.cost(each.best))
-    return found
+    return wiring, found
 
 
 def _climbed(wiring: Wiring, one: Explanation, most: float) -> Found:

@@ -125,8 +125,7 @@ def check_wiring(
         as_number(base_orientation_noise, "base_orientation_noise", 0.0),
     )
     rows = np.unique(np.linspace(0, len(whole.theta) - 1, MOST_ROWS).astype(int))
-    wiring = Wiring(arm, motors, whole.of_rows(rows), noise, base)
-    found = explained(wiring)
+    wiring, found = explained(Wiring(arm, motors, whole.of_rows(rows), noise, base))
     # A base that may as well stand where it was measured hides no zero of a motor.
     held = replace(wiring, base=(0.0, 0.0))
     there = held.fit(found.best)
