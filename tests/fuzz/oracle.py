@@ -144,15 +144,19 @@ def _read_again(arm: Arm, path: Path, packages: Mapping[str, Path], arguments: M
 
 def _other_torques(arm: Arm, robot: ET.Element, locked: Mapping[str, float]) -> list[str]:
     """Gravity torques along a random direction against the slope of the potential energy."""
-    widest = np.abs(np.column_stack(arm.coupling)).max(initial=1.0)
-    if arm.description is None or arm.base != arm.description.root or widest > WIDEST:
+    if arm.description is None or arm.base != arm.description.root:
         return []
     theta, direction = np.random.default_rng(3).normal(size=(2, arm.n))
+
+    def values(h: float) -> dict[str, float]:
+        return {**arm.theta_to_dict(theta + h * direction), **locked}
+
+    joints = reader.named_joints(robot)
+    widest = max(1.0, *(abs(reader.joint_value(name, values(h), joints)) for name in joints for h in (0.0, 1.0)))
+    if widest > WIDEST:
+        return []
     step = STEP / widest
-    ahead, behind = (
-        reader.potential_energy(robot, {**arm.theta_to_dict(theta + h * direction), **locked}, arm.base)
-        for h in (step, -step)
-    )
+    ahead, behind = (reader.potential_energy(robot, values(h), arm.base) for h in (step, -step))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # links without a mass
         slope, ours = (ahead - behind) / (2 * step), arm.inverse_dynamics(theta) @ direction

@@ -12,6 +12,8 @@ from fuzz.sources import Source, catalogue_sources, own_sources, real_sources, s
 from twistarm import load_arm
 from urdf_text import two_joints, write
 
+HOSTILE = Path(__file__).parents[1] / "data" / "hostile"
+
 
 @pytest.mark.parametrize("count", [40, pytest.param(3_000, marks=pytest.mark.slow)])
 def test_mutants_of_what_is_at_hand(count: int, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
@@ -49,6 +51,21 @@ def test_the_oracle_sees_wrong_limits(tmp_path: Path, monkeypatch: pytest.Monkey
     assert "limits of a: [-1.0, 0.9] instead of (-1.0, 1.0)" in verdict["problems"][0]
 
 
+def test_the_oracle_sees_a_coordinate_that_is_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write(tmp_path, two_joints())
+    verdict = judged_as(monkeypatch, path, lambda name: load_arm(name, locked_joints={"b": 0.0}))
+    assert "coordinates ['a'] instead of ['a', 'b']" in verdict["problems"][0]
+
+
+def test_the_oracle_sees_a_wrong_mass(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (HOSTILE / "inertia_without_an_entry.urdf").read_text("utf-8")
+    path, other = (
+        write(tmp_path, text),
+        write(tmp_path, text.replace('mass value="2"', 'mass value="2.001"'), "other.urdf"),
+    )
+    assert "gravity torques do" in judged_as(monkeypatch, path, lambda _: load_arm(other))["problems"][0]
+
+
 def test_the_oracle_sees_a_traceback(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(_: Path) -> None:
         raise KeyError("elbow")
@@ -65,8 +82,6 @@ def test_the_oracle_sees_a_traceback(tmp_path: Path, monkeypatch: pytest.MonkeyP
 def test_the_oracle_sees_a_message_that_is_none(message: str, flaw: str) -> None:
     assert flaw in " ".join(oracle.flaws(message))
 
-
-HOSTILE = Path(__file__).parents[1] / "data" / "hostile"
 
 REFUSED = {
     "cut_in_a_character.urdf": "xml-malformed",
