@@ -167,7 +167,7 @@ def test_starts_and_goals_that_do_not_keep_are_refused_with_the_angle() -> None:
         (Keep(box=[[-1, -1, 0.6], [1, 1, np.inf]], plane=[[0, 0, 0.4], [0, 0, 1]]), r"the tool's origin is 0\.2 m out"),
     ):
         with pytest.raises(PathError, match=f"at its start {words}"):
-            plan(ARM, FreeMove(START, keep=contradictory), start=START, scene=scene)
+            plan(ARM, FreeMove(Position([9.0, 9.0, 9.0]), keep=contradictory), start=START, scene=scene)
     with pytest.raises(InputError, match=r"Keep\.level"):
         FreeMove(START, keep="level")  # type: ignore[arg-type]
 

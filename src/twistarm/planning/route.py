@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import groupby, pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -187,25 +187,29 @@ class Router:
     ) -> JointPath | None:
         """The path from theta (n,) to the goal, with a share of the time; None if it stays. PathError without one."""
         assert self.keeping_path is not None
-        how: dict[str, Any] = {"segment": i, "place": self._place(i)}
+        self._require_kept(i, segment, constraint, theta, "start")
         goals = self._kept_goals(i, segment, constraint, theta)
-        for at, name in ((theta, "start"), (goals[0], "goal")):
-            if fault := constraint.fault(at):
-                larger = Text("a larger {tol}", tol=Argument("tol"))
-                box = () if constraint.keep.box is None else ("a larger box",)
-                remedies = Remedies((f"another {name}", larger, *box))
-                turned = name == "goal" and isinstance(segment.to, KINDS) and not isinstance(segment.to, Position)
-                own = ", because the target itself turns the tool" if turned else ""
-                template = "at its {name} {fault}{own}: give {remedies}"
-                what = Text(template, name=name, fault=fault, own=own, remedies=remedies)
-                raise PathError(what, theta=at, reason="not kept", **how)
+        self._require_kept(i, segment, constraint, goals[0], "goal")
         if (goals[0] == theta).all():
             return None
         try:
             return self.keeping_path(constraint, theta, goals, share)
         except PathError as error:
             at = theta if error.theta is None else error.theta
-            raise PathError(error.message, theta=at, reason="collision", **how) from error
+            raise PathError(error.message, theta=at, reason="collision", segment=i, place=self._place(i)) from error
+
+    def _require_kept(self, i: int, segment: FreeMove, constraint: Constraint, theta: Array, name: str) -> None:
+        """Raise PathError where the start or goal of a move, theta (n,), does not keep all."""
+        if not (fault := constraint.fault(theta)):
+            return
+        larger = Text("a larger {tol}", tol=Argument("tol"))
+        box = () if constraint.keep.box is None else ("a larger box",)
+        remedies = Remedies((f"another {name}", larger, *box))
+        turned = name == "goal" and isinstance(segment.to, KINDS) and not isinstance(segment.to, Position)
+        own = ", because the target itself turns the tool" if turned else ""
+        template = "at its {name} {fault}{own}: give {remedies}"
+        what = Text(template, name=name, fault=fault, own=own, remedies=remedies)
+        raise PathError(what, theta=theta, reason="not kept", segment=i, place=self._place(i))
 
     def _kept_goals(self, i: int, segment: FreeMove, constraint: Constraint, theta: Array) -> Array:
         """Configurations (k, n) at the end of a move that keeps something, nearest first.
