@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 from typing import Any
 
+import numpy as np
 import pytest
 from typer.main import get_command
 
+from twistarm import arm_from_dh
 from twistarm.cli.application import app, run
-from twistarm.cli.numbers import METAVARS
+from twistarm.cli.numbers import METAVARS, JointValues
 
 SAME = {
     "fk rover_arm --theta 0 30 -45 0 0": "fk rover_arm --theta 0 30deg -45° 0 rad 0",
@@ -90,3 +92,8 @@ def test_wrong_units_are_refused_by_option_or_value(
 ) -> None:
     assert run(line.split()) == 2
     assert culprit in capsys.readouterr().err
+
+
+def test_a_comma_before_a_joint_called_by_a_number_is_no_decimal_comma() -> None:
+    arm = arm_from_dh([[0.4, 0.0, 0.0, 0.0]] * 2, "standard", joints=["1", "2"])
+    assert np.degrees(JointValues("1=10,2=20", "--theta", radians=False).of(arm)) == pytest.approx([10.0, 20.0])

@@ -52,7 +52,7 @@ _PART = re.compile(
     rf"(?!-+(?!pi)[a-z])(?=.*[\w°])(?:[\d.]+(?:e[-+]?\d+)?|nan|inf|pi|{_NAMES}|[-−+*/^²°(),;\[\]])+", re.I
 )
 _VALUE = re.compile(rf"[^\s,;\[\]()]+(?:\s+{UNIT})?", re.IGNORECASE)
-_DECIMAL_COMMA = re.compile(r"(?<![\w.,])[-+−]?\d+,\d+(?![\d.,])")  # 0,1
+_DECIMAL_COMMA = re.compile(r"(?<![\w.,])[-+−]?\d+,\d+(?![\d.,]|\s*=)")  # 0,1, but not 1=10,2=20 of joints 1 and 2
 _NO_LIST = re.compile(r"[^\s,]\s+[-+−]?[\d.]|=")  # Commas do not separate what has spaces alone, or joint=value.
 # joint=value, where spaces may be in the name and around the sign.
 _PAIR = re.compile(rf"[\s,]*([^=]+?)\s*=\s*([^\s=,]+(?:\s+(?:{UNIT}))?)(?=[\s,]|$)", re.IGNORECASE)
@@ -80,7 +80,7 @@ def require_units(typed: Sequence[str], quantities: Sequence[str], option: str, 
         bare = [text for text, unit in alike if not unit and typed_number(text, quantity)]
         if bare and other:
             each = " ".join(text if unit else text + other[-1] for text, unit in alike)
-            raise InputError(f"{option}: {other[-1]} is the unit of one number alone, {bare[0]} has none; write {each}")
+            raise InputError(f"{option}: {other[-1]} belongs to the number before it, {bare[0]} has none; write {each}")
 
 
 def typed_number(text: str, quantity: str = NUMBER, *, radians: bool = False) -> float:
