@@ -147,6 +147,11 @@ def test_what_does_not_turn_against_each_other_is_no_pair_of_fingers(tmp_path: P
     assert "'l7'" in caught.value.findings[0].remedy
 
 
+def test_a_single_jaw_is_known_by_its_joint_too(tmp_path: Path) -> None:
+    text = skeleton("base R> l1 R> l2 -> tool0 P> left").replace('"to left"', '"finger"')
+    assert choose_ends(read_description(write(tmp_path, text))).tip == "tool0"
+
+
 def test_with_a_base_the_tip_is_looked_for_beyond_it(tmp_path: Path) -> None:
     description = described("torso [-> l0 R> l1 R> l2 -> l_tcp | -> r0 R> r1 R> r2 -> r_tcp]", tmp_path)
     assert choose_ends(description, "r0").tip == "r_tcp"
