@@ -169,6 +169,14 @@ def test_statements_about_the_catalogue_are_true(catalogue_arm: Arm) -> None:
     require_true(catalogue_arm)
 
 
+def test_no_more_directions_than_joints() -> None:
+    """The tool is up to 4 cm beside the plane in which the elbow bends: its third direction is a weak one."""
+    screws = np.array([[0, 0, 0, 0, 0, -1], [-0.3, 0, 0.4, 0, 1, 0], [0, 1, 0, 0, 0, 0]], dtype=float).T
+    limits = {"lower": [-1.5, 0.1, 0.0], "upper": [1.5, 2.6, 0.04]}
+    home = [[1, 0, 0, 0.7], [0, 1, 0, 0], [0, 0, 1, 0.3], [0, 0, 0, 1]]
+    assert not {"error"} & {one.severity for one in diagnose(twistarm.arm_from_screws(screws, home, limits=limits))}
+
+
 def back(master: str) -> str:
     return f'<axis xyz="0 1 0"/><mimic joint="{master}" multiplier="-1"/>'
 

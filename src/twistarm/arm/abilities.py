@@ -152,9 +152,11 @@ def abilities_of(arm: Arm) -> Abilities:
         vectors = vectors[:, np.abs(values - share) <= NO_MOTION**2]
         return nearest_axes(vectors @ vectors.T, vectors.shape[1]).T
 
+    position = largest_rank(arm, LINEAR, (), "base")
     return Abilities(
-        position=largest_rank(arm, LINEAR, (), "base"),
-        turning=largest_rank(arm, ANGULAR, LINEAR, "base"),
+        position=position,
+        # A direction near NO_MOTION counts for the position at one configuration, and is free for a turn at another.
+        turning=min(largest_rank(arm, ANGULAR, LINEAR, "base"), arm.n - position),
         immovable=common(0.0, LINEAR, (), "base"),
         unrotated=common(0.0, ANGULAR, (), "base"),
         rotated_base=common(1.0, ANGULAR, LINEAR, "base"),
