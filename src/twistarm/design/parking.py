@@ -39,10 +39,10 @@ POINTS = "in front of it", "at its place", "half-way", "at its end", "away from 
 class TaskResult(Brief):
     """Whether the arm does a task. `code` is "done", or why not, and `why` says it in a sentence.
 
-    `code` is a name of `StopReason` in small letters, such as "out_of_reach", or "singular". Of a task that is done,
-    `theta` (101, n) is the way from the configuration in front of the place and back to one. In these `margin` [rad, m]
-    is the least distance of a joint from its limits, that of `joint`. `condition` is the greatest condition number of
-    the Jacobian; `clearance` [m] the least distance from a collision, inf without a scene. NaN if not done.
+    `code` is a name of `StopReason` in small letters, such as "out_of_reach", "singular" or "leap". Of a task that is
+    done, `theta` (101, n) is the way from the configuration in front of the place and back to one. In these `margin`
+    [rad, m] is the least distance of a joint from its limits, that of `joint`. `condition` is the greatest condition
+    number of the Jacobian; `clearance` [m] the least distance from a collision, inf without a scene. NaN if not done.
     """
 
     task: PanelTask
