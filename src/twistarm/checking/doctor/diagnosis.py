@@ -93,7 +93,7 @@ def examine_arm(arm: Arm) -> Diagnosis:
     """`examine` for an arm."""
     able = abilities_of(arm)
     found = [*arm.findings, *arm_checks.check_zero(arm), *arm_checks.check_reach(arm)]
-    found += [*arm_checks.check_postures(arm, min(able.rank, arm.n)), *arm_checks.check_abilities(arm, able)]
+    found += [*arm_checks.check_postures(arm, able.rank), *arm_checks.check_abilities(arm, able)]
     found += [*arm_checks.check_without_effect(arm), *arm_checks.check_axes(arm)]
     if arm.description is not None:
         found += _of_description(arm.description, arm)
