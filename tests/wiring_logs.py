@@ -93,7 +93,7 @@ def how_clear(arm: Arm, counts: Array, exact: Array, fault: str, i: int, noise: 
         x[free] = some
         stands = np.eye(4)
         stands[:3, :3], stands[:3, 3] = exp(BASE_NOISE[1] * x[3:6]), BASE_NOISE[0] * x[:3]
-        motor = readings * np.exp(x[6 + k :]) + turn * x[6 : 6 + k]  # no sign changes
+        motor = readings * np.exp(np.clip(x[6 + k :], -5.0, 5.0)) + turn * x[6 : 6 + k]  # no sign changes
         off = (stands @ arm.fk(motors.to_theta(motor + motors.offset)) - exact)[:, :3]
         return np.r_[(off[..., 3] / noise[0]).ravel(), (off[..., :3] / noise[1] / np.sqrt(2.0)).ravel(), x[:6]]
 
