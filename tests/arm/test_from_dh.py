@@ -194,7 +194,12 @@ def test_an_arm_toml_may_name_the_table(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "culprit"),
     [
+        ("", "rows of a, alpha, d, theta"),
         ("a", "rows of a, alpha, d, theta"),
+        ("a,alpha,d,phi,convention\n1,2,3,4,standard", "'phi'"),
+        ("a,alpha,convention\n1", "line 2"),
+        ("a,alpha,convention\n1,b,standard", "row 1: alpha"),
+        ("a,joint,convention\n1,x,standard\n2,x,standard", "joints"),
         ("alpha,convention\n90,standard", "alpha_deg"),
         ("a,upper,convention\n1,170,standard", "upper_deg"),
         ("a,a_mm,convention\n1,1000,standard", "row 1"),
@@ -208,29 +213,13 @@ def test_an_arm_toml_may_name_the_table(tmp_path: Path) -> None:
 )
 def test_an_unusable_table_names_the_culprit(text: str, culprit: str, tmp_path: Path) -> None:
     (tmp_path / "table.csv").write_text(text)
-    with pytest.raises(DescriptionError) as caught:
-        load_arm(tmp_path / "table.csv")
-    assert culprit in str(caught.value)
+    for read, errors in ((load_arm, DescriptionError), (arm_from_dh, (InputError, DescriptionError))):
+        with pytest.raises(errors) as caught:
+            read(tmp_path / "table.csv")
+        assert culprit in str(caught.value)
 
 
 def test_a_table_is_of_one_convention() -> None:
     for table, convention in ((UR5, None), (DhTable(np.array(UR5), "standard"), "modified")):
         with pytest.raises(InputError, match="convention"):
             arm_from_dh(table, convention)
-
-
-@pytest.mark.parametrize(
-    ("text", "culprit"),
-    [
-        ("", "rows of a, alpha, d, theta"),
-        ("a,alpha,d,phi\n1,2,3,4", "'phi'"),
-        ("a,alpha\n1", "line 2"),
-        ("a,alpha\n1,b", "row 1: alpha"),
-        ("a,joint\n1,x\n2,x", "joints"),
-    ],
-)
-def test_an_unusable_csv_file_names_the_culprit(text: str, culprit: str, tmp_path: Path) -> None:
-    (tmp_path / "table.csv").write_text(text)
-    with pytest.raises(InputError) as caught:
-        arm_from_dh(tmp_path / "table.csv", "standard")
-    assert culprit in str(caught.value)

@@ -11,26 +11,10 @@ from typing import Any
 import pytest
 
 from arms import load
-from needed import absent
+from chromium import launched
 from twistarm import Arm
-from twistarm.support.errors import TwistarmError
 from twistarm.viewer import Viewer
-from twistarm.viewer.screenshot import find_browser
 from waiting import settled
-
-FLAGS = (
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--disable-features=WebUIOmniboxPopup,WebUIOmniboxAimPopup",  # a page of its own in each window, unseen
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-)
 
 UNDRAWN = """
 globalThis.undrawn = true;
@@ -54,18 +38,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.fixture(scope="package")
 def browser() -> Iterator[Any]:
     """Closed after this folder: while it is open, playwright's event loop runs in this thread, and no other can."""
-    try:
-        path = find_browser()
-    except TwistarmError as error:
-        absent(str(error))
-    try:
-        from playwright.sync_api import sync_playwright
-    except ImportError:
-        absent("playwright is not installed")
-    with sync_playwright() as playwright:
-        launched = playwright.chromium.launch(executable_path=path, args=list(FLAGS))
-        yield launched
-        launched.close()
+    with launched() as browser:
+        yield browser
 
 
 @contextmanager

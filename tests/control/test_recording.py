@@ -1,16 +1,13 @@
 """Recordings of streams, as the reader of MCAP's own project sees them."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from mcap.reader import make_reader
-from mcap_ros2.decoder import DecoderFactory
 from numpy.testing import assert_allclose, assert_array_equal
 
+from mcap_messages import read
 from stream_stand_ins import Says, jog
 from twistarm import load_trajectory, plan_joint
 from twistarm.control.stream import Recorder, UndeliveredError, follow
@@ -41,11 +38,8 @@ def recorded(rover, robot, stream, tmp_path):
 
 def messages_of(file):
     found: dict[str, list] = {}
-    with file.open("rb") as opened:
-        for _, channel, message, decoded in make_reader(
-            opened, decoder_factories=[DecoderFactory()]
-        ).iter_decoded_messages():
-            found.setdefault(channel.topic, []).append((message.log_time * 1e-9, decoded))
+    for topic, time, message in read(file)[0]:
+        found.setdefault(topic, []).append((time, message))
     return found
 
 

@@ -14,6 +14,7 @@ import pytest
 import scipy.linalg
 from scipy.spatial.transform import Rotation
 
+from chromium import launched
 from needed import absent
 from small_course import LESSON, ROVER
 from twistarm import InputError, load_arm, save_site
@@ -21,8 +22,6 @@ from twistarm.guide.building.building import Built, build
 from twistarm.guide.building.pages import SCRIPTS, site_file
 from twistarm.guide.teaching import output
 from twistarm.guide.teaching.output import SLIDERS, slider
-from twistarm.support.errors import TwistarmError
-from twistarm.viewer.screenshot import FLAGS, find_browser
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
@@ -31,17 +30,8 @@ AXE = Path(__file__).parents[2] / "tools" / "page" / "node_modules" / "axe-core"
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    try:
-        path = find_browser()
-    except TwistarmError as error:
-        absent(str(error))
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        flags = [flag for flag in FLAGS if not flag.startswith("--virtual-time")]
-        launched = playwright.chromium.launch(executable_path=path, args=flags)
-        yield launched
-        launched.close()
+    with launched() as browser:
+        yield browser
 
 
 @pytest.fixture(scope="module")

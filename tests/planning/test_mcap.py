@@ -1,7 +1,5 @@
 """MCAP files of motions, as other programs read them, and recordings of others."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -11,11 +9,10 @@ import numpy as np
 import pinocchio
 import pytest
 import yaml
-from mcap.reader import make_reader
-from mcap_ros2.decoder import DecoderFactory
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from mcap_messages import read
 from twistarm import arm_from_screws, load_arm, load_trajectory, plan_joint, save_trajectory
 from twistarm.support.errors import InputError, MissingExtraError
 
@@ -26,19 +23,6 @@ RATES = {"velocity": 1.0, "acceleration": 2.0}
 def planned(arm):
     way = [arm.ready, arm.ready + 0.1, arm.ready]
     return replace(plan_joint(arm, way, limits=RATES), labels=((0.0, "open"), (0.25, "close")))
-
-
-def read(file):
-    """(topic, stamp [s], message) in order, the schemas and the channels, by the reader of MCAP's own project."""
-    with file.open("rb") as opened:
-        reader = make_reader(opened, decoder_factories=[DecoderFactory()])
-        summary = reader.get_summary()
-        messages = [
-            (channel.topic, stored.log_time * 1e-9, decoded)
-            for _, channel, stored, decoded in reader.iter_decoded_messages()
-        ]
-    channels = {channel.topic: channel for channel in summary.channels.values()}
-    return messages, {topic: summary.schemas[channel.schema_id].name for topic, channel in channels.items()}, channels
 
 
 def placed(model, data, transform):
