@@ -1,7 +1,5 @@
 """Arms of each family from `data/ik_families.json`, and judges of all their answers that use SciPy alone."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

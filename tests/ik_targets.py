@@ -1,7 +1,5 @@
 """Targets an arm can reach, built from its own forward kinematics, and judges of answers that use Pinocchio alone."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 from scipy.spatial.transform import Rotation

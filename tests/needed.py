@@ -1,7 +1,5 @@
 """What tests need of the machine: without it they skip, or fail where everything is required."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from typing import NoReturn

@@ -1,7 +1,5 @@
 """Random arms and drives for the servo, and what no drive may do."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Both solvers by one signature: the compiled core behind `solve_ik`, and the textbook's."""
 
-from __future__ import annotations
-
 import pytest
 
 from twistarm.ik import IKResult, solve_ik, textbook

@@ -3,8 +3,6 @@
 Nothing here uses twistarm: rotations come from SciPy, exponentials from integer arithmetic.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation

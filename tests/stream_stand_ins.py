@@ -1,7 +1,5 @@
 """Stand-ins around the loop: a clock that tests move, sources that say one thing, sinks and feedback that fail."""
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 
 import numpy as np

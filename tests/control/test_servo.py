@@ -1,7 +1,5 @@
 """The servo's meaning: frames, priorities, limits, poses; judged by Pinocchio's kinematics and SciPy."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

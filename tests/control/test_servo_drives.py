@@ -1,7 +1,5 @@
 """Random drives through singularities and into limits: nothing is ever exceeded, and the arm can always move away."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

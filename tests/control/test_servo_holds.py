@@ -1,7 +1,5 @@
 """What is held stays where it was, whatever the rest of the command loses; judged by Pinocchio's kinematics."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from benchmarks.servo import at_limits, random, ranges, servo_arm

@@ -1,7 +1,5 @@
 """The servo in scenes: it keeps bodies apart, slides along, leaves freely, and names the pair that holds it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from benchmarks.servo import REVERSALS, servo_arm, turns

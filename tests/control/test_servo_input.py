@@ -1,7 +1,5 @@
 """What cannot be used: a command is refused where it is made, and a step never raises for a bad moment."""
 
-from __future__ import annotations
-
 import math
 import tracemalloc
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The servo under twists that are held for long: nothing shakes, and what it says of an arm at rest is steady."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from benchmarks.servo import REVERSALS, STEADY, TURNING, case, held, judged, names, random, servo_arm, sign_changes

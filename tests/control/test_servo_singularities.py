@@ -1,7 +1,5 @@
 """The servo at singularities: calm on the way in, free on the way out, and said."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Where the arm cannot follow and settings.on_unreachable is "stop": it stands on its course, says why."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from benchmarks.servo import MADE, case, random, scaled_jacobian, servo_arm

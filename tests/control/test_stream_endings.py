@@ -1,7 +1,5 @@
 """However a stream ends, the arm is brought to rest along its limits; and the faults that a stream could hide."""
 
-from __future__ import annotations
-
 from contextlib import nullcontext
 from dataclasses import replace
 from math import inf, nan

@@ -1,7 +1,5 @@
 """A trajectory followed on a robot: limits and path held by differences of the commanded positions, every way out."""
 
-from __future__ import annotations
-
 from contextlib import nullcontext
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """One commander at a time, for a short while, the latest message of it; everything else is said."""
 
-from __future__ import annotations
-
 import tracemalloc
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Enable, stop and emergency stop: the arm comes to rest along its limits, and only who may lets it move again."""
 
-from __future__ import annotations
-
 import json
 import socket
 

@@ -1,7 +1,5 @@
 """Messages mean exactly what they say, or are refused in one line."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What ROS messages mean, without ROS; the node is in tests/ros."""
 
-from __future__ import annotations
-
 import sys
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Serial ports, with a pseudo-terminal for the wire, and values on the motors' side of a differential wrist."""
 
-from __future__ import annotations
-
 import json
 import os
 import sys

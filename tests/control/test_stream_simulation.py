@@ -1,7 +1,5 @@
 """Simulated joints follow as drives do, never beyond their limits, and the same calls give the same motion."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

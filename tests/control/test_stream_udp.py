@@ -1,7 +1,5 @@
 """Datagrams on loopback: what arrives, who sent it, floods, lost receivers, and signatures; docs/streaming.md."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

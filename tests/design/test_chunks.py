@@ -1,7 +1,5 @@
 """Sweeps in chunks: the same bits on any executor, resumed after any end, and executors that die named in one line."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import signal

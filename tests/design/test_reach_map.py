@@ -1,7 +1,5 @@
 """Maps of reach: against geometry by hand and `solve_ik`, with scenes, as files."""
 
-from __future__ import annotations
-
 import io
 from dataclasses import replace
 

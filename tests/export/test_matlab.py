@@ -83,9 +83,6 @@ def test_a_file_whose_name_no_function_can_have() -> None:
             matlab_text(arm, name)
 
 
-# -- limits ------------------------------------------------------------------------------------------------------
-
-
 def test_limits_are_read_back_as_they_are(here: Path) -> None:
     """The URDF of another arm with the same joints: every limit comes from the file."""
     arm = load_arm("rover_arm", limits={"jerk": {"elbow": 1e-5}, "upper": {"wrist_roll": 3.0}, "velocity": 1e5})

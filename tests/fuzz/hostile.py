@@ -1,7 +1,5 @@
 """Values that have no business in a description, each a trouble seen or feared; short ones stand in hostile.json."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The course of one lesson that tests read, and the real arms that every lesson runs on."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from test_loading import REAL

@@ -1,7 +1,5 @@
 """`solve_ik`: its answers, hard poses, and what it refuses."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

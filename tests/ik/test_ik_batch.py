@@ -1,7 +1,5 @@
 """`solve_ik_batch`: the verdicts of `solve_ik`, any number of targets of any kinds, progress, and an end when asked."""
 
-from __future__ import annotations
-
 import os
 import pickle
 import signal

@@ -1,7 +1,5 @@
 """Targets that cannot be reached: the nearest against SciPy's optimisers, the reasons, and the words for them."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Limits and whole turns in `solve_ik`: answers that keep the bounds, joints that come back near their start."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What `solve_ik` says of targets whose reason is known by construction (`reason_targets`)."""
 
-from __future__ import annotations
-
 import re
 import time
 from collections import Counter

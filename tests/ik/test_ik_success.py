@@ -1,7 +1,5 @@
 """Targets built reachable are reached, of every kind by every arm; and whatever is asked is answered."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

@@ -1,8 +1,6 @@
 """The textbook's inverse kinematics, which answers without a core: reached or the best found, and what needs the
 core."""
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

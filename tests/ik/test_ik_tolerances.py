@@ -1,7 +1,5 @@
 """Tolerances of inverse kinematics: rounded axes, tolerances that are used, answers near the start."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """`reachable`: the verdicts of patient searches and of geometry, and the same bits however a call is divided."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

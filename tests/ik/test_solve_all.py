@@ -1,7 +1,5 @@
 """Every configuration that meets a target: the one that made it is among them, each is exact, none is there twice."""
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

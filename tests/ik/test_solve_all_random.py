@@ -1,7 +1,5 @@
 """Arms with random geometry of every family: what made a target is found, all is exact, nothing is there twice."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

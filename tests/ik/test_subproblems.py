@@ -3,8 +3,6 @@
 The judge of every answer is the exponential of the twist by SciPy, and the residual that it leaves.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Targets: their errors against SciPy, their rows against finite differences, their refusals."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What bounds each stretch of a motion, and the tool's speeds."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

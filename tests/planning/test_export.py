@@ -1,7 +1,5 @@
 """Motions as files: CSV, JSON with motors, and the header, compiled as C99 and C++17 and run."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os
@@ -81,9 +79,6 @@ def test_labels_stand_in_rows_at_their_times(tmp_path):
     assert np.array_equal(np.array([row[1:-2] for row in rows], float)[:, 0], trajectory(t)[:, 0])
     message = json.loads(save_trajectory(trajectory, tmp_path / "a.json", dt=0.3).read_text())
     assert [(label["time"], label["text"]) for label in message["labels"]] == list(LABELS)
-
-
-# -- motors ------------------------------------------------------------------------------------------------------
 
 
 def with_motors():

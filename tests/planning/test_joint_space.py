@@ -80,9 +80,6 @@ def assert_straight(motion, points):
         assert b == a or np.abs(across).max() <= MERGE_TOL + PASSES
 
 
-# -- the rest -----------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("kind", "times"), [("Cubic", None), ("trapezoid", None), (3, None), ("cubic", None), ("s_curve", [0, 2, 5, 9])]
 )
@@ -98,9 +95,6 @@ def test_progress_rises_to_one(kind, stop):
     plan_joint(ARM, PATH, kind=kind, stop_at_waypoints=stop, limits=RATES, progress=seen.append)
     assert all(0 < a <= b for a, b in itertools.pairwise(seen))
     assert seen[-1] == 1.0
-
-
-# -- durations ----------------------------------------------------------------------------------------------------
 
 
 def test_rates_far_apart_are_no_trouble():
@@ -121,9 +115,6 @@ def test_a_long_motion_keeps_its_short_segments_and_ramps(acceleration):
         motion = plan_joint(ARM, points, kind=kind, limits=limits, stop_at_waypoints=True)
         assert use(motion, limits, kind) == pytest.approx(1.0, rel=MET)
         assert np.abs(motion(motion.times) - points).max() <= PASSES
-
-
-# -- times given --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("kind", "stop"), TIMED)

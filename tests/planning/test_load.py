@@ -1,7 +1,5 @@
 """Motions read back from files: what was written, what others write, and what is refused with its place."""
 
-from __future__ import annotations
-
 import csv
 import json
 import re
@@ -99,9 +97,6 @@ def test_what_others_write(rover, tmp_path):
         assert read.times.tolist() == [0.0, 1.0, 3.0]
         assert_allclose(read([0.0, 0.5, 2.0, 3.0]), rover.ready + np.array([[0.0], [0.05], [0.25], [0.4]]), atol=1e-12)
         assert "positions alone" in read.notes[0]
-
-
-# -- what is none ------------------------------------------------------------------------------------------------
 
 
 def changed(file, change):

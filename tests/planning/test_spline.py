@@ -1,7 +1,5 @@
 """Piecewise polynomials: their values and extremes, splines through waypoints."""
 
-from __future__ import annotations
-
 import sys
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The nearest configuration to a target by SciPy's SLSQP from many starts."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 from scipy.optimize import minimize

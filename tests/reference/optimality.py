@@ -1,7 +1,5 @@
 """How far a point is from being stationary inside the limits and with some rows held."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.optimize import lsq_linear
 

@@ -3,8 +3,6 @@
 Each run has a domain of its own on this computer alone, and ends what it started.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

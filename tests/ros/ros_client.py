@@ -1,7 +1,5 @@
 """The client of the tests of ROS 2: a node, a simulated arm, and a stick that says twists."""
 
-from __future__ import annotations
-
 import time
 
 import rclpy

@@ -1,7 +1,5 @@
 """Recordings of ours in the serialisation of a real ROS 2, and messages of its own in ours."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The package twistarm_servo on a real ROS 2: two processes, a simulated arm, and what it is told."""
 
-from __future__ import annotations
-
 import signal
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What is refused at the door, by argument and value, and what is let in."""
 
-from __future__ import annotations
-
 import warnings
 
 import numpy as np

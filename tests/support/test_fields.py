@@ -1,7 +1,5 @@
 """Fields of files and messages, and the table of units."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 

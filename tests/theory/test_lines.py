@@ -1,7 +1,5 @@
 """Lines in space, by SciPy and by trigonometry."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar

@@ -1,7 +1,5 @@
 """The product of exponentials, against Pinocchio on random chains, finite differences and the textbooks' examples."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """SO(3) and its parametrisations, against SciPy, Pinocchio, exact arithmetic and finite differences."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -1,7 +1,5 @@
 """SE(3) and its screws, against exact arithmetic, SciPy, Pinocchio, finite differences and the group's laws."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The signs of the page and of the course's site: a plain Debian has a font with each."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The benchmarks' own honesty: the judge, the problems, and a quick run of the whole."""
 
-from __future__ import annotations
-
 import json
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What a type checker says of programs: it accepts those of the README and the examples, and refuses nonsense."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys
