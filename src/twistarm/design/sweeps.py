@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import os
+import tokenize
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import suppress
@@ -121,7 +122,8 @@ def _identity(source: Any) -> Any:
     """What identifies arms, a file or a function, for JSON: a function by its text."""
     if isinstance(source, Mapping):
         return [text_of(require_arm(arm)) for arm in source.values()]
-    with suppress(OSError, TypeError):
+    # TokenError: the file that a function names is not always the Python that it was compiled from.
+    with suppress(OSError, TypeError, SyntaxError, tokenize.TokenError):
         return inspect.getsource(source)
     return str(getattr(source, "__qualname__", source))
 
