@@ -219,6 +219,12 @@ def test_an_unusable_table_names_the_culprit(text: str, culprit: str, tmp_path: 
         assert culprit in str(caught.value)
 
 
+def test_a_table_takes_no_xacro_arguments(tmp_path: Path) -> None:
+    (tmp_path / "table.csv").write_text("a,convention\n1,standard")
+    with pytest.raises(DescriptionError, match="a DH table and takes no xacro arguments .side."):
+        load_arm(tmp_path / "table.csv", xacro_args={"side": "left"})
+
+
 def test_a_table_is_of_one_convention() -> None:
     for table, convention in ((UR5, None), (DhTable(np.array(UR5), "standard"), "modified")):
         with pytest.raises(InputError, match="convention"):

@@ -86,6 +86,8 @@ def test_wrong_zeros_are_found_with_the_camera_and_a_flipped_tag_is_named(mount)
     assert turn < 0.6
     more = r.next_postures(3)
     assert more.shape == (3, arm.n)
+    with pytest.raises(InputError, match="count"):
+        r.next_postures(-1)
 
 
 def test_a_tag_that_moved_by_5_mm_is_named_and_noise_is_not():

@@ -103,7 +103,7 @@ def test_soft_limits_of_the_file_narrow_the_range(given: str, tmp_path: Path) ->
 
 def test_soft_limits_that_leave_no_room_are_refused(tmp_path: Path) -> None:
     file = write(tmp_path, "joint_limits: {a: {soft_lower_limit: 2, soft_upper_limit: 3}}", "l.yaml")
-    with pytest.raises(DescriptionError, match=r"l\.yaml: .*limits of a are swapped or disjoint"):
+    with pytest.raises(DescriptionError, match=r"l\.yaml: .*soft limits of a leave no room"):
         load_arm(write(tmp_path, two_joints()), limits=file)
 
 

@@ -18,7 +18,7 @@ from ..description.document import Reading
 from ..description.packages import package_index
 from ..description.source_text import SourceText
 from ..description.urdf import build_description
-from ..support.checks import Array, as_flag, as_theta, require
+from ..support.checks import Array, as_flag, as_theta, as_whole, require
 from ..support.display import short_repr
 from ..support.errors import InputError
 from ..theory.rotations import log_of, skew, to_rpy
@@ -250,8 +250,9 @@ class Calibration:
         """The configurations (count, n) to measure next, which show most beside the log: D-optimal, one by one.
 
         Each next one maximises det(I + σ⁻² J C Jᵀ) for the covariance C so far. Candidates are 1,000 random
-        configurations, without those that collide in `scene`.
+        configurations, without those that collide in `scene`. Raises InputError for another count.
         """
+        as_whole(count, "count", 1, CANDIDATES)
         camera, geometry = self.problem.camera, self.problem.geometry
         theta = self.arm.random_theta(0, CANDIDATES if camera is None else VIEWS * CANDIDATES)
         if camera is not None:

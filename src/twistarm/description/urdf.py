@@ -7,6 +7,7 @@ import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import get_args
 
 import numpy as np
@@ -90,10 +91,8 @@ def read_description(path: str | os.PathLike[str], options: ReadOptions = PLAIN)
             remedy = f"load the file that calls them, or call one: <xacro:{macros[0]} …/>"
             raise refusal("no-robot", Place(str(file)), what, remedy)
         reading = Reading(file, packages, show_lines=False)
-    elif options.xacro_args:
-        what = f"it is plain URDF and takes no xacro arguments ({', '.join(options.xacro_args)})"
-        raise refusal("xacro-arguments", Place(str(file)), what, "leave them out")
     else:
+        require_no_arguments(file, options, "plain URDF")
         noted, text, reading = (), read_text(file), Reading(file, packages)
     reading.findings += noted
     # A URDF may hold settings for MuJoCo in such an element too.
@@ -104,6 +103,13 @@ def read_description(path: str | os.PathLike[str], options: ReadOptions = PLAIN)
         description = build_description(urdf, replace(reading, show_lines=False, lines={}))
         return replace(description, semantics=semantics, gravity=gravity)
     return build_description(text, reading)
+
+
+def require_no_arguments(file: Path, options: ReadOptions, kind: str) -> None:
+    """Raise DescriptionError for xacro arguments of a file that takes none."""
+    if options.xacro_args:
+        what = f"it is {kind} and takes no xacro arguments ({', '.join(options.xacro_args)})"
+        raise refusal("xacro-arguments", Place(str(file)), what, "leave them out")
 
 
 def build_description(text: str, reading: Reading) -> Description:

@@ -26,7 +26,7 @@ from ...description.findings import Finding, Place, finding, refusal
 from ...description.packages import PackageIndex
 from ...description.tips import choose_ends, note_choice
 from ...description.tree import Description, Semantics
-from ...description.urdf import ReadOptions, build_description, read_description
+from ...description.urdf import ReadOptions, build_description, read_description, require_no_arguments
 from ...limits.actuators import Actuators
 from ...limits.joint_limits import JointLimits, by_field
 from ...support.checks import Array, require_mapping
@@ -189,6 +189,7 @@ def read(specification: ArmSpecification) -> Description:
         from ...description.dh import dh_urdf, rows_of_csv, table_of_rows  # few arms have a table
 
         file = specification.description.resolve()
+        require_no_arguments(file, specification.options, "a DH table")
         try:
             text = dh_urdf(table_of_rows(rows_of_csv(file)), specification.name or file.stem)
         except InputError as error:

@@ -80,6 +80,9 @@ def with_file(
             if soft != (-inf, inf):
                 its["lower"] = max(soft[0], its.get("lower", limits.lower[i]))
                 its["upper"] = min(soft[1], its.get("upper", limits.upper[i]))
+                if its["lower"] > its["upper"]:
+                    hard = f"[{limits.lower[i]:g}, {limits.upper[i]:g}]"
+                    raise InputError(f"the soft limits of {joint} leave no room inside {hard}: {list(soft)}")
                 what = f"its soft limits are kept: [{its['lower']:g}, {its['upper']:g}]"
                 place = Place(file.name, None, "joint", joint)
                 noted.append(finding("limits-adjusted", place, what, "set has_soft_limits: false for its whole range"))
